@@ -202,9 +202,9 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
         MissionError: the scenario cannot be read, or does not fit.
         CompanionError: jsbsim is not installed.
     """
+    source, grid = _scenario_source(mission, scenario)
     from sitl.world.scenario import PX4_HOME, read_scenario
 
-    source, grid = _scenario_source(mission, scenario)
     return read_scenario(source, mission.anchor or PX4_HOME, grid)
 
 
@@ -215,17 +215,17 @@ def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedSc
         MissionError: the scenario cannot be read, or does not fit.
         CompanionError: jsbsim is not installed.
     """
+    source, grid = _scenario_source(mission, scenario)
     from sitl.world.scenario import PX4_HOME
     from sitl.world.varied_scenario import read_varied
 
-    source, grid = _scenario_source(mission, scenario)
     return read_varied(source, mission.anchor or PX4_HOME, grid)
 
 
 def _scenario_source(
     mission: Mission, scenario: Given | None
 ) -> tuple[Source, OccupancyGrid | None]:
-    """Where the scenario comes from, and its map if it names none."""
+    """Where the scenario comes from, and its map if it names none; JSBSim is asked for first."""
     if find_spec("jsbsim") is None:
         raise CompanionError(
             "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"

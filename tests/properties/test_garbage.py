@@ -37,7 +37,7 @@ def state(simulation: Simulation) -> tuple[object, ...]:
         autopilot.intended_mode,
         autopilot.home,
         autopilot.cruise_mps,
-        autopilot._setpoint,
+        autopilot.setpoint,
         autopilot._active_mode,
         parameters,
     )
