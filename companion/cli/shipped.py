@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from difflib import get_close_matches
 from glob import escape, glob
-from importlib import metadata
 from pathlib import Path
 
 import companion
@@ -25,6 +24,8 @@ def folder() -> Path | None:
     beside = Path(companion.__file__).parents[1] / _FOLDER
     if (beside / _ONE_OF_THEM).is_file():
         return beside
+    from importlib import metadata
+
     try:
         files = metadata.files(DISTRIBUTION) or ()
     except metadata.PackageNotFoundError:

@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import isotonic_regression
 
 from companion.battery_profile import interpolated
 from companion.geometry import Ned
@@ -125,6 +124,8 @@ class EnergyModel:
         Args:
             rate: pairs of the charge and of its rise a second, both as shares; falling.
         """
+        from scipy.optimize import isotonic_regression  # 13 MB, which most missions do not need
+
         charges = np.array([self.charge(level) for level in range(self.full + 1)])
         middles = (charges[1:] + charges[:-1]) / 2
         rises = np.array([max(1e-9, interpolated(rate, float(c))) for c in middles])
