@@ -14,6 +14,7 @@ from commands import Companion
 from ports import free_instance, own_ports
 
 from companion.cli.real_time import OFFBOARD_PORT
+from companion.cli.shipped import names
 
 
 @pytest.fixture
@@ -42,7 +43,7 @@ def test_a_machine_where_nothing_is_in_the_way(
     assert ended.code == 0, ended.out
     assert said["program"].startswith("ok mav-companion ")
     assert "GB free" in said["runs"] and not (tmp_path / "runs").exists()
-    assert said["missions"].startswith("ok 16 by name")
+    assert said["missions"].startswith(f"ok {len(names())} by name")
     assert said["simulator"].startswith("ok JSBSim")
     assert said["planners"] == "ok built-in, fast-downward, pyperplan"
     assert said[f"port {OFFBOARD_PORT + instance}"].endswith("free")
@@ -57,7 +58,7 @@ def test_who_has_the_port_is_named(companion: Companion, instance: int, tmp_path
     said = lines(ended.out)[f"port {port}"]
     assert ended.code == 1
     assert f"(process {os.getpid()})" in said
-    assert said.startswith("no ") and "-> end that program" in said
+    assert said.startswith("no ") and "-> choose another --instance" in said
 
 
 def test_run_folders_that_cannot_be_made(companion: Companion, tmp_path: Path) -> None:

@@ -202,9 +202,10 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
         MissionError: the scenario cannot be read, or does not fit.
         CompanionError: jsbsim is not installed.
     """
-    source, grid = _scenario_source(mission, scenario)
+    _demand_jsbsim()
     from sitl.world.scenario import PX4_HOME, read_scenario
 
+    source, grid = _scenario_source(mission, scenario)
     return read_scenario(source, mission.anchor or PX4_HOME, grid)
 
 
@@ -215,22 +216,27 @@ def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedSc
         MissionError: the scenario cannot be read, or does not fit.
         CompanionError: jsbsim is not installed.
     """
-    source, grid = _scenario_source(mission, scenario)
+    _demand_jsbsim()
     from sitl.world.scenario import PX4_HOME
     from sitl.world.varied_scenario import read_varied
 
+    source, grid = _scenario_source(mission, scenario)
     return read_varied(source, mission.anchor or PX4_HOME, grid)
 
 
-def _scenario_source(
-    mission: Mission, scenario: Given | None
-) -> tuple[Source, OccupancyGrid | None]:
-    """Where the scenario comes from, and its map if it names none; JSBSim is asked for first."""
+def _demand_jsbsim() -> None:
+    """The simulator cannot be imported without it."""
     if find_spec("jsbsim") is None:
         raise CompanionError(
             "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
             "    fly a simulator on another machine: companion run MISSION --connect URL"
         )
+
+
+def _scenario_source(
+    mission: Mission, scenario: Given | None
+) -> tuple[Source, OccupancyGrid | None]:
+    """Where the scenario comes from, and its map if it names none."""
     if scenario is None:
         scenario = scenario_beside(mission) or world_alone(mission) | {"map": None}  # it is at hand
     source = read_source(scenario, "scenario")

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from companion.campaigns.outcomes import FlownRow
-from companion.campaigns.processes import TRIES, accepted, died
+from companion.campaigns.processes import Deaths, accepted, died
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import fly_row
 from companion.errors import CompanionError, LinkError
@@ -56,7 +56,7 @@ class DaskCluster:
             raise LinkError(f"no Dask scheduler answers at {address}: {error}") from error
         self._packed = packed
         self._under_way: dict[Any, Row] = {}
-        self._deaths: dict[int, int] = {}
+        self._deaths = Deaths()
 
     @property
     def threads(self) -> int:
@@ -109,8 +109,7 @@ class DaskCluster:
                 continue
             if not isinstance(error, KilledWorker):
                 raise CompanionError(f"the cluster cannot fly rows: {error!r}")
-            self._deaths[row.index] = self._deaths.get(row.index, 0) + 1
-            if self._deaths[row.index] < TRIES:
-                self._submit(row)
-            else:
+            if self._deaths.is_last(row):
                 yield died(row)
+            else:
+                self._submit(row)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 import signal
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -64,7 +65,7 @@ class LocalProcesses:
         self._workers = [_Worker() for _ in range(jobs)]
         self._under_way: dict[Future[FlownRow | WorkerRefused], tuple[_Worker, Row]] = {}
         self._again: list[Row] = []
-        self._deaths: dict[int, int] = {}
+        self._deaths = Deaths()
 
     @property
     def pids(self) -> list[int]:
@@ -111,11 +112,10 @@ class LocalProcesses:
                 yield accepted(future.result())
             except BrokenProcessPool:
                 self._replaced(worker)
-                self._deaths[row.index] = self._deaths.get(row.index, 0) + 1
-                if self._deaths[row.index] < TRIES:
-                    self._again.append(row)
-                else:
+                if self._deaths.is_last(row):
                     yield died(row)
+                else:
+                    self._again.append(row)
 
     def _replaced(self, worker: _Worker) -> _Worker:
         another = _Worker()
@@ -144,6 +144,18 @@ class _Worker:
         if self.pid is not None:
             with suppress(ProcessLookupError):
                 os.kill(self.pid, signal.SIGTERM)
+
+
+class Deaths:
+    """Counts how often each row has killed the process that flew it."""
+
+    def __init__(self) -> None:
+        self._of_row: Counter[int] = Counter()
+
+    def is_last(self, row: Row) -> bool:
+        """Whether this death, which is counted, was the row's last try."""
+        self._of_row[row.index] += 1
+        return self._of_row[row.index] >= TRIES
 
 
 def accepted(answer: FlownRow | WorkerRefused) -> FlownRow:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Value = bool | int | float | str
 SEEDS = 2**31 - 2
-"""So many seeds differ: the generator of JSBSim's gusts counts modulo 2^31 - 1, and 0 is its 1."""
+"""So many; any of them is a `--seed` of `companion sim`."""
 SEED_STREAM = "seed"
 
 

@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -90,13 +91,22 @@ def campaign(
         header = header_in(resume, "runs")
         runs, seed, limit_s = int(header["runs"]), int(header["seed"]), float(header["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
-    again = f"companion campaign {mission} --resume {folder}"
-    command = f"companion campaign {mission} --runs {runs} --seed {seed} --limit-s {limit_s:g}"
-    command += f" --scenario {scenario}" if scenario else ""
-    again += f" --scenario {scenario}" if scenario else ""
+    line = partial(command_line, "campaign", mission, scenario)
+    again, command = line(resume=folder), line(runs=runs, seed=seed, limit_s=f"{limit_s:g}")
     with begun(kit, folder, kit.header(seed, runs=runs), runs, jobs, dask, again) as flights:
         flights.flown(random_rows(kit, seed, runs))
         finish(flights, mission, command, against)
+
+
+def command_line(name: str, mission: Path, scenario: Path | None, **options: object) -> str:
+    """A command as it is typed.
+
+    >>> command_line("campaign", Path("m.yaml"), None, runs=300, limit_s=900)
+    'companion campaign m.yaml --runs 300 --limit-s 900'
+    """
+    given = options | ({"scenario": scenario} if scenario else {})
+    said = (f" --{key.replace('_', '-')} {value}" for key, value in given.items())
+    return f"companion {name} {mission}{''.join(said)}"
 
 
 def kit_of(mission: Path, scenario: Path | None, limit_s: float) -> Kit:

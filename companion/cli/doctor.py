@@ -7,7 +7,7 @@ import platform
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import metadata
 from importlib.util import find_spec
@@ -31,7 +31,7 @@ SIMULATOR_PORT = 14580
 LISTEN_S = 3.0
 FREE_BYTES = 200_000_000
 """A run of an hour takes some 120 MB."""
-_TAKEN = "end that program, or choose another --instance or --connect"
+_TAKEN = "choose another --instance or --connect; end that program only if it does not fly"
 NOT_ASKED = "a vehicle was not asked for: --connect URL listens for one"
 
 
@@ -225,17 +225,17 @@ def _serial_fault(device: str) -> MachineFinding | None:
     return None
 
 
-def _listen(endpoint: Endpoint, now: Callable[[], float] = time.monotonic) -> tuple[str, str]:
+def _listen(endpoint: Endpoint) -> tuple[str, str]:
     """The autopilot's last heartbeat in words, empty if none came; and what came at all."""
     from contextlib import closing
 
     from companion.vehicle.link import Link
     from companion.vehicle.wire import Wire, is_autopilot
 
-    heard, end_s, wire = "", now() + LISTEN_S, Wire()
+    heard, end_s, wire = "", time.monotonic() + LISTEN_S, Wire()
     wire.listen(frozenset(), frozenset())
     with closing(Link(endpoint)) as link:
-        while (left_s := end_s - now()) > 0:
+        while (left_s := end_s - time.monotonic()) > 0:
             link.send([])
             link.wait(min(0.1, left_s))
             for message in wire.parse(link.receive()):

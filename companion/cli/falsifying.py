@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -17,6 +18,7 @@ from companion.cli.campaigns import (
     ResumedFolder,
     RowLimit,
     begun,
+    command_line,
     engine_of,
     kit_of,
     tell_outcomes,
@@ -57,10 +59,8 @@ def falsify(
         header = header_in(resume, "budget")
         budget, seed, limit_s = int(header["budget"]), int(header["seed"]), float(header["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
-    again = f"companion falsify {mission} --resume {folder}"
-    command = f"companion falsify {mission} --budget {budget} --seed {seed} --limit-s {limit_s:g}"
-    command += f" --scenario {scenario}" if scenario else ""
-    again += f" --scenario {scenario}" if scenario else ""
+    line = partial(command_line, "falsify", mission, scenario)
+    again, command = line(resume=folder), line(budget=budget, seed=seed, limit_s=f"{limit_s:g}")
     with begun(kit, folder, kit.header(seed, budget=budget), budget, jobs, dask, again) as search:
         failures = searched(search, seed, budget)
         if failures:

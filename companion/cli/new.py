@@ -11,9 +11,8 @@ from typing import Annotated
 import typer
 
 from companion.cli.arguments import load
-from companion.cli.plan_files import HOME, home_position
+from companion.cli.plan_files import HOME, origin_of
 from companion.errors import CompanionError, MissionError
-from companion.geometry import GlobalOrigin
 from companion.plans.starter import PX4_HOME, SPACES, StarterSpace, starter
 from companion.plans.starter_tasks import TASKS, TaskName
 
@@ -52,7 +51,7 @@ def new(
     tasks = {name.value: each.question for name, each in TASKS.items()}
     where = space or StarterSpace(_asked("space", spaces, StarterSpace.FIELD))
     what = task or TaskName(_asked("task", tasks, TaskName.PATROL))
-    made = starter(name, where, what, _origin(home))
+    made = starter(name, where, what, origin_of(home) or PX4_HOME)
     mission, world = Path(f"{name}.yaml"), Path(f"{name}.sim.yaml")
     for path in (mission, world):
         if path.exists():
@@ -78,10 +77,3 @@ def _asked(what: str, choices: Mapping[str, str], default: str) -> str:
         return text
 
     return str(typer.prompt(what, default=default, value_proc=chosen))
-
-
-def _origin(home: str | None) -> GlobalOrigin:
-    latitude_deg, longitude_deg, amsl_m = home_position(home)
-    if latitude_deg is None or longitude_deg is None:
-        return PX4_HOME
-    return GlobalOrigin(latitude_deg, longitude_deg, amsl_m or 0.0)

@@ -100,14 +100,8 @@ def export(
     texts = {".plan": plan_text, ".geojson": geojson_text, ".json": geojson_text}
     if output.suffix.lower() not in texts:
         raise typer.BadParameter(f"{output.name} is neither .plan nor .geojson", param_hint="-o")
-    latitude, longitude, amsl_m = home_position(home)
-    if source.is_dir():
-        drawing = run_drawing(source)
-    else:
-        zero = None
-        if latitude is not None and longitude is not None:
-            zero = GlobalOrigin(latitude, longitude, amsl_m or 0.0)
-        drawing = mission_drawing(load(source), zero)
+    zero = origin_of(home)
+    drawing = run_drawing(source) if source.is_dir() else mission_drawing(load(source), zero)
     text = texts[output.suffix.lower()](drawing)
     try:
         output.write_text(text, encoding="utf-8")
@@ -121,12 +115,20 @@ def export(
 def _given(home: str | None, up_m: float | None, payload: int | None) -> Given:
     from companion.plans.draft_places import Given
 
-    latitude, longitude, amsl_m = home_position(home)
+    latitude, longitude, amsl_m = _position(home)
     place = None if latitude is None or longitude is None else (latitude, longitude)
     return Given(place, amsl_m, up_m, payload)
 
 
-def home_position(text: str | None) -> tuple[float | None, float | None, float | None]:
+def origin_of(home: str | None) -> GlobalOrigin | None:
+    """The place that LAT,LON[,AMSL] says; None where nothing is said."""
+    latitude_deg, longitude_deg, amsl_m = _position(home)
+    if latitude_deg is None or longitude_deg is None:
+        return None
+    return GlobalOrigin(latitude_deg, longitude_deg, amsl_m or 0.0)
+
+
+def _position(text: str | None) -> tuple[float | None, float | None, float | None]:
     """What LAT,LON[,AMSL] says."""
     if text is None:
         return None, None, None

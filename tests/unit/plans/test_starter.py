@@ -15,8 +15,13 @@ from companion.plans.starter import StarterSpace, starter
 from companion.plans.starter_tasks import TASKS, TaskName
 
 PAIRS = list(product(StarterSpace, TaskName))
-NOW = [(space, task) for space, task in PAIRS if list(StarterSpace).index(space) == len(task) % 3]
-"""One of each in every run; all of them with the long tests."""
+NOW = [
+    (StarterSpace.HALL, TaskName.PATROL),
+    (StarterSpace.FIELD, TaskName.INSPECTION),
+    (StarterSpace.EARTH, TaskName.DELIVERY),
+    (StarterSpace.HALL, TaskName.RESPONSE),
+]
+"""Each space and each task is flown in every run; all pairs are with the long tests."""
 
 
 def written(folder: Path, space: StarterSpace, task: TaskName) -> Path:
