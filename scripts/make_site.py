@@ -1,0 +1,119 @@
+"""Builds the documentation as a site, with Zensical: build/docs/site.
+
+The pages are those of the repository, and their links lead from file to file there. So they are
+collected into a folder of the same shape, with whatever they link to. A link to a file that is not
+there is an error here, and so is a page that docs/zensical.toml gives no place in the navigation;
+a link to a page or heading that is not there is one of Zensical's.
+
+Usage: scripts/docs
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).parent.parent
+CONFIGURATION = "docs/zensical.toml"
+PAGES = ("README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/*.md", "docs/decisions/*.md")
+BUILT = ROOT / "build" / "docs"
+_LINK = re.compile(r"\]\((?!https?:|mailto:)([^)#]+)(?:#[^)]*)?\)")
+_CODE = re.compile(r"^```.*?^```$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
+
+
+class SiteError(Exception):
+    """What has to be mended before the site can be built."""
+
+
+def pages(root: Path) -> list[Path]:
+    """The pages of a repository, from its root on."""
+    found = (path for pattern in PAGES for path in sorted(root.glob(pattern)))
+    return [path.relative_to(root) for path in found]
+
+
+def links(text: str) -> list[str]:
+    """The files that a page links to, as it writes them; what stands in code is no link."""
+    return list(dict.fromkeys(_LINK.findall(_CODE.sub("", text))))
+
+
+def collect(root: Path, folder: Path) -> None:
+    """Copies the pages of a repository, and the files that they link to, into a folder.
+
+    Raises:
+        SiteError: a file is missing, or is a folder, or a page has not one place in the navigation.
+    """
+    known = pages(root)
+    _check_navigation(root, known)
+    for page in known:
+        _copy(root, folder, page)
+        for link in links((root / page).read_text(encoding="utf-8")):
+            linked = (root / page.parent / link).resolve()
+            if not linked.is_file() or not linked.is_relative_to(root.resolve()):
+                raise SiteError(f"{page}: {link} is no file of the repository")
+            _copy(root, folder, linked.relative_to(root.resolve()))
+
+
+def build(root: Path, built: Path) -> None:
+    """Builds the site of a repository.
+
+    Args:
+        root: of the repository.
+        built: a folder that is made anew, with the collected `pages` and the `site`.
+
+    Raises:
+        SiteError: with what is wrong.
+    """
+    shutil.rmtree(built, ignore_errors=True)
+    collect(root, built / "pages")
+    shutil.copy(root / CONFIGURATION, built)
+    zensical = [sys.executable, "-m", "zensical", "build", "--clean", "--strict"]
+    run = subprocess.run(
+        [*zensical, "--config-file", built / Path(CONFIGURATION).name],
+        capture_output=True,
+        text=True,
+        env={"NO_COLOR": "1"},
+        check=False,
+    )
+    if run.returncode:
+        raise SiteError(run.stdout + run.stderr.partition("Traceback")[0])
+
+
+def _check_navigation(root: Path, known: Iterable[Path]) -> None:
+    with (root / CONFIGURATION).open("rb") as file:
+        named = sorted(_named(tomllib.load(file)["project"]["nav"]))
+    expected = sorted(page.as_posix() for page in known)
+    if named != expected:
+        different = sorted({*named, *expected} - ({*named} & {*expected})) or named
+        raise SiteError(f"{CONFIGURATION}: one place for each page: {', '.join(different)}")
+
+
+def _named(entry: Any) -> Iterator[str]:
+    """The pages of an entry of the navigation."""
+    match entry:
+        case str():
+            yield entry
+        case dict():
+            for inner in entry.values():
+                yield from _named(inner)
+        case _:
+            for inner in entry:
+                yield from _named(inner)
+
+
+def _copy(root: Path, folder: Path, path: Path) -> None:
+    (folder / path).parent.mkdir(parents=True, exist_ok=True)
+    shutil.copy(root / path, folder / path)
+
+
+if __name__ == "__main__":
+    try:
+        build(ROOT, BUILT)
+    except SiteError as error:
+        sys.exit(f"no site: {error}")
+    print(f"built {BUILT / 'site' / 'index.html'}")
