@@ -1,6 +1,7 @@
 """Every command of README.md and docs/ works: it is run here, or a file is named that runs it.
 
-A command is a line of a block that is fenced as sh or console (there, after `$ `).
+A command is a line of a block that is fenced as sh or console (there, after `$ `). The console blocks
+of docs/tutorial.md build on each other: tests/test_tutorial.py runs that page from top to bottom.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = {
     page: page.read_text(encoding="utf-8") for page in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
 }
+FOLLOWED = ROOT / "docs" / "tutorial.md"
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 """Where `companion` and `sitl` are installed."""
 
@@ -136,7 +138,8 @@ def is_quick(command: str) -> bool:
     return False
 
 
-COMMANDS = list(dict.fromkeys(c for text in PAGES.values() for c in commands(text)))
+TEXTS = PAGES | {FOLLOWED: PAGES[FOLLOWED].replace("```console", "```")}
+COMMANDS = list(dict.fromkeys(c for text in TEXTS.values() for c in commands(text)))
 QUICK = [command for command in COMMANDS if is_quick(command)]
 MISSIONS = [path.relative_to(ROOT) for path in (ROOT / "missions").glob("*.yaml")]
 SHIPPED = [f"companion sim {path} --speed max" for path in MISSIONS]

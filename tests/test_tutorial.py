@@ -1,0 +1,113 @@
+"""docs/tutorial.md, followed to the letter in an empty home: what it shows is what one sees.
+
+A block of YAML goes into the file that the text before it names last: as the whole file if it begins
+with `version`, else in place of the same keys, or at the end. The commands of console blocks are run
+one after another, and what they print has the lines that are shown, in that order; `...` stands for
+lines that are left out.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sysconfig
+import urllib.request
+from pathlib import Path
+
+import pytest
+from first_installation import environment
+
+PAGE = Path(__file__).parents[1] / "docs" / "tutorial.md"
+SCRIPTS = sysconfig.get_path("scripts")
+BLOCK = re.compile(r"^```(yaml|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SECTION = re.compile(r"^(\w+):.*?(?=^\w+:|\Z)", re.MULTILINE | re.DOTALL)
+SERVER = "companion replay "
+
+
+class Reader:
+    """Somebody who does what the page says, in a home of their own."""
+
+    def __init__(self, home: Path) -> None:
+        hiding = environment(home / "hiding")
+        self._environment = hiding | {"HOME": str(home), "PATH": f"{SCRIPTS}:{os.defpath}"}
+        self._folder = home
+        self._status = 0
+
+    def writes(self, file: str, text: str) -> None:
+        """Puts a block into a file."""
+        path = self._folder / file
+        if text.startswith("version:"):
+            path.write_text(text, encoding="utf-8")
+            return
+        content = path.read_text(encoding="utf-8")
+        for section in SECTION.finditer(text):
+            old = re.compile(rf"^{section[1]}:.*?(?=^\w+:|\Z)", re.MULTILINE | re.DOTALL)
+            content = old.sub("", content) + section[0]
+        path.write_text(content, encoding="utf-8")
+
+    def types(self, command: str, is_asked_for: bool) -> str:
+        """What a command prints; it may fail only where the next one asks for its exit code."""
+        if command == "echo $?":
+            return f"{self._status}\n"
+        if command.startswith("cd "):
+            self._folder /= shlex.split(command)[1]
+            return ""
+        process = subprocess.Popen(
+            ["bash", "-c", f"exec {command}" if command.startswith(SERVER) else command],
+            cwd=self._folder,
+            env=self._environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        assert process.stdout is not None
+        if command.startswith(SERVER):
+            address = re.search(r"http://\S+", process.stdout.readline())
+            assert address
+            with urllib.request.urlopen(address[0], timeout=600):  # it is served
+                process.send_signal(signal.SIGINT)
+        printed, _ = process.communicate(timeout=600)
+        self._status = process.returncode
+        assert is_asked_for or not self._status, printed
+        return printed
+
+
+def shown(block: str) -> list[tuple[str, list[str]]]:
+    """The commands of a console block, with the lines that are shown after each."""
+    found: list[tuple[str, list[str]]] = []
+    for line in block.splitlines():
+        if line.startswith("$ "):
+            found.append((line[2:], []))
+        else:
+            found[-1][1].append(line)
+    return found
+
+
+def has(printed: str, lines: list[str]) -> bool:
+    """Whether lines were printed; all others may be left out where `...` stands."""
+    parts = [r"(?:.*\n)*?" if line == "..." else re.escape(line) + r" *\n" for line in lines]
+    return re.fullmatch("".join(parts), printed) is not None
+
+
+def test_lines_may_be_left_out_where_it_says_so() -> None:
+    assert has("a\nb\nc\n", ["a", "...", "c"]) and has("a\nb\n", ["...", "b", "..."])
+    assert not has("a\nb\nc\n", ["a", "c"]) and not has("a\nb\n", ["b"])
+
+
+@pytest.mark.slow
+@pytest.mark.sockets  # as what README.md flies; it opens one port, for a page
+def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    reader = Reader(tmp_path)
+    for block in BLOCK.finditer(text):
+        if block[1] == "yaml":
+            reader.writes(re.findall(r"`([\w.]+\.yaml)`", text[: block.start()])[-1], block[2])
+            continue
+        commands = shown(block[2])
+        following = [command for command, _ in commands[1:]] + [""]
+        for (command, lines), then in zip(commands, following, strict=True):
+            printed = reader.types(command, is_asked_for=then == "echo $?")
+            assert has(printed, lines), f"$ {command}\n{printed}"
