@@ -1,7 +1,7 @@
 """Every command of README.md and docs/ works: it is run here, or a file is named that runs it.
 
-A command is a line of a block that is fenced as sh or console (there, after `$ `). The console blocks
-of docs/tutorial.md build on each other: tests/test_tutorial.py runs that page from top to bottom.
+A command is a line of a block that is fenced as sh or console (there, after `$ `). The console
+blocks of docs/tutorial.md build on each other: tests/test_tutorial.py runs them from top to bottom.
 """
 
 from __future__ import annotations

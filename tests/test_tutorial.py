@@ -1,9 +1,9 @@
 """docs/tutorial.md, followed to the letter in an empty home: what it shows is what one sees.
 
-A block of YAML goes into the file that the text before it names last: as the whole file if it begins
-with `version`, else in place of the same keys, or at the end. The commands of console blocks are run
-one after another, and what they print has the lines that are shown, in that order; `...` stands for
-lines that are left out.
+A block of YAML goes into the file that the text before it names last: as the whole file if it
+begins with `version`, else in place of the same keys, or at the end. The commands of console blocks
+are run one after another, and print the lines that are shown, in that order; `...` stands for lines
+that are left out.
 """
 
 from __future__ import annotations
