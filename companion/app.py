@@ -36,7 +36,7 @@ from companion.mission.model import Mission
 from companion.mission_run import OnlyRun, Recorder, Run
 from companion.outcomes import Refusal
 from companion.planning.engine_port import Engine
-from companion.vehicle.own_uploads import OwnUploads
+from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.telemetry import TELEMETRY, Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -62,7 +62,7 @@ class Companion:
         engine: who plans the only mission; None for the built-in search. A host knows its own.
         resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off, to go on with; the mission is its own.
-        own_uploads: what was written to autopilots before.
+        memory: of earlier flights.
         functions: calls functions of packages in the only run; a host knows its own.
 
     Attributes:
@@ -81,17 +81,17 @@ class Companion:
         engine: Engine | None = None,
         resumes: bool = False,
         journalled: JournalledFlight | None = None,
-        own_uploads: OwnUploads | None = None,
+        memory: FlightMemory | None = None,
         functions: FunctionPort | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
-        self.wire, self._telemetry = Wire(), Telemetry()
+        self.wire, self._telemetry = Wire(), Telemetry(memory.frames if memory else None)
         self._component = Component(self, host.uploads if host else None, page)
         self._host, self._mission = host, mission
         self._run_of = partial(
             Run,
             terms=terms,
-            own_uploads=own_uploads or OwnUploads(),
+            memory=memory or FlightMemory(),
             may_yield=host is not None,
             limit=limit,
             resumes=resumes,

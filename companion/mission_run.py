@@ -47,8 +47,8 @@ from companion.mission.refinement import confirming
 from companion.motion.position_error import AddedClearance
 from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
+from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.run_clocks import ClockReading, RunClocks
 from companion.vehicle.signals import OtherSystems, Reading, SignalReader
 from companion.vehicle.surroundings import Surroundings
@@ -143,7 +143,7 @@ class Run:
         telemetry: what its autopilot says, and has said before this run.
         start_s: when it begins.
         terms: on which the vehicle is armed.
-        own_uploads: what was written to its autopilot.
+        memory: of earlier flights.
         may_yield: wait for the operator when somebody else has taken control in flight.
         limit: after what the vehicle is called home.
         resumes: where the autopilot holds because it no longer heard us, without an operator.
@@ -161,7 +161,7 @@ class Run:
         telemetry: Telemetry,
         start_s: float,
         terms: ArmingTerms = USUAL_TERMS,
-        own_uploads: OwnUploads | None = None,
+        memory: FlightMemory | None = None,
         may_yield: bool = False,
         limit: FlightLimit = NO_LIMIT,
         resumes: bool = False,
@@ -184,7 +184,7 @@ class Run:
             marker_components=frozenset(
                 place.marker.component for place in mission.places.values() if place.marker
             ),
-            own_uploads=own_uploads,
+            memory=memory,
         )
         self._other_systems = OtherSystems(SignalReader(said))
         self.awaited = frozenset(s.field for s in signals if s.is_pulse)

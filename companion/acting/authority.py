@@ -27,6 +27,7 @@ SILENT_S = 3.0
 """Silence after which a vehicle in the air is waited for: nothing is sent, and no time counts."""
 ASTRAY_M = 1.0
 """Above the altitudes of the mission: what a vehicle that holds may be off by."""
+LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
@@ -49,7 +50,9 @@ def why_left_alone(state: VehicleState | None, now_s: float) -> Refusal | None:
     return None
 
 
-def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | None:
+def not_at_home(
+    gap_m: float, state: VehicleState, home: Place, is_recalled: bool = False
+) -> Aborted | None:
     """Returns why the mission may not begin where the vehicle stands; None if it may.
 
     What the position may be off by is added to the radius of home: a vehicle that has landed
@@ -59,6 +62,7 @@ def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | Non
         gap_m: from the vehicle to home.
         state: of the vehicle.
         home: where the mission begins.
+        is_recalled: that is where another program's flights have begun.
     """
     if gap_m <= home.inner_m + greatest_error_m(state.accuracy_m):
         return None
@@ -66,7 +70,8 @@ def not_at_home(gap_m: float, state: VehicleState, home: Place) -> Aborted | Non
         what = f"the vehicle is {gap_m / 1000:.0f} km from {home.name}, where the mission begins"
         return Aborted(f"{what}; are lat and lon exchanged?")
     what = f"the vehicle stands {gap_m:.1f} m from {home.name}"
-    return Aborted(f"{what}, where the mission begins; put it there")
+    way_out = f"\n    {LAID_BEFORE}" if is_recalled else ""
+    return Aborted(f"{what}, where the mission begins; put it there{way_out}")
 
 
 def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> CompanionError | None:

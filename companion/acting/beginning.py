@@ -12,8 +12,8 @@ from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import Aborted, CompanionError
+from companion.flight_events.frames import FrameLocated, HomeRecalled
 from companion.flight_events.skills import FunctionsAwaited
-from companion.flight_events.sortie import FrameLocated
 from companion.geometry import horizontal_distance
 from companion.mission.model import Place
 from companion.skills.calls import NotDone
@@ -52,12 +52,14 @@ class Beginning:
             gap_m = vehicle.gap_m(home.position)
             if gap_m is None:
                 return Progress.RUNNING
-            if elsewhere := not_at_home(gap_m, state, home):
+            if elsewhere := not_at_home(gap_m, state, home, vehicle.is_home_recalled):
                 return elsewhere
             if (loaded := self._load()) is not Progress.DONE:
                 return loaded
             vehicle.stand_at(home.position)
             self._tell_location()
+            if vehicle.is_home_recalled:
+                self._flight.report(HomeRecalled(home.name, round(gap_m, 1)))
             self._planning = InSlices(self._executive.plan, GROUND_SLICE_US)
         if not self._planning.step():
             return Progress.RUNNING

@@ -16,11 +16,11 @@ from companion.clock import ScaledClock
 from companion.driving import fly
 from companion.errors import CompanionError
 from companion.mission.model import Mission
-from companion.record.own_upload_file import own_uploads_in
+from companion.record.flight_memory_files import flight_memory_in
 from companion.skills.runner import FunctionRunner
 from companion.vehicle.endpoints import parse_url
+from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.link import Link
-from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.report_port import reports_at
 
 OFFBOARD_URL = "udpin://0.0.0.0:14540"
@@ -81,15 +81,15 @@ def run(
         closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
         about = mission, recorder, _terms(accepts_weak_failsafes, autopilot_fence, rally_points)
-        limit, own = FlightLimit(laps, limit_s), _remembered_beside(folder)
-        companion = Companion(*about, limit=limit, own_uploads=own, functions=functions)
+        limit, memory = FlightLimit(laps, limit_s), _remembered_beside(folder)
+        companion = Companion(*about, limit=limit, memory=memory, functions=functions)
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return _result(mission, recorder, companion.failure, folder)
 
 
-def _remembered_beside(folder: Path | str | None) -> OwnUploads | None:
-    return own_uploads_in(Path(folder).parent) if folder is not None else None
+def _remembered_beside(folder: Path | str | None) -> FlightMemory | None:
+    return flight_memory_in(Path(folder).parent) if folder is not None else None
 
 
 def _terms(accepts_weak_failsafes: bool, *policies: str) -> ArmingTerms:

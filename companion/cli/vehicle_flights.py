@@ -133,13 +133,13 @@ class VehicleFlights:
         **others: Any,
     ) -> Companion:
         from companion.app import Companion
-        from companion.record.own_upload_file import own_uploads_in
+        from companion.record.flight_memory_files import flight_memory_in
 
         return Companion(
             mission,
             recorder,
             self.terms,
-            own_uploads=own_uploads_in(self.log_dir),
+            memory=flight_memory_in(self.log_dir),
             limit=self.limit,
             resumes=self.resumes,
             journalled=cut_off.journalled if cut_off else None,

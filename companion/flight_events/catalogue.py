@@ -24,6 +24,13 @@ from companion.flight_events.fence import (
     FenceReplaced,
     FenceWritten,
 )
+from companion.flight_events.frames import (
+    FrameDoubted,
+    FrameLocated,
+    FrameTrusted,
+    HomeRecalled,
+    OriginMoved,
+)
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
@@ -94,13 +101,9 @@ from companion.flight_events.sortie import (
     EndedAtLimit,
     FlightFoundAgain,
     FlightLimitReached,
-    FrameDoubted,
-    FrameLocated,
-    FrameTrusted,
     GoalFailed,
     LinkBack,
     LinkSilent,
-    OriginMoved,
     PauseEnded,
     PhaseEntered,
     ReturnBegun,
@@ -169,6 +172,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     LinkBack,
     FlightFoundAgain,
     FrameLocated,
+    HomeRecalled,
     OriginMoved,
     FrameTrusted,
     FrameDoubted,

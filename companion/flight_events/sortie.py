@@ -125,52 +125,6 @@ class FlightFoundAgain(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
-class FrameLocated(FlightEvent):
-    """Where a mission in latitude and longitude begins, and what its metres are reckoned with."""
-
-    kind = "frame"
-    template = (
-        "{home} is {away_m} m from the origin {latitude_deg}, {longitude_deg} of the autopilot, "
-        "and {amsl_m} m above the sea; its positions agree to {residual_m} m"
-    )
-
-    home: InText[str]
-    latitude_deg: InText[float]
-    longitude_deg: InText[float]
-    away_m: InText[float]
-    amsl_m: InText[float]
-    residual_m: InText[float]
-
-
-@dataclass(frozen=True, slots=True)
-class OriginMoved(FlightEvent):
-    """The autopilot counts from another origin; the mission stays where it is on the earth."""
-
-    kind = "frame"
-    template = "the autopilot's origin has moved by {moved_m} m; flying on in its new frame"
-
-    moved_m: InText[float]
-
-
-@dataclass(frozen=True, slots=True)
-class FrameTrusted(FlightEvent):
-    """What the autopilot says of its position agrees again."""
-
-    kind = "frame"
-    template = "the position is certain again; going on"
-
-
-@dataclass(frozen=True, slots=True)
-class FrameDoubted(FlightEvent):
-    """Where the vehicle is on the earth is not certain: it holds, and the task is frozen."""
-
-    kind = "frame"
-    template = "waiting: {reason}"
-
-    reason: InText[str]
-
-
-@dataclass(frozen=True, slots=True)
 class StopRequested(FlightEvent):
     """The operator has asked for a stop, which begins now."""
 

@@ -19,6 +19,7 @@ from companion.flight_events.facts import (
     MissionEventChanged,
     PlaceLost,
 )
+from companion.flight_events.frames import FrameDoubted, OriginMoved
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
@@ -43,10 +44,8 @@ from companion.flight_events.sortie import (
     AutopilotSaid,
     ControlTakenBack,
     FlightFoundAgain,
-    FrameDoubted,
     GoalFailed,
     LinkSilent,
-    OriginMoved,
     RunEnded,
     RunFailed,
     SetpointRefused,

@@ -5,8 +5,8 @@ heard. That is one sample of an estimate, and PX4 takes another one when it arms
 what the estimate wanders. So the frame settles before the first sortie: the vehicle stands where
 the mission begins, and the mean of where it is heard to stand is laid there. After that the frame
 is kept for good, whatever HOME_POSITION says: the walls of the map do not move where the vehicle
-lands and arms again. Only what the vehicle sees of these walls moves it, by what the position is
-wrong by (surroundings.py).
+lands and arms again, nor where another program goes on with it (laid_frames.py). Only what the
+vehicle sees of these walls moves it, by what the position is wrong by (surroundings.py).
 
 A mission in latitude and longitude: its origin is where its file says (its anchor), at the height
 at which the vehicle stands when it begins. Each position is taken from one frame to the other by
@@ -21,7 +21,7 @@ degrees at a latitude of 60.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from companion.geometry import GlobalOrigin, Ned, NorthEast, distance, horizontal_distance
 
@@ -35,6 +35,21 @@ MOVED_M = 1.0
 """A jump from the mean: the vehicle was carried there, and the averaging begins anew."""
 
 
+@dataclass(frozen=True, slots=True)
+class LaidHome:
+    """Where the frame of missions in metres was laid.
+
+    Attributes:
+        local: its origin, in the autopilot's local frame.
+        altitude_m: of that above mean sea level.
+        reference: where the local frame lay on the earth; None where that was not known.
+    """
+
+    local: Ned
+    altitude_m: float
+    reference: GlobalOrigin | None
+
+
 class MissionFrame:
     """The mission's frame.
 
@@ -42,6 +57,7 @@ class MissionFrame:
         altitude_m: of its origin above mean sea level.
         anchor: where its origin lies on the earth, if the mission says so.
         reference: where that of the autopilot's local frame lies; None until that is known.
+        is_laid: whether one in metres lies where it stays.
     """
 
     def __init__(self) -> None:
@@ -50,7 +66,7 @@ class MissionFrame:
         self.reference: GlobalOrigin | None = None
         self._home: Ned | None = None  # of a mission in metres: its origin, but for the shift
         self._shift: NorthEast = (0.0, 0.0)
-        self._is_laid = False
+        self.is_laid = self._is_recalled = False
         self._mean: Ned | None = None
         self._since_s = self._heard_s = 0.0
         self._newest: Ned = (0.0, 0.0, 0.0)
@@ -169,16 +185,39 @@ class MissionFrame:
             return
         if self.anchor is not None and self.reference is not None:
             self.altitude_m = self.reference.altitude_m - self._mean[2]
-        elif not self._is_laid and self._home is not None:
+        elif not self.is_laid and self._home is not None:
             home = (self._mean[0] - place[0], self._mean[1] - place[1], self._mean[2])
             if distance(home, self._home) > SETTLED_M:
                 self.altitude_m -= home[2] - self._home[2]
                 self._home = home
-            self._is_laid = True
+            self.is_laid = True
+
+    @property
+    def laid(self) -> LaidHome | None:
+        """Where it was laid; None for a mission that lies where its file says."""
+        if self.anchor is not None or self._home is None or not self.is_laid:
+            return None
+        return LaidHome(self._home, self.altitude_m, self.reference)
+
+    @property
+    def is_recalled(self) -> bool:
+        """Whether the mission begins where another program has laid its frame."""
+        return self._is_recalled and self.anchor is None
+
+    def recall(self, laid: LaidHome) -> None:
+        """The frame is where another program has laid it, before this one began."""
+        self.keep(laid.local, laid.altitude_m)
+        self._is_recalled = True
+        if laid.reference is None:
+            return
+        if self.reference is None:
+            self.reference = laid.reference
+        else:
+            self._home = self.reference.to_local(*laid.reference.to_global(laid.local))
 
     def keep(self, origin: Ned, altitude_m: float) -> None:
         """The frame is where it was laid in this flight, by another process."""
-        self._home, self.altitude_m, self._is_laid = origin, altitude_m, True
+        self._home, self.altitude_m, self.is_laid = origin, altitude_m, True
 
     def move(self, by: NorthEast, most_m: float) -> None:
         """Positions in the frame become greater by so much; not before it lies anywhere for good.
@@ -188,8 +227,8 @@ class MissionFrame:
             most_m: greatest distance from where it was laid.
         """
         shift = (self._shift[0] + by[0], self._shift[1] + by[1])
-        is_laid = self._is_laid or self.anchor is not None
-        if is_laid and math.hypot(*shift) <= most_m:
+        lies_for_good = self.is_laid or self.anchor is not None
+        if lies_for_good and math.hypot(*shift) <= most_m:
             self._shift = shift
 
 

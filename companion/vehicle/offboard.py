@@ -32,12 +32,12 @@ from companion.outcomes import Refusal
 from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.control_watch import ControlState, ControlWatch
 from companion.vehicle.fence_service import FenceService
+from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.gate import Envelope
 from companion.vehicle.gimbals import MavlinkGimbals
 from companion.vehicle.goal_pursuit import GoalPursuit
 from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.marker_sightings import MarkerSightings
-from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.payload_commands import PayloadCommands
 from companion.vehicle.port import (
@@ -77,7 +77,7 @@ class MavlinkVehicle:
         signals: what to hand on from the wire besides the state.
         takeoff_up_m: altitude above home to take off to.
         marker_components: who is believed to see landing markers.
-        own_uploads: what was written to its autopilot; None for nothing yet.
+        memory: of earlier flights; None for nothing yet.
 
     Attributes:
         scans: what was heard of the surroundings since the tick before, in order.
@@ -96,7 +96,7 @@ class MavlinkVehicle:
         signals: frozenset[Signal],
         takeoff_up_m: float,
         marker_components: frozenset[int] = frozenset(),
-        own_uploads: OwnUploads | None = None,
+        memory: FlightMemory | None = None,
     ) -> None:
         self.scans: list[RangeScan] = []
         self._wire = wire
@@ -112,9 +112,9 @@ class MavlinkVehicle:
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
         self.payloads = PayloadCommands(wire)
         self.markers = MarkerSightings(telemetry, marker_components)
-        own = own_uploads or OwnUploads()
-        self.fence = FenceService(wire, telemetry, own.fences)
-        self.rally = RallyService(wire, telemetry, own.rally_points)
+        known = memory or FlightMemory()
+        self.fence = FenceService(wire, telemetry, known.fences)
+        self.rally = RallyService(wire, telemetry, known.rally_points)
         self.cameras = MavlinkCameras(wire)
         self.gimbals = MavlinkGimbals(wire, telemetry)
         devices: list[Service] = [self.payloads, self.cameras, self.gimbals]
@@ -246,6 +246,11 @@ class MavlinkVehicle:
         if outcome is Progress.DONE and goal is Goal.LANDED:
             self._stream.end()  # OFFBOARD on the ground is not ours to stream in
         return outcome
+
+    @property
+    def is_home_recalled(self) -> bool:
+        """Whether the mission begins where another program's flights have begun."""
+        return self._telemetry.frame.is_recalled
 
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands; None until that is certain."""

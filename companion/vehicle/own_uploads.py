@@ -8,7 +8,6 @@ same within centimetres.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 
 from companion.mavlink.plan_transfer import PlanItem
 
@@ -51,11 +50,3 @@ class OwnItems:
         self._written = [each for each in self._written if each != items][1 - MOST_UPLOADS :]
         self._written.append(items)
         self._keep(self._written)
-
-
-@dataclass(frozen=True, slots=True)
-class OwnUploads:
-    """What was written of each kind."""
-
-    fences: OwnItems = field(default_factory=OwnItems)
-    rally_points: OwnItems = field(default_factory=OwnItems)

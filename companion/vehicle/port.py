@@ -272,6 +272,10 @@ class Vehicle(Protocol):
     def refusal(self) -> Refusal | None:
         """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
 
+    @property
+    def is_home_recalled(self) -> bool:
+        """Whether the mission begins where another program's flights have begun."""
+
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands on the ground; None until that is certain."""
 

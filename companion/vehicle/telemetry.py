@@ -11,13 +11,14 @@ import math
 from collections.abc import Callable
 
 from companion.geometry import GlobalOrigin, Ned, NorthEast
-from companion.mavlink.framing import Message, dialect
+from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
 from companion.outcomes import Refusal
 from companion.vehicle.autopilot_words import SPOKEN, AutopilotWords
 from companion.vehicle.boot_clock import BootClock
 from companion.vehicle.control_watch import Heartbeat
+from companion.vehicle.laid_frames import LaidFrames
 from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.origin_watch import OriginWatch
 from companion.vehicle.port import FrameLocation, Mode, VehicleState
@@ -39,6 +40,9 @@ CRITICAL_CHARGE = (
 class Telemetry:
     """The newest value of everything that makes up the state.
 
+    Args:
+        laid: where missions' frames were laid before; None where that is not remembered.
+
     Attributes:
         frame: of the mission.
         origins: where the autopilot's local frame lies on the earth.
@@ -49,8 +53,9 @@ class Telemetry:
         words: in which the autopilot speaks.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, laid: LaidFrames | None = None) -> None:
         self.frame = MissionFrame()
+        self._laid, self._system = laid, 0
         self.origins = OriginWatch()
         self.clock = BootClock()
         self.velocity_bias = VelocityBias()
@@ -135,6 +140,8 @@ class Telemetry:
     def stand_at(self, place: Ned) -> None:
         """The vehicle stands at a place, before its first sortie: the frame is laid so."""
         self.frame.lay(place)
+        if self._laid is not None:
+            self._laid.note(self.frame, self._system, self._measured_s)
         self._state = None
 
     def move(self, by: NorthEast, most_m: float) -> None:
@@ -210,13 +217,15 @@ class Telemetry:
         velocity = (message.vx, message.vy, message.vz)
         if all(map(math.isfinite, (*position, *velocity))):
             self._position = (now_s, position, velocity)
-            self._measured_s = message.time_boot_ms / 1000
+            self._system, self._measured_s = source(message)[0], message.time_boot_ms / 1000
             self.origins.take_local(self._measured_s, position, velocity)
             self.velocity_bias.take(now_s, self._measured_s, position, velocity)
             self._follow_origin()
             self._position_s = self.clock.measured_s(now_s, self._measured_s)
             is_standing = self._is_landed is True and not self.is_armed
             self.frame.take_position(now_s, position, is_standing)
+            if self._laid is not None:
+                self._laid.recall(self.frame, self._system, self._measured_s)
 
     def _on_global_position(self, _: float, message: Message) -> None:
         self.origins.take_global(message)

@@ -27,7 +27,7 @@ from companion.mavlink.px4_modes import MODES
 from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
-from companion.vehicle.own_uploads import OwnUploads
+from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.run_clocks import ClockReading
 from sitl.link.routing import LinkName
 from sitl.results import MavResult
@@ -163,7 +163,7 @@ class Lockstep(Happened):
         vehicle: signs and verifies what the simulator sends and hears.
         functions: what the mission's Python skills do.
         terms: on which the vehicle is armed.
-        own_uploads: what was written to its autopilot before.
+        memory: of earlier flights.
 
     Attributes:
         companion: under test.
@@ -190,11 +190,11 @@ class Lockstep(Happened):
         vehicle: Signing | None = None,
         functions: FunctionPort | None = None,
         terms: ArmingTerms = USUAL_TERMS,
-        own_uploads: OwnUploads | None = None,
+        memory: FlightMemory | None = None,
     ) -> None:
         self.journal = KeptJournal()
         self.name = "the-run"
-        self._mission, self._terms, self._own = mission, terms, own_uploads or OwnUploads()
+        self._mission, self._terms, self._memory = mission, terms, memory
         self._resumes, self._functions = resumes, functions
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
@@ -238,7 +238,7 @@ class Lockstep(Happened):
             self._mission,
             self,
             self._terms,
-            own_uploads=self._own,
+            memory=self._memory,
             resumes=self._resumes,
             journalled=journalled,
             functions=self._functions,

@@ -13,7 +13,7 @@ from companion.geometry import Ned
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
-from companion.vehicle.own_uploads import OwnUploads
+from companion.vehicle.flight_memory import FlightMemory
 from sitl.world.scenario import PX4_HOME
 
 SQUARE = ((-15.0, -15.0), (-15.0, 35.0), (15.0, 35.0), (15.0, -15.0))
@@ -55,12 +55,12 @@ MEADOW = mission(keep_out={"Pond": [[e, n] for n, e in POND]})
 def start(
     asked: Mission = MEADOW,
     policy: UploadPolicy = UploadPolicy.UPLOAD,
-    own: OwnUploads | None = None,
+    own: FlightMemory | None = None,
     **options: Any,
 ) -> Lockstep:
     """On its way, beside a ground station."""
     terms = ArmingTerms(fence=policy)
-    options = {"has_station": True, "terms": terms, "own_uploads": own} | options
+    options = {"has_station": True, "terms": terms, "memory": own} | options
     return Lockstep(asked, world_of(asked, None), **options)
 
 

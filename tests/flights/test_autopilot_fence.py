@@ -42,8 +42,8 @@ from companion.geometry import GlobalOrigin, is_in_polygon
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
+from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.own_uploads import OwnUploads
 from companion.vehicle.port import Setpoint
 from sitl.world.scenario_events import ScenarioEvent, TimeTrigger
 from sitl.world.schema import WindEventModel
@@ -161,7 +161,7 @@ def test_an_area_that_is_left_out_is_heard_of(has_station: bool) -> None:
 
 
 def test_the_next_mission_of_this_companion_replaces_its_own() -> None:
-    own = OwnUploads()
+    own = FlightMemory()
     first = armed(start(own=own))
     assert len(own.fences.written) == 1
     bigger = mission(tuple((n * 1.5, e * 1.5) for n, e in SQUARE))

@@ -15,12 +15,9 @@ from lockstep import Air, Deaf, Lockstep, clear
 
 from companion.acting.frame_watch import LOST_S
 from companion.api.simulating import world_of
+from companion.flight_events.frames import FrameDoubted, FrameLocated, FrameTrusted, OriginMoved
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
-    FrameDoubted,
-    FrameLocated,
-    FrameTrusted,
-    OriginMoved,
     Phase,
     PhaseEntered,
     SetpointRefused,

@@ -28,7 +28,7 @@ from companion.geometry import GlobalOrigin, Ned, horizontal_distance
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission, Otherwise
-from companion.vehicle.own_uploads import OwnUploads
+from companion.vehicle.flight_memory import FlightMemory
 from sitl.autopilot.return_destination import SafePoint
 from sitl.world.scenario import PX4_HOME
 
@@ -69,12 +69,12 @@ WITHOUT = replace(MEADOW, otherwise=Otherwise.RETURN_HOME)
 def start(
     asked: Mission = MEADOW,
     policy: UploadPolicy = UploadPolicy.UPLOAD,
-    own: OwnUploads | None = None,
+    own: FlightMemory | None = None,
     world: dict[str, Any] | None = None,
     **options: Any,
 ) -> Lockstep:
     scenario = world_of(asked, {"version": 1} | (world or {}))
-    about = {"terms": ArmingTerms(rally_points=policy), "own_uploads": own}
+    about = {"terms": ArmingTerms(rally_points=policy), "memory": own}
     return Lockstep(asked, scenario, has_station=True, **about, **options)
 
 
@@ -232,7 +232,7 @@ def test_the_same_drawn_by_somebody_else_refuse_nothing(policy: UploadPolicy) ->
 
 
 def test_the_next_mission_replaces_its_own_or_takes_them_away() -> None:
-    own = OwnUploads()
+    own = FlightMemory()
     other = load_mission(DATA | {"otherwise": {"land_at": ["Home", "A"]}})
     flight = armed(start(own=own))
     for asked, told in ((other, RallyReplaced), (WITHOUT, RallyRemoved)):

@@ -27,6 +27,13 @@ from companion.flight_events.fence import (
     FenceReplaced,
     FenceWritten,
 )
+from companion.flight_events.frames import (
+    FrameDoubted,
+    FrameLocated,
+    FrameTrusted,
+    HomeRecalled,
+    OriginMoved,
+)
 from companion.flight_events.hosting import (
     DatagramsDropped,
     FramesRefused,
@@ -100,13 +107,9 @@ from companion.flight_events.sortie import (
     EndedAtLimit,
     FlightFoundAgain,
     FlightLimitReached,
-    FrameDoubted,
-    FrameLocated,
-    FrameTrusted,
     GoalFailed,
     LinkBack,
     LinkSilent,
-    OriginMoved,
     PauseEnded,
     Phase,
     PhaseEntered,
@@ -263,6 +266,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         FrameLocated("Home", 47.41, 8.53, 1984.94, 488.0, 0.005),
         "Home is 1984.94 m from the origin 47.41, 8.53 of the autopilot, and 488.0 m above the "
         "sea; its positions agree to 0.005 m",
+    ),
+    (
+        HomeRecalled("Home", 0.9),
+        "Home and the map lie where they lay in an earlier flight, "
+        "0.9 m from where the vehicle stands",
     ),
     (
         OriginMoved(2581.09),

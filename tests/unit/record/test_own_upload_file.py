@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from companion.mavlink.plan_transfer import PlanItem
-from companion.record.own_upload_file import OWN_FENCES, OWN_RALLY_POINTS, own_uploads_in
+from companion.record.flight_memory_files import flight_memory_in
+from companion.record.own_upload_file import OWN_FENCES, OWN_RALLY_POINTS
 from companion.vehicle.own_uploads import MOST_UPLOADS, OwnItems
 
 POINTS = (PlanItem(5100, 3, 0.0, 473977000, 85455000, 1.5), PlanItem(5100, 3, 0.0, 0, 1))
@@ -16,15 +17,15 @@ SQUARE = tuple(PlanItem(5001, 0, 4.0, 473977000 + i, 85455000 - i) for i in rang
 
 
 def fences_in(folder: Path) -> OwnItems:
-    return own_uploads_in(folder).fences
+    return flight_memory_in(folder).fences
 
 
 def test_rally_points_are_remembered_beside_fences(tmp_path: Path) -> None:
-    own = own_uploads_in(tmp_path)
+    own = flight_memory_in(tmp_path)
     own.fences.note(SQUARE)
     own.rally_points.note(POINTS)
     own.rally_points.note(())
-    again = own_uploads_in(tmp_path)
+    again = flight_memory_in(tmp_path)
     assert (again.fences.written, again.rally_points.written) == ((SQUARE,), (POINTS,))
     assert (tmp_path / OWN_RALLY_POINTS).exists()
 
