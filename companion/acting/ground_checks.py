@@ -1,8 +1,12 @@
-"""What is asked of the autopilot before it is armed: charge, failsafes, fence, rally points."""
+"""What is asked of the autopilot before it is armed: charge, failsafes, fence, rally points.
+
+What its docks have to be like is told before that.
+"""
 
 from __future__ import annotations
 
 from companion.acting.arming_terms import ArmingTerms
+from companion.acting.dock_check import DockCheck, needs_docks
 from companion.acting.executive import Executive
 from companion.acting.failsafe_check import FailsafeCheck
 from companion.acting.fence_check import FenceJudge
@@ -38,6 +42,8 @@ class GroundChecks:
         self._checks = [failsafes.tick, uploads[0].tick, kept.tick, uploads[1].tick]
         if energy is not None:
             self._checks.insert(0, GaugeCheck(flight).tick)
+        if needs_docks(mission):
+            self._checks.insert(0, DockCheck(flight).tick)
 
     def tick(self) -> Outcome:
         """DONE when the vehicle may be armed; or why it may not."""

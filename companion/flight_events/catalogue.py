@@ -44,6 +44,7 @@ from companion.flight_events.hosting import (
     UploadChecked,
 )
 from companion.flight_events.landing import (
+    DockMayBeMissed,
     LandedOnMarker,
     MarkerAbandoned,
     MarkerLost,
@@ -186,6 +187,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     SightingsRefused,
     MarkerAbandoned,
     LandedOnMarker,
+    DockMayBeMissed,
     VehicleLanded,
     VehicleAirborne,
     BatteryCharged,

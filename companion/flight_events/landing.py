@@ -65,3 +65,16 @@ class LandedOnMarker(FlightEvent):
 
     place: PlaceName
     off_m: Annotated[float, Doc("from its middle, as far as the vehicle knows")]
+
+
+@dataclass(frozen=True, slots=True)
+class DockMayBeMissed(FlightEvent):
+    """A vehicle whose position is not exact is to charge where it lands without a marker."""
+
+    kind = "charge"
+    template = (
+        "by its position it may land {beside_m:.1f} m beside a dock: "
+        "that has to be as wide, or have a marker (land_on)"
+    )
+
+    beside_m: Annotated[float, Doc("rounded to 0.1 m; 1 of 20 landings may be further away")]

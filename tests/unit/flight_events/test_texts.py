@@ -47,6 +47,7 @@ from companion.flight_events.hosting import (
     UploadChecked,
 )
 from companion.flight_events.landing import (
+    DockMayBeMissed,
     LandedOnMarker,
     MarkerAbandoned,
     MarkerLost,
@@ -291,6 +292,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     (MarkerAbandoned("Roof", "it moves"), "no landing on the marker of Roof: it moves"),
     (LandedOnMarker("Roof", 0.086), "landed 0.09 m from the marker of Roof"),
+    (
+        DockMayBeMissed(1.2),
+        "by its position it may land 1.2 m beside a dock: "
+        "that has to be as wide, or have a marker (land_on)",
+    ),
     (VehicleLanded(), "landed on the way"),
     (VehicleAirborne(), "in the air again"),
     (BatteryCharged(90), "charged to 90 %"),
