@@ -71,7 +71,7 @@ class LandedOnMarker(FlightEvent):
 class DockMayBeMissed(FlightEvent):
     """A vehicle whose position is not exact is to charge where it lands without a marker."""
 
-    kind = "charge"
+    kind = "dock"
     template = (
         "by its position it may land {beside_m:.1f} m beside a dock: "
         "that has to be as wide, or have a marker (land_on)"
