@@ -109,15 +109,17 @@ class FlownTask:
         self.is_interrupted = True
 
     def sense(self, readings: Sequence[tuple[Signal, float]], phase: Phase) -> None:
-        """Takes readings off the wire; the clocks of bounded lines go on until the end begins."""
+        """Takes readings off the wire; the clocks of bounded lines go on until the end begins.
+
+        They go on before: an event that comes when one has run over comes too late.
+        """
         task, now_s = self._flight.task, self._flight.now_s
         has_begun = phase is Phase.TASK or task.now_s > 0.0
         is_counted = has_begun and phase in CLOCKED and not self.is_called_home
         if is_counted:
             task.now_s = now_s
-        self._executive.sense(readings)
-        if is_counted:
             tell_late(self._flight)
+        self._executive.sense(readings)
 
     def ends_pause(self) -> bool:
         """A tick of a pause, in which the vehicle holds; whether the charge ends it now."""

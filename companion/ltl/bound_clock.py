@@ -1,9 +1,10 @@
 """The clock of a bound as it reads a word in time, position by position.
 
 What an event asks for is asked for from the moment in which it comes, not only from the position at
-which it is read: a vehicle reads next where it arrives. What was asked for before, and still is, is
-asked for from each position on that says so. Between two positions a clock goes on, and
-may run over; a position that was reached in time counts, although it is read later.
+which it is read: a vehicle reads next where it arrives. A goal that an event meets is met in that
+moment, too. What was asked for before, and still is, is asked for from each position on that says
+so. Between two positions a clock goes on, and may run over; a position that was reached in time
+counts, although it is read later.
 
 A clock that begins anew stands at 0 until the next position is left.
 """
@@ -31,6 +32,8 @@ class BoundClock:
         since_ms: None while it stands still.
         asked_ms: when an event asked for it, which no position has read yet.
         is_asking: whether it is asked for by what is known now.
+        met_ms: when an event met the goal in time, which no position has read yet.
+        is_met: whether the goal holds by what is known now.
         is_new: it begins anew with the next position that is left.
         is_late: it has run over; for ever, unless it begins anew.
     """
@@ -39,13 +42,15 @@ class BoundClock:
     since_ms: int | None = None
     asked_ms: int | None = None
     is_asking: bool = False
+    met_ms: int | None = None
+    is_met: bool = False
     is_new: bool = False
     is_late: bool = False
 
     def begun(self, now_ms: int) -> BoundClock:
         """The word begins."""
         since_ms = now_ms if self.bound.begin() is not None else None
-        return replace(self, since_ms=since_ms, asked_ms=None)
+        return replace(self, since_ms=since_ms, asked_ms=None, met_ms=None)
 
     def anew(self) -> BoundClock:
         """It begins anew with the next position; what was, is forgotten."""
@@ -58,11 +63,21 @@ class BoundClock:
             letter: that.
             event_ms: when an event has changed it; None where a position has.
         """
-        if not isinstance(self.bound, Response) or self.is_new:
+        if self.is_new:
             return self
-        was_asking, is_asking = self.is_asking, is_true(self.bound.trigger, letter)
-        asked = event_ms if is_asking and not was_asking else self.asked_ms
-        return replace(self, is_asking=is_asking, asked_ms=asked if is_asking else None)
+        is_asking, is_met = self._asks(letter), is_true(self.bound.goal, letter)
+        begins = is_asking and not self.is_asking
+        asked_ms = (event_ms if begins else self.asked_ms) if is_asking else None
+        seen = replace(self, asked_ms=asked_ms, is_asking=is_asking, is_met=is_met)
+        if not is_met:
+            return replace(seen, met_ms=None)
+        if event_ms is None or not (begins or not self.is_met):
+            return seen
+        in_time = not self.bound.is_late(seen.elapsed_ms(event_ms))
+        return replace(seen, met_ms=event_ms) if in_time else seen
+
+    def _asks(self, letter: Letter) -> bool:
+        return isinstance(self.bound, Response) and is_true(self.bound.trigger, letter)
 
     def is_over(self, now_ms: int, unread: Letter | None) -> bool:
         """Whether it has run over by now, and had not before.
@@ -80,7 +95,9 @@ class BoundClock:
         return replace(self, is_late=True)
 
     def elapsed_ms(self, now_ms: int) -> int | None:
-        """What it shows; None if it stands still."""
+        """What it shows; None if it stands still, as it does once an event has met the goal."""
+        if self.met_ms is not None:
+            return None
         since = self.since_ms if self.since_ms is not None else self.asked_ms
         return None if since is None else max(0, now_ms - since)
 
@@ -94,17 +111,17 @@ class BoundClock:
         """
         if self.is_new:
             return replace(self.begun(left_ms), is_new=False).after(letter, left_ms, left_ms)
-        since = self.since_ms
-        bound = self.bound
-        is_asking = isinstance(bound, Response) and is_true(bound.trigger, letter)
+        is_asking, is_met = self._asks(letter), is_true(self.bound.goal, letter)
+        since, met_ms = self.since_ms, self.met_ms if is_met else None
         if since is None and is_asking:
             since = self.asked_ms
-        elapsed = None if since is None else max(0, reached_ms - since)
+        elapsed = None if since is None or met_ms is not None else max(0, reached_ms - since)
         shown = self.bound.after(elapsed, lambda formula: is_true(formula, letter))
         if shown is None or since is None or shown != elapsed:
-            since = None if shown is None else reached_ms - shown
+            since = None if shown is None else max(reached_ms, met_ms or reached_ms) - shown
         is_late = self.is_late or self.bound.is_late(elapsed)
-        return replace(self, since_ms=since, asked_ms=None, is_asking=is_asking, is_late=is_late)
+        read = BoundClock(self.bound, since, is_late=is_late)
+        return replace(read, is_asking=is_asking, is_met=is_met)
 
 
 def is_true(formula: Formula, letter: Letter) -> bool:

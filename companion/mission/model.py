@@ -14,7 +14,7 @@ from companion.battery_profile import Points
 from companion.drawn_maps import Wall
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import atoms
-from companion.ltl.timed_formula import Line, untimed
+from companion.ltl.timed_formula import Line, TimedFormula, untimed
 from companion.mission.battery import MissionBattery
 from companion.mission.facts import AT, Atom, Fact, at
 from companion.mission.markers import LandingMarker
@@ -305,6 +305,11 @@ class Mission:
     def written_task(self) -> dict[str, str]:
         """The lines of the task as texts."""
         return {name: str(line) for name, line in self.task.items()}
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether its task has bounds in time."""
+        return any(isinstance(line, TimedFormula) for line in self.task.values())
 
     @property
     def speed_limits(self) -> SpeedLimits:

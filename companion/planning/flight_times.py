@@ -13,6 +13,7 @@ from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import PlaceRegion
+from companion.planning.flown_times import FlownTimes
 from companion.planning.instances import FlightTime
 from companion.slices import spent
 
@@ -54,7 +55,9 @@ def flight_times(
     here: Callable[[], Ned | None] = lambda: None,
     limits: Callable[[], SpeedLimits] | None = None,
 ) -> FlightTime:
-    """Seconds of flight between places.
+    """Seconds of flight between places: as they are flown, where the task has bounds in time.
+
+    All others cost what their length says, which takes a fraction of a millisecond.
 
     Args:
         mission: whose places they are.
@@ -62,7 +65,7 @@ def flight_times(
         here: says where the vehicle is, between places.
         limits: says how fast it may fly now; without it as fast as the mission allows.
     """
-    as_written = mission.speed_limits
+    as_written, flown = mission.speed_limits, FlownTimes(routes)
 
     def flight_time(origin: str, goal: str) -> float:
         start = here() if origin == HERE else routes.goal(origin)
@@ -70,6 +73,8 @@ def flight_times(
             return math.inf
         now = limits() if limits else as_written
         spent(_DISTANCE_US)
+        if mission.is_timed:
+            return flown.flight_s(start, goal, now)
         return routes.passage(start, goal).duration_s(now)
 
     return flight_time

@@ -189,6 +189,7 @@ class TaskState:
         self._is_read = True
         self.risen = frozenset()
         self._restarted = ()
+        self._clocks.see(self._next_letter)
         self.positions += 1
         kept = [r for r in self._readings if r.conjunct.name not in self.dropped]
         if kept and not any(r.left_to_meet for r in kept):

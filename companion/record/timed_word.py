@@ -154,9 +154,10 @@ class _Reader:
         self._there = frozenset(f for f in letter if not f.startswith(f"{AT}("))
         self._here, self.last = None, position.number
         self._risen.clear()
+        self._clock = self._clock.seeing(self._letter)
 
     def _look(self, now_ms: int) -> None:
-        unread = frozenset(self._here.facts) if self._here is not None else None
+        unread = self._letter if self._here is not None else None
         if self._clock.is_over(now_ms, unread):
             self._clock = self._clock.over()
             self.found.append(self.last)

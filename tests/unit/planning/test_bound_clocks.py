@@ -6,6 +6,7 @@ time. Time goes on in ticks. The reference below knows all of a flight and no cl
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from random import Random
 
@@ -14,8 +15,10 @@ from synthetic import event, mission
 
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.word import PositionLeft
+from companion.ltl.formula import Formula
 from companion.ltl.parser import parse_line
-from companion.ltl.time_bounds import Revisit, TimeBound, Within
+from companion.ltl.semantics import holds
+from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
 from companion.ltl.timed_formula import parts
 from companion.mission.model import Mission
 from companion.planning.domain import WAIT
@@ -33,6 +36,9 @@ LINES = {
     "answer": "G (alarm -> F[<=15s] at(B))",
     "calm": "G (!alarm & at(A) -> F[<=15s] at(B))",
     "often": "revisit(A) <= 25 s",
+    "soon": "F[<=20s] (at(B) | alarm)",
+    "home": "revisit(at(A) | alarm) <= 25 s",
+    "clear": "G (at(A) -> F[<=15s] (at(B) | alarm))",
 }
 
 
@@ -83,9 +89,9 @@ class Pilot:
             self._tick += 1
             self._now_s = round(self._tick * TICK_S, 3)
             self.task.now_s = self._now_s
-            self._events()
             for conjunct in self.task.run_clocks(self._now_s):
                 self.flown.told.add((conjunct.name, self.task.last_position))
+            self._events()
             self._act()
         self.flown.until_s = self._now_s
         return self.flown
@@ -134,8 +140,13 @@ def requests(flown: Flown, line: str, bound: TimeBound) -> list[tuple[float, int
         case Within():
             return [(word[0].reached_s, 0)]
         case Revisit(goal):
-            visits = [(p.reached_s, p.number + 1) for p in word if goal.atom in p.facts]
+            met = met_s(flown, goal)
+            visited = [p for p in word if is_true(goal, p.facts)]
+            visits = [(max(p.reached_s, met[p.number]), p.number + 1) for p in visited]
             return [(word[0].reached_s, 0), *visits]
+        case Response(goal=goal) if line == "clear":
+            asking_at = [p for p in word if "at(A)" in p.facts and not is_true(goal, p.facts)]
+            return [(p.reached_s, p.number) for p in asking_at]
     asking, due = Asking(is_calm=line == "calm"), list(word)
     for time_s, step in [*flown.steps, (flown.until_s, None)]:
         if due and asking.here is None and due[0].reached_s <= time_s:
@@ -181,18 +192,80 @@ class Asking:
         if is_so:
             since_s = position.reached_s if self.asked_s is None else self.asked_s
             self.found.append((since_s, position.number))
-        self.asked_s, self._was_so, self.here, self._has_risen = None, is_so, None, False
+        self.asked_s, self.here, self._has_risen = None, None, False
+        self._was_so = self._is_so()
+
+
+class Meeting:
+    """When positions with a goal meet it along a flight: where an event does, when it comes."""
+
+    def __init__(self, goal: Formula) -> None:
+        self.met_s: dict[int, float] = {}
+        self.here: PositionLeft | None = None
+        self._goal = goal
+        self._holds = self._has_risen = self._was_met = False
+        self._risen_s: float | None = None
+
+    def _is_met(self) -> bool:
+        facts = {f for f in (self.here.facts if self.here else ()) if f != "alarm"}
+        return is_true(self._goal, facts | ({"alarm"} if self._holds or self._has_risen else set()))
+
+    def reach(self, position: PositionLeft) -> None:
+        self.here = position
+        self._was_met = self._is_met()
+        self._risen_s = self._risen_s if self._was_met else None
+        since_s = position.reached_s if self._risen_s is None else self._risen_s
+        self.met_s[position.number] = since_s
+
+    def change(self, holds: bool, time_s: float) -> None:
+        self._holds, self._has_risen = holds, self._has_risen or holds
+        if self._is_met() and not self._was_met:
+            self._risen_s = time_s
+            if self.here is not None:
+                self.met_s[self.here.number] = time_s
+        self._was_met = self._is_met()
+        self._risen_s = self._risen_s if self._was_met else None
+
+    @property
+    def met_s_on_the_way(self) -> float | None:
+        return self._risen_s if self.here is None else None
+
+    def leave(self) -> None:
+        self.here, self._has_risen, self._risen_s = None, False, None
+        self._was_met = self._is_met()
+
+
+def met_s(flown: Flown, goal: Formula) -> dict[int, float]:
+    """When each position with a goal meets it, also the one that was not reached in the end."""
+    meeting, due = Meeting(goal), list(flown.positions)
+    for time_s, step in [*flown.steps, (flown.until_s, None)]:
+        if due and meeting.here is None and due[0].reached_s <= time_s:
+            meeting.reach(due.pop(0))
+        if isinstance(step, MissionEventChanged):
+            meeting.change(step.holds, time_s)
+        elif step is not None:
+            meeting.leave()
+    with_goal = {p.number for p in flown.positions if is_true(goal, p.facts)}
+    found = {number: s for number, s in meeting.met_s.items() if number in with_goal}
+    on_the_way = meeting.met_s_on_the_way
+    return found if on_the_way is None else found | {len(flown.positions): on_the_way}
 
 
 def violations(flown: Flown, line: str, bound: TimeBound) -> list[float]:
     """When something is too late for the first time."""
     late = []
+    met = met_s(flown, bound.goal)
     for asked_s, first in requests(flown, line, bound):
         due_s = round(asked_s + bound.limit_ms / 1000, 3)
-        answers = (p for p in flown.positions[first:] if bound.goal.atom in p.facts)
-        if due_s < flown.until_s and not any(p.reached_s <= due_s for p in answers):
+        answers_s = [met_at_s for number, met_at_s in met.items() if number >= first]
+        if due_s < flown.until_s and not any(met_at_s <= due_s for met_at_s in answers_s):
             late.append(due_s)
     return sorted(late)[:1]
+
+
+def is_true(formula: Formula, facts: Iterable[str]) -> bool:
+    """Whether a formula without temporal operators holds where some facts do."""
+    return holds(formula, (), (frozenset(facts),))
 
 
 @pytest.mark.parametrize(

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from synthetic import POSITIONS, mission
 
 from companion.errors import MissionError
 from companion.geometry import Ned
+from companion.ltl.parser import parse_line
+from companion.mission.loader import load_mission
 from companion.mission.model import Place
 from companion.motion.region import Disc
+from companion.motion.trajectory import Trajectory
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.vehicle_profile import VehicleProfile
 
 QUAD = VehicleProfile()
+MISSIONS = Path(__file__).parents[3] / "missions"
 
 
 def test_home_is_where_the_mission_begins() -> None:
@@ -45,6 +50,34 @@ def test_flight_times_are_those_of_the_map() -> None:
     assert seconds("here", "A") == math.inf
     here = (3.0, 0.0, -2.0)
     assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + change_s, abs=0.4)
+
+
+def test_a_task_with_bounds_counts_the_bends() -> None:
+    """From C to A around M, in the middle."""
+    asked = mission("F at(A) & G !at(M)", places="HAC")
+    middle = Place("M", (3.0, 3.0, -2.0), Disc(1.0))
+    asked = replace(asked, places={**asked.places, "M": middle})
+    bounded = replace(asked, task={**asked.task, "often": parse_line("revisit(A) <= 60 s")})
+    routes = route_map(asked)
+    route = routes.route(POSITIONS["C"], "A")
+    assert route is not None and route.blends
+    seconds = flight_times(bounded, routes)
+    assert seconds("C", "A") == Trajectory(route, asked.speed_limits).duration_s
+    assert seconds("C", "A") != flight_times(asked, routes)("C", "A")
+    routes.hide("A")
+    assert seconds("C", "A") == math.inf
+    routes.find_place("A", (6.0, 3.0, -2.0))
+    found = routes.route(POSITIONS["C"], "A")
+    assert found is not None
+    assert seconds("C", "A") == Trajectory(found, asked.speed_limits).duration_s
+
+
+def test_among_shelves_flights_take_longer_than_their_length_says() -> None:
+    asked = load_mission(MISSIONS / "night_watch.yaml")
+    routes = route_map(asked)
+    routes.add_clearance(0.5)
+    by_length_s = routes.passage(routes.goal("Gate"), "Dock").duration_s(asked.speed_limits)
+    assert flight_times(asked, routes)("Gate", "Dock") > 1.4 * by_length_s
 
 
 def test_a_table_has_the_ways_that_it_has() -> None:

@@ -1,0 +1,50 @@
+"""How long flights last as they are flown, bends and all.
+
+A leg's length alone says too little where it leads around things: in a hall the vehicle slows down
+for the bends, and needs up to 1.7 times as long. Finding a route takes some milliseconds, so routes
+between places are kept for as long as the way there stays as long as it was.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+from companion.geometry import Ned
+from companion.motion.layered_routes import LayeredRoutes, Passage
+from companion.motion.profile import SpeedLimits
+from companion.motion.routes import Route
+from companion.motion.trajectory import Trajectory
+from companion.slices import spent
+
+_ROUTE_US, _TRAJECTORY_US = 5_000, 130
+_KEPT = 4_096
+"""Routes; those between 64 places."""
+
+
+class FlownTimes:
+    """How long trajectories to places last.
+
+    Args:
+        routes: the ways.
+    """
+
+    def __init__(self, routes: LayeredRoutes) -> None:
+        self._routes = routes
+        self._route = lru_cache(_KEPT)(self._find)
+
+    def flight_s(self, start: Ned, place: str, limits: SpeedLimits) -> float:
+        """From rest to rest; inf where no way leads there."""
+        passage = self._routes.passage(start, place)
+        if math.isinf(passage.over_ground_m):
+            return math.inf
+        route = self._route(start, place, self._routes.goal(place), passage)
+        if route is None:
+            return math.inf
+        spent(_TRAJECTORY_US)
+        return Trajectory(route, limits).duration_s
+
+    def _find(self, start: Ned, place: str, goal: Ned, passage: Passage) -> Route | None:
+        """The route to where a place is now, if the way there is as long as it is now."""
+        spent(_ROUTE_US)
+        return self._routes.route(start, place)
