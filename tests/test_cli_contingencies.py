@@ -67,6 +67,34 @@ def test_an_unsafe_contingency_is_the_exit_code(companion: Companion, tmp_path: 
     assert ended.out.splitlines()[-1] == "1 unsafe"
 
 
+def test_a_flight_tells_the_summary_first(companion: Companion, tmp_path: Path) -> None:
+    log = ("--log-dir", str(tmp_path))
+    ended = companion("sim", SURVEILLANCE, "--contingencies", "--speed", "max", *log)
+    lines = ended.out.splitlines()
+    assert lines[0] == f"otherwise  {SUMMARY}"
+    assert ended.code == 0
+
+
+@pytest.mark.parametrize("command", ["sim", "run"])
+def test_no_flight_begins_with_an_unsafe_contingency(
+    companion: Companion, tmp_path: Path, command: str
+) -> None:
+    path = tmp_path / "short.yaml"
+    path.write_text(SHORT)
+    ended = companion(command, str(path), "--contingencies", "--log-dir", str(tmp_path / "runs"))
+    assert ended.code == 8
+    assert "not flown: the charge does not last" in ended.err
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize("others", [(), (SURVEILLANCE, "--resume")])
+def test_a_flight_that_may_be_in_the_air_makes_no_table(
+    companion: Companion, others: tuple[str, ...]
+) -> None:
+    ended = companion("run", *others, "--contingencies")
+    assert ended.code == 2 and "no --resume" in " ".join(ended.err.split())
+
+
 @pytest.mark.parametrize("option", [("--picture", "table.png"), ("--jobs", "2")])
 def test_its_options_go_with_it(companion: Companion, option: tuple[str, str]) -> None:
     ended = companion("check", *option, SURVEILLANCE)

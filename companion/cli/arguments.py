@@ -76,6 +76,14 @@ LimitS = Annotated[
         show_default=False,
     ),
 ]
+Contingencies = Annotated[
+    bool,
+    typer.Option(
+        "--contingencies",
+        help="First sum up what becomes of it when something turns out otherwise; do not fly "
+        "where the charge would not last.",
+    ),
+]
 WeakFailsafes = Annotated[
     bool,
     typer.Option(

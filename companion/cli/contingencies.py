@@ -1,4 +1,4 @@
-"""What `companion check --contingencies` prints, draws, and exits with."""
+"""What `--contingencies` prints, draws and exits with: a table, or its summary before a flight."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from companion.acting.contingencies.fold_words import (
 )
 from companion.acting.contingencies.table import ContingencyTable
 from companion.api.contingency_answers import contingencies
+from companion.cli.checking import UNSAFE
 from companion.errors import CompanionError
 from companion.mission.loader import load_mission
 
@@ -61,6 +62,24 @@ def asked_table(mission: Path, jobs: int | None) -> ContingencyTable:
             raise CompanionError(
                 "stopped: no table of contingencies was made, and nothing of it is kept"
             ) from None
+
+
+def sum_up(mission: Path) -> None:
+    """Prints the summary of a mission that is to be flown.
+
+    Raises:
+        CompanionError: there is no table; or Ctrl-C has ended it.
+        typer.Exit: a contingency is unsafe.
+    """
+    table = asked_table(mission, None)
+    typer.echo(f"otherwise  {table.summary}")
+    if table.unsafe:
+        typer.echo(
+            f"not flown: the charge does not last to a safe place in {len(table.unsafe)} of them\n"
+            f"    companion check --contingencies {mission} shows them",
+            err=True,
+        )
+        raise typer.Exit(UNSAFE)
 
 
 def print_table(table: ContingencyTable) -> None:

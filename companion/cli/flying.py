@@ -12,6 +12,7 @@ from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
     AutopilotFence,
+    Contingencies,
     Events,
     Laps,
     LimitS,
@@ -66,6 +67,7 @@ def run(
     events: Events = None,
     laps: Laps = None,
     limit_s: LimitS = None,
+    contingencies: Contingencies = False,
     engine: EngineOption = BUILT_IN,
     encoding: EncodingOption = Encoding.V4,
     engine_timeout: EngineTimeout = ENGINE_TIMEOUT_S,
@@ -89,7 +91,14 @@ def run(
     from companion.vehicle.endpoints import parse_url
     from companion.vehicle.link import Link
 
+    if contingencies and (mission is None or resume):
+        reason = "needs MISSION, and no --resume: a vehicle in the air would wait for the table"
+        raise typer.BadParameter(reason, param_hint="--contingencies")
     loaded, endpoint = load(mission) if mission else None, parse_url(connect)
+    if mission is not None and contingencies:
+        from companion.cli.contingencies import sum_up
+
+        sum_up(mission)
     with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
         flights = VehicleFlights(
             partial(fly_over, link_of=partial(Link, endpoint, signing), events=events),

@@ -14,6 +14,7 @@ import typer
 
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
+    Contingencies,
     Events,
     GroundPort,
     Instance,
@@ -64,6 +65,7 @@ def sim(
     events: Events = None,
     laps: Laps = None,
     limit_s: LimitS = None,
+    contingencies: Contingencies = False,
     engine: EngineOption = BUILT_IN,
     encoding: EncodingOption = Encoding.V4,
     engine_timeout: EngineTimeout = ENGINE_TIMEOUT_S,
@@ -85,6 +87,10 @@ def sim(
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
     planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
     loaded, terminal = load(mission), Terminal()
+    if contingencies:
+        from companion.cli.contingencies import sum_up
+
+        sum_up(mission)
     world = simulating.world_of(loaded, path := scenario or simulating.scenario_beside(loaded))
     with (
         closing(terminal),
