@@ -1,9 +1,9 @@
 # Sourced by fly and test: the repository's own virtual environment, made on first use.
 #
-#   use_venv        installs the project into .venv with what README.md shows, unless that was done
+#   use_venv        installs the project into .venv with what the documentation shows, unless that was done
 #   use_venv test   the same, with the tools that the tests need
 #
-# Sets $root (the repository), $venv, and $shown: the extras that commands in README.md need. An
+# Sets $root (the repository), $venv, and $shown: the extras that its commands need. An
 # installation is repeated when pyproject.toml has changed or the repository has moved. Two scripts
 # at once wait for each other.
 

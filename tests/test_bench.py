@@ -1,7 +1,7 @@
 """The measuring script runs and prints its rows; what it measures is nothing to assert.
 
-README.md says `.venv/bin/python scripts/bench translating planning`; here each group is measured
-with few repetitions, by what scripts/fly installs.
+docs/planning.md says `.venv/bin/python scripts/bench translating planning`; here each group is
+measured with few repetitions, by what scripts/fly installs.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from commands import Companion
 from mcap.reader import make_reader
 
 DOCUMENTED = "companion replay runs/2026-11-21T101500-surveillance"
-"""The command in README.md."""
+"""The command in docs/watching.md."""
 AS_A_FILE = "companion replay runs/2026-11-21T101500-surveillance --mcap surveillance.mcap"
 """The one in docs/run-folder.md."""
 ROOT = Path(__file__).parents[1]

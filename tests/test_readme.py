@@ -102,6 +102,7 @@ ELSEWHERE = {
     "companion replay runs/2026-11-21T101500-surveillance --mcap surveillance.mcap": (
         "tests/test_cli_replay.py"
     ),
+    "scripts/docs": ".ci/run",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
     "scripts/test --fast": "tests/test_scripts.py",

@@ -1,7 +1,7 @@
 """scripts/fly, scripts/test and their environment, with a Python that only notes what it is asked.
 
-What README.md's commands need of it is shown where they are run: `first_installation.py` hides the
-rest from them.
+What the commands of the documentation need of it is shown where they are run:
+`first_installation.py` hides the rest from them.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ case "$*" in
 esac
 """
 SHOWN = "planners"
-"""The extras that README.md's commands need."""
+"""The extras that the commands of the documentation need."""
 NO_VENV = '#!/usr/bin/env bash\n[[ "$*" != *ensurepip* ]]\n'
 
 
@@ -146,7 +146,7 @@ def test_without_a_usable_python_it_says_so(clone: Path, python: str | None, rea
 
 @pytest.mark.slow
 def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) -> None:
-    """So a command of README.md that needs more than scripts/fly installs fails in its test."""
+    """So a command that needs more than scripts/fly installs fails in its test."""
     assert shown_extras() == set(SHOWN.split(","))
     hidden, without = hidden_modules(shown_extras()), hidden_modules([])
     assert {"hypothesis", "mypy", "playwright", "pytest"} <= hidden

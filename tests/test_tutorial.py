@@ -98,7 +98,7 @@ def test_lines_may_be_left_out_where_it_says_so() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.sockets  # as what README.md flies; it opens one port, for a page
+@pytest.mark.sockets  # as others that fly; it opens one port, for a page
 def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
     text = PAGE.read_text(encoding="utf-8")
     reader = Reader(tmp_path)

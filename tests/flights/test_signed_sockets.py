@@ -1,4 +1,4 @@
-"""Simulator, companion, upload and watch with keys, as commands over UDP, as README.md has them.
+"""Simulator, companion, upload and watch with keys, as commands over UDP: docs/signing.md.
 
 Nothing without the key is answered, and what is forged on the way disturbs nobody.
 """
