@@ -165,8 +165,12 @@ def signing_of(
         yield signing
 
 
-def load(path: Path) -> Mission:
-    """The mission of a file."""
+def load(path: Path, contingencies: bool = False) -> Mission:
+    """The mission of a file; first its contingencies are summed up, if that is asked for."""
     from companion.mission.loader import load_mission
 
+    if contingencies:
+        from companion.cli.contingencies import sum_up
+
+        sum_up(path)
     return load_mission(path)

@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from companion.acting.contingencies.table import ContingencyTable
     from companion.cli.checked_mission import CheckedMission
 
-UNSAFE = 8
-"""The exit code where the charge of a flight would last to no safe place."""
-
 ContingenciesOption = Annotated[
     bool,
     typer.Option(
@@ -83,6 +80,8 @@ def check(
         _print_checked(checked)
         _print_contingencies(table)
     if table is not None and table.unsafe:
+        from companion.cli.contingencies import UNSAFE
+
         raise typer.Exit(UNSAFE)
 
 

@@ -18,10 +18,11 @@ from companion.acting.contingencies.fold_words import (
 )
 from companion.acting.contingencies.table import ContingencyTable
 from companion.api.contingency_answers import contingencies
-from companion.cli.checking import UNSAFE
 from companion.errors import CompanionError
 from companion.mission.loader import load_mission
 
+UNSAFE = 8
+"""The exit code where the charge of a flight would last to no safe place."""
 WIDTH = 120
 """Of a table that goes to no terminal."""
 KINDS = {

@@ -94,11 +94,8 @@ def run(
     if contingencies and (mission is None or resume):
         reason = "needs MISSION, and no --resume: a vehicle in the air would wait for the table"
         raise typer.BadParameter(reason, param_hint="--contingencies")
-    loaded, endpoint = load(mission) if mission else None, parse_url(connect)
-    if mission is not None and contingencies:
-        from companion.cli.contingencies import sum_up
-
-        sum_up(mission)
+    loaded = load(mission, contingencies) if mission else None
+    endpoint = parse_url(connect)
     with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
         flights = VehicleFlights(
             partial(fly_over, link_of=partial(Link, endpoint, signing), events=events),

@@ -86,11 +86,7 @@ def sim(
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
     planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
-    loaded, terminal = load(mission), Terminal()
-    if contingencies:
-        from companion.cli.contingencies import sum_up
-
-        sum_up(mission)
+    loaded, terminal = load(mission, contingencies), Terminal()
     world = simulating.world_of(loaded, path := scenario or simulating.scenario_beside(loaded))
     with (
         closing(terminal),
