@@ -59,7 +59,7 @@ class FlownTrajectory:
         return -self.positions[:, 2]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class FlightResult:
     """A flight that is over.
 
@@ -77,6 +77,10 @@ class FlightResult:
     trajectory: FlownTrajectory
     failure: CompanionError | None
     folder: Path | None
+
+    def __repr__(self) -> str:
+        """In a line: what was flown, and what became of it."""
+        return f"<{type(self).__name__} of {self.mission.name}: exit code {self.exit_code}>"
 
     @property
     def exit_code(self) -> int:

@@ -36,7 +36,7 @@ World: TypeAlias = "tuple[Scenario, OccupancyGrid | None]"
 """A scenario and its map; None is a world without walls."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SimulationResult(FlightResult):
     """A simulated flight that is over; its trajectory is where the vehicle truly was.
 
@@ -67,8 +67,10 @@ def simulate(
 
     >>> from companion import load_mission, simulate
     >>> run = simulate(load_mission("missions/surveillance.yaml"), seed=7)
-    >>> run.exit_code, run.events[-1].event
-    (0, TaskSatisfied(exit_code=0))
+    >>> run
+    <SimulationResult of surveillance: exit code 0>
+    >>> run.events[-1].event
+    TaskSatisfied(exit_code=0)
     >>> run.trajectory.positions.shape == (len(run.trajectory.times_s), 3)
     True
 
