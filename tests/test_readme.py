@@ -1,7 +1,7 @@
 """Every command of README.md and docs/ works: it is run here, or a file is named that runs it.
 
 A command is a line of a block that is fenced as sh or console (there, after `$ `). The console
-blocks of docs/tutorial.md build on each other: tests/test_tutorial.py runs them from top to bottom.
+blocks of FOLLOWED build on each other: tests/test_tutorial.py runs them from top to bottom.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 PAGES = {
     page: page.read_text(encoding="utf-8") for page in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
 }
-FOLLOWED = ROOT / "docs" / "tutorial.md"
+FOLLOWED = [ROOT / "docs" / name for name in ("tutorial.md", "how-to.md")]
 SCRIPTS = Path(sysconfig.get_path("scripts"))
 """Where `companion` and `sitl` are installed."""
 
@@ -139,7 +139,7 @@ def is_quick(command: str) -> bool:
     return False
 
 
-TEXTS = PAGES | {FOLLOWED: PAGES[FOLLOWED].replace("```console", "```")}
+TEXTS = PAGES | {page: PAGES[page].replace("```console", "```") for page in FOLLOWED}
 COMMANDS = list(dict.fromkeys(c for text in TEXTS.values() for c in commands(text)))
 QUICK = [command for command in COMMANDS if is_quick(command)]
 MISSIONS = [path.relative_to(ROOT) for path in (ROOT / "missions").glob("*.yaml")]

@@ -1,9 +1,9 @@
-"""docs/tutorial.md, followed to the letter in an empty home: what it shows is what one sees.
+"""docs/tutorial.md and docs/how-to.md, followed to the letter in an empty home: it is as they show.
 
-A block of YAML goes into the file that the text before it names last: as the whole file if it
-begins with `version`, else in place of the same keys, or at the end. The commands of console blocks
-are run one after another, and print the lines that are shown, in that order; `...` stands for lines
-that are left out.
+A block of YAML goes into the file that the text before it names last: as the whole file if it is
+not there yet or the block begins with `version`, else in place of the same keys, or at the end. The
+commands of console blocks are run one after another, and print the lines that are shown, in that
+order; `...` stands for lines that are left out.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 import pytest
 from first_installation import environment
 
-PAGE = Path(__file__).parents[1] / "docs" / "tutorial.md"
+DOCS = Path(__file__).parents[1] / "docs"
 SCRIPTS = sysconfig.get_path("scripts")
 BLOCK = re.compile(r"^```(yaml|console)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SECTION = re.compile(r"^(\w+):.*?(?=^\w+:|\Z)", re.MULTILINE | re.DOTALL)
@@ -39,7 +39,7 @@ class Reader:
     def writes(self, file: str, text: str) -> None:
         """Puts a block into a file."""
         path = self._folder / file
-        if text.startswith("version:"):
+        if text.startswith("version:") or not path.exists():
             path.write_text(text, encoding="utf-8")
             return
         content = path.read_text(encoding="utf-8")
@@ -98,13 +98,14 @@ def test_lines_may_be_left_out_where_it_says_so() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.sockets  # as others that fly; it opens one port, for a page
-def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
-    text = PAGE.read_text(encoding="utf-8")
+@pytest.mark.sockets  # as others that fly; one opens a port, for a page
+@pytest.mark.parametrize("page", ["tutorial.md", "how-to.md"])
+def test_a_page_can_be_followed(page: str, tmp_path: Path) -> None:
+    text = (DOCS / page).read_text(encoding="utf-8")
     reader = Reader(tmp_path)
     for block in BLOCK.finditer(text):
         if block[1] == "yaml":
-            reader.writes(re.findall(r"`([\w.]+\.yaml)`", text[: block.start()])[-1], block[2])
+            reader.writes(re.findall(r"`([\w.-]+\.yaml)`", text[: block.start()])[-1], block[2])
             continue
         commands = shown(block[2])
         following = [command for command, _ in commands[1:]] + [""]
