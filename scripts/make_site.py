@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parent.parent
-CONFIGURATION = "docs/zensical.toml"
+CONFIGURATION, STYLE = "docs/zensical.toml", "docs/site.css"
 PAGES = ("README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/*.md", "docs/decisions/*.md")
 BUILT = ROOT / "build" / "docs"
 _LINK = re.compile(r"\]\((?!https?:|mailto:)([^)#]+)(?:#[^)]*)?\)")
@@ -71,6 +71,7 @@ def build(root: Path, built: Path) -> None:
     """
     shutil.rmtree(built, ignore_errors=True)
     collect(root, built / "pages")
+    _copy(root, built / "pages", Path(STYLE))
     shutil.copy(root / CONFIGURATION, built)
     zensical = [sys.executable, "-m", "zensical", "build", "--clean", "--strict"]
     run = subprocess.run(

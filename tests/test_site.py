@@ -6,7 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from make_site import CONFIGURATION, ROOT, SiteError, build, collect, links, pages
+from make_site import CONFIGURATION, ROOT, STYLE, SiteError, build, collect, links, pages
 
 HOME = "# Home\n\nTo [more](docs/more.md#below), and a ![picture](docs/picture.png).\n"
 MORE = "# More\n\n## Below\n\n[Back](../README.md), [here](#below), `[code](nowhere)`.\n"
@@ -20,6 +20,7 @@ def small(tmp_path: Path) -> Path:
     (tmp_path / "README.md").write_text(HOME, encoding="utf-8")
     (tmp_path / "docs" / "more.md").write_text(MORE, encoding="utf-8")
     (tmp_path / "docs" / "picture.png").write_bytes(b"")
+    (tmp_path / STYLE).touch()
     (tmp_path / CONFIGURATION).write_text(NAVIGATION, encoding="utf-8")
     return tmp_path
 
