@@ -82,7 +82,8 @@ class ReplanTriggers:
         self._replanner = replanner
         self._reachability = replanner.reachability
         self._cut_off, self._line = Question[str](), Question[str]()
-        self._possible = Question[bool]()
+        self._possible, self._late = Question[bool](), Question[str]()
+        self._timed: tuple[Lasso, int] | None = None
         self.has_used_slice = False
 
     def adopt(self, lasso: Lasso) -> None:
@@ -93,13 +94,17 @@ class ReplanTriggers:
 
     def abandon(self) -> None:
         """The plan is not flown any more: what is thought over about it is not asked again."""
-        for question in (self._cut_off, self._line, self._possible):
+        for question in self._questions:
             question.abandon()
 
     @property
     def is_thinking(self) -> bool:
         """Whether a question about the plan is not answered yet."""
-        return any(question.is_open for question in (self._cut_off, self._line, self._possible))
+        return any(question.is_open for question in self._questions)
+
+    @property
+    def _questions(self) -> tuple[Question[str] | Question[bool], ...]:
+        return self._cut_off, self._line, self._possible, self._late
 
     def look(self, plan: PlanUnderWay) -> None:
         """Looks at events and map. What events have become is taken over if the plan stays best."""
@@ -218,6 +223,23 @@ class ReplanTriggers:
         task.keep_dropped()
         return f"{line} has a plan again" if line else None
 
+    # -- a bound will be late ------------------------------------------------------------------
+
+    def _may_be_late(self, plan: PlanUnderWay) -> bool:
+        flight = self._flight
+        may_replan = flight.task.running is not None and not flight.progress.is_landed_by_plan
+        is_timed = self._replanner.is_timed and not plan.is_leaving
+        return is_timed and may_replan and self._timed != (plan.lasso, flight.progress.completed)
+
+    def _will_be_late(self, plan: PlanUnderWay) -> str | None:
+        """Asked once after each completed skill."""
+        about = plan.lasso, self._flight.progress.completed
+        late = self._late.ask(about, lambda: self._replanner.lateness(plan.lasso) or "")
+        if late is None:
+            return None
+        self._timed = about
+        return late or None
+
     # -- the tree has failed -------------------------------------------------------------------
 
     def _has_failed(self, plan: PlanUnderWay) -> bool:
@@ -255,6 +277,7 @@ BEFORE_THE_TREE = (
     ReplanTrigger("flights take another energy", _T._is_figure_wrong, _T._figure_is_wrong),
     ReplanTrigger("the task has a plan again", _T._may_be_possible, _T._possible_again),
     ReplanTrigger("a line that was dropped can be kept", _T._may_take_up, _T._taken_up),
+    ReplanTrigger("a bound will be late", _T._may_be_late, _T._will_be_late),
 )
 AFTER_THE_TREE = (
     ReplanTrigger("the tree has failed", _T._has_failed, _T._failure),

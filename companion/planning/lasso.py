@@ -139,6 +139,13 @@ class Lasso:
         """Whether the loop is nothing but rest: after the prefix the task is done."""
         return all(a is WAIT for a in self.loop)
 
+    def rest(self, start: int) -> Lasso:
+        """What is left of it from position `start` on."""
+        if start <= len(self.prefix):
+            return Lasso(self.prefix[start:], self.loop)
+        flown = (start - len(self.prefix)) % len(self.loop)
+        return Lasso(self.loop[flown:] if flown else (), self.loop)
+
     def names(self, count: int, start: int = 0) -> list[str]:
         """The names of `count` actions from position `start` on.
 

@@ -92,3 +92,18 @@ def test_a_pause_uses_up_the_time_for_a_detour() -> None:
     first, again, *_ = reached(flight, "A")
     assert again - first <= 20.0
     assert reached(flight, "B")[0] > again
+
+
+def test_what_takes_longer_than_planned_leaves_the_rest_of_the_lap_for_later() -> None:
+    """A look takes 8 s, and not the second that the mission says: with B and C the lap is late."""
+    skills = deepcopy(DATA["skills"])
+    skills["move"]["effect"] += " & !looked(from)"
+    about = {"parameters": {"site": "Place"}, "precondition": "at(site)", "cost": 1}
+    skills["look"] = about | {"effect": "looked(site)", "execute": "wait(8)"}
+    often = {"often": "revisit(A) <= 28 s", "b": "G F looked(B)", "c": "G F looked(C)"}
+    flight = watch(None, skills=skills, task=often).run_for(150.0)
+    assert not told(flight, ConjunctViolated) and not told(flight, NoPlanFound)
+    first = next(e for e in told(flight, PlanReplaced) if isinstance(e, PlanReplaced))
+    assert first.reason.startswith("often: revisit(A) <= 28 s is late by 1.")
+    assert max(gaps(reached(flight, "A"))) <= 28.0
+    assert reached(flight, "B")[2:] and reached(flight, "C")[1:]

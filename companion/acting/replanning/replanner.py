@@ -29,6 +29,7 @@ from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Pro
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 from companion.planning.situation import TaskSituation
+from companion.planning.time_check import time_fault
 from companion.slices import InSlices, Question, spent, wait_a_tick
 
 COMPARED = 1000
@@ -237,6 +238,33 @@ class Replanner:
     def plan_now(self) -> Lasso | None:
         """The plan that would be made now for the lines that are kept; None if none is found."""
         return self._plan_without(self._flight.task.dropped)
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether the task has bounds in time."""
+        return self._planner.mission.is_timed
+
+    def lateness(self, lasso: Lasso) -> str | None:
+        """What will be late in the rest of a plan, in words, where another plan keeps all bounds.
+
+        As from the place left last, with what the clocks show and flights take now.
+        """
+        self.follow_map()
+        task = self._flight.task
+        problem, histories = without_lines(task.dropped, *task.problem())
+        now = {action.name: action for action in problem.actions}
+        rest = lasso.rest(self._flight.progress.completed)
+        prefix, loop = (
+            tuple(now.get(action.name, action) for action in part)
+            for part in (rest.prefix, rest.loop)
+        )
+        fault = time_fault(problem, Lasso(prefix, loop))
+        if fault is None:
+            return None
+        new = self._search(problem, histories)
+        if not isinstance(new, Lasso) or self.is_rest_of(lasso, new):
+            return None
+        return fault if time_fault(problem, new) is None else None
 
     @property
     def is_possible(self) -> bool:

@@ -553,6 +553,7 @@ def test_the_triggers_are_looked_at_in_their_order() -> None:
         "flights take another energy",
         "the task has a plan again",
         "a line that was dropped can be kept",
+        "a bound will be late",
         "the tree has failed",
         "a line of the task is violated",
     ]
