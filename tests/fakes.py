@@ -296,6 +296,7 @@ class FakeVehicle:
         is_stuck: it moves no longer.
         frame_doubt: why its position is not certain; nothing at first.
         location: where its frames lie on the earth; not known at first.
+        is_home_fixed: home lies where it does wherever the vehicle stands.
         is_home_recalled: the mission begins where another program's flights have begun.
         is_turning: its heading is that of its setpoint.
         payloads: its payloads.
@@ -320,7 +321,7 @@ class FakeVehicle:
         self.is_doubted = False
         self.frame_doubt: Refusal | None = None
         self.location: FrameLocation | None = None
-        self.is_home_recalled = False
+        self.is_home_fixed = self.is_home_recalled = False
         self.refusal: Refusal | None = None
         self.takeoff_up_m = 2.0
         self.script: dict[Goal, tuple[float, Outcome]] = {}

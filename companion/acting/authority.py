@@ -17,6 +17,7 @@ from companion.geometry import FAR_M, is_in_polygon
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Refusal
+from companion.vehicle.mission_frame import EXACT_M
 from companion.vehicle.port import Mode, VehicleState
 
 LINK_LOST_S = 10.0
@@ -27,6 +28,9 @@ SILENT_S = 3.0
 """Silence after which a vehicle in the air is waited for: nothing is sent, and no time counts."""
 ASTRAY_M = 1.0
 """Above the altitudes of the mission: what a vehicle that holds may be off by."""
+LANDING_M = 1.0
+"""So much further away an autopilot may land whose velocity is off: with PX4's own simulator it is by
+0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
@@ -51,20 +55,27 @@ def why_left_alone(state: VehicleState | None, now_s: float) -> Refusal | None:
 
 
 def not_at_home(
-    gap_m: float, state: VehicleState, home: Place, is_recalled: bool = False
+    gap_m: float,
+    state: VehicleState,
+    home: Place,
+    is_fixed: bool = False,
+    is_recalled: bool = False,
 ) -> Aborted | None:
     """Returns why the mission may not begin where the vehicle stands; None if it may.
 
     What the position may be off by is added to the radius of home: a vehicle that has landed
-    there by an estimate that wanders stands beside it, and may begin again.
+    there by an estimate that wanders stands beside it, and may begin again. Where no map goes along
+    with it, it may have landed further away.
 
     Args:
         gap_m: from the vehicle to home.
         state: of the vehicle.
         home: where the mission begins.
+        is_fixed: that lies where it does wherever the vehicle stands.
         is_recalled: that is where another program's flights have begun.
     """
-    if gap_m <= home.inner_m + greatest_error_m(state.accuracy_m):
+    landing_m = LANDING_M if is_fixed and state.accuracy_m > EXACT_M else 0.0
+    if gap_m <= home.inner_m + greatest_error_m(state.accuracy_m) + landing_m:
         return None
     if gap_m > FAR_M:
         what = f"the vehicle is {gap_m / 1000:.0f} km from {home.name}, where the mission begins"

@@ -52,7 +52,8 @@ class Beginning:
             gap_m = vehicle.gap_m(home.position)
             if gap_m is None:
                 return Progress.RUNNING
-            if elsewhere := not_at_home(gap_m, state, home, vehicle.is_home_recalled):
+            fixed, recalled = vehicle.is_home_fixed, vehicle.is_home_recalled
+            if elsewhere := not_at_home(gap_m, state, home, fixed, recalled):
                 return elsewhere
             if (loaded := self._load()) is not Progress.DONE:
                 return loaded

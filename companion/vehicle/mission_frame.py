@@ -200,6 +200,11 @@ class MissionFrame:
         return LaidHome(self._home, self.altitude_m, self.reference)
 
     @property
+    def is_fixed(self) -> bool:
+        """Whether it lies where it does wherever the vehicle stands when a sortie begins."""
+        return self.is_laid or self.anchor is not None
+
+    @property
     def is_recalled(self) -> bool:
         """Whether the mission begins where another program has laid its frame."""
         return self._is_recalled and self.anchor is None
@@ -227,8 +232,7 @@ class MissionFrame:
             most_m: greatest distance from where it was laid.
         """
         shift = (self._shift[0] + by[0], self._shift[1] + by[1])
-        lies_for_good = self.is_laid or self.anchor is not None
-        if lies_for_good and math.hypot(*shift) <= most_m:
+        if self.is_fixed and math.hypot(*shift) <= most_m:
             self._shift = shift
 
 

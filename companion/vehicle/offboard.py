@@ -248,6 +248,11 @@ class MavlinkVehicle:
         return outcome
 
     @property
+    def is_home_fixed(self) -> bool:
+        """Whether home lies where it does wherever the vehicle stands now."""
+        return self._telemetry.frame.is_fixed
+
+    @property
     def is_home_recalled(self) -> bool:
         """Whether the mission begins where another program's flights have begun."""
         return self._telemetry.frame.is_recalled

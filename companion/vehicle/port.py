@@ -273,6 +273,10 @@ class Vehicle(Protocol):
         """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
 
     @property
+    def is_home_fixed(self) -> bool:
+        """Whether home lies where it does wherever the vehicle stands now."""
+
+    @property
     def is_home_recalled(self) -> bool:
         """Whether the mission begins where another program's flights have begun."""
 

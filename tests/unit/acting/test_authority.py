@@ -11,6 +11,7 @@ import pytest
 from fakes import on_hold
 
 from companion.acting.authority import (
+    LANDING_M,
     is_silent,
     loss_of_control,
     loss_of_link,
@@ -107,6 +108,20 @@ def test_home_is_as_wide_as_its_radius_and_what_the_position_may_be_off_by(
     assert not_at_home(wide_m, state, HOME) is None
     assert reason(not_at_home(wide_m + EPSILON, state, HOME)) == (
         f"the vehicle stands {wide_m:.1f} m from Home, where the mission begins; put it there"
+    )
+
+
+@pytest.mark.parametrize(("accuracy_m", "further_m"), [(0.05, 0.0), (0.3, LANDING_M)])
+def test_where_no_map_goes_along_it_may_have_landed_further_away(
+    accuracy_m: float, further_m: float
+) -> None:
+    state = replace(STANDING, accuracy_m=accuracy_m)
+    wide_m = HOME.inner_m + greatest_error_m(accuracy_m) + further_m
+    assert not_at_home(wide_m, state, HOME, is_fixed=True) is None
+    refused = not_at_home(wide_m + EPSILON, state, HOME, is_fixed=True, is_recalled=True)
+    assert reason(refused) == (
+        f"the vehicle stands {wide_m:.1f} m from Home, where the mission begins; put it there\n"
+        "    an earlier flight has begun there; restart the autopilot to begin elsewhere"
     )
 
 
