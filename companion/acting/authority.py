@@ -29,8 +29,8 @@ SILENT_S = 3.0
 ASTRAY_M = 1.0
 """Above the altitudes of the mission: what a vehicle that holds may be off by."""
 LANDING_M = 1.0
-"""So much further away an autopilot may land whose velocity is off: with PX4's own simulator it is by
-0.4 m/s, for the 6 s that a landing from 2 m takes."""
+"""So much further away an autopilot may land whose velocity is off: with PX4's own simulator it is
+by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
