@@ -140,12 +140,9 @@ class Telemetry:
     def stand_at(self, place: Ned) -> None:
         """The vehicle stands at a place, before its first sortie: the frame is laid so."""
         self.frame.lay(place)
-        self._remember_frame()
-        self._state = None
-
-    def _remember_frame(self) -> None:
         if self._laid is not None:
             self._laid.note(self.frame, self._system, self._measured_s)
+        self._state = None
 
     def move(self, by: NorthEast, most_m: float) -> None:
         """The vehicle is so much further than its position says: the frame is moved.
@@ -242,8 +239,6 @@ class Telemetry:
         origin = self.origins.origin
         if origin is not None and origin != self.frame.reference:
             self.frame.take_reference(origin)
-            if not self.is_flown:
-                self._remember_frame()
 
     def _on_attitude(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.yaw):
