@@ -42,6 +42,16 @@ def links(text: str) -> list[str]:
     return list(dict.fromkeys(_LINK.findall(_CODE.sub("", text))))
 
 
+def as_zensical_reads_it(text: str) -> str:
+    r"""A page with the bars in code of tables as they are.
+
+    Elsewhere they have to be escaped, and here they would be shown with the escape.
+    """
+    rows = re.compile(r"^\|.*$", re.MULTILINE)
+    code = re.compile(r"`[^`\n]+`")
+    return rows.sub(lambda row: code.sub(lambda c: c[0].replace(r"\|", "|"), row[0]), text)
+
+
 def collect(root: Path, folder: Path) -> None:
     """Copies the pages of a repository, and the files that they link to, into a folder.
 
@@ -51,12 +61,16 @@ def collect(root: Path, folder: Path) -> None:
     known = pages(root)
     _check_navigation(root, known)
     for page in known:
-        _copy(root, folder, page)
-        for link in links((root / page).read_text(encoding="utf-8")):
+        text = (root / page).read_text(encoding="utf-8")
+        for link in links(text):
             linked = (root / page.parent / link).resolve()
             if not linked.is_file() or not linked.is_relative_to(root.resolve()):
                 raise SiteError(f"{page}: {link} is no file of the repository")
             _copy(root, folder, linked.relative_to(root.resolve()))
+    for page in known:
+        (folder / page).parent.mkdir(parents=True, exist_ok=True)
+        text = (root / page).read_text(encoding="utf-8")
+        (folder / page).write_text(as_zensical_reads_it(text), encoding="utf-8")
 
 
 def build(root: Path, built: Path) -> None:

@@ -6,7 +6,17 @@ import shutil
 from pathlib import Path
 
 import pytest
-from make_site import CONFIGURATION, ROOT, STYLE, SiteError, build, collect, links, pages
+from make_site import (
+    CONFIGURATION,
+    ROOT,
+    STYLE,
+    SiteError,
+    as_zensical_reads_it,
+    build,
+    collect,
+    links,
+    pages,
+)
 
 HOME = "# Home\n\nTo [more](docs/more.md#below), and a ![picture](docs/picture.png).\n"
 MORE = "# More\n\n## Below\n\n[Back](../README.md), [here](#below), `[code](nowhere)`.\n"
@@ -34,6 +44,12 @@ def test_pages_and_what_they_link_to_are_collected(tmp_path: Path) -> None:
 
 def test_links_in_code_are_none() -> None:
     assert links("[a](b.md#c) [a](b.md)\n```\n[d](e)\n```\n`[f](g)` <h> [i](https://j)") == ["b.md"]
+
+
+def test_a_bar_in_the_code_of_a_table_is_not_escaped() -> None:
+    """GitHub wants it, and Python's Markdown shows it."""
+    page = "| `a \\| b` | c \\| d |\n`e \\| f`\n"
+    assert as_zensical_reads_it(page) == "| `a | b` | c \\| d |\n`e \\| f`\n"
 
 
 @pytest.mark.slow
