@@ -106,6 +106,7 @@ OPTIONS = {
     ],
     "audit": ["--json"],
     "export": ["--output", "--home"],
+    "figure": ["--format", "--output"],
     "import": ["--output", "--home", "--up-m", "--payload", "--leave-out", "--name"],
     "replay": ["--port", "--open", "--mcap"],
     "upload": ["--connect", "--system", *SIGNING, "--start", "--timeout", "--verbose"],

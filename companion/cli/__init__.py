@@ -23,6 +23,7 @@ from companion.cli.campaigns import campaign
 from companion.cli.checking import check
 from companion.cli.doctor import doctor
 from companion.cli.falsifying import falsify
+from companion.cli.figures import figure
 from companion.cli.flying import run
 from companion.cli.formulas import ltl
 from companion.cli.keys import key
@@ -63,6 +64,7 @@ for command in (
     upload,
     watch,
     export,
+    figure,
     skills,
     doctor,
 ):

@@ -11,8 +11,8 @@ from companion.record.charge_trail import ChargeTrail
 
 LONG_S = 600.0
 """From here on time is in minutes."""
-MOST_NUMBERS = 40
-"""Replans that have their numbers written."""
+LEAST_APART = 0.06
+"""Of the time that is drawn: replans nearer than that to the last numbered one have no number."""
 ABOVE_PERCENT = 3.0
 
 
@@ -31,13 +31,15 @@ def draw_charge(axis: Axes, trail: ChargeTrail) -> None:
         axis.plot(times, required, ".:", color="tab:red", linewidth=1.2, label=labels[1])
     if trail.reserve_percent is not None:
         axis.axhline(trail.reserve_percent, color="tab:red", linewidth=1.0, label="reserve")
+    numbered_s = -math.inf
     for time_s, replan in trail.replans:
         axis.axvline(time_s / unit_s, color="tab:gray", linewidth=0.8)
-        if len(trail.replans) <= MOST_NUMBERS:
-            where = time_s / unit_s, 100.0
+        if time_s - numbered_s >= LEAST_APART * (trail.end_s - trail.measured[0][0]):
+            numbered_s = time_s
             axis.annotate(
                 f"replan {replan}",
-                where,
+                (time_s / unit_s, 1.0),
+                xycoords=axis.get_xaxis_transform(),
                 xytext=(2, -9),
                 textcoords="offset points",
                 fontsize="small",

@@ -26,9 +26,10 @@ def draw_here(mission: Mission, trail: Trail, path: Path) -> None:
     Raises:
         OSError: it cannot be written.
     """
+    from companion.record.backdrop import backdrop_of
     from companion.record.figure import draw_flight
 
-    draw_flight(mission, trail, path)
+    draw_flight(backdrop_of(mission), trail, path)
 
 
 def draw_in_child(mission: Mission, trail: Trail, path: Path) -> None:

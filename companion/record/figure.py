@@ -1,42 +1,56 @@
 """flight.png: the flight over the shaded distance field, as Fig. 7 of the paper.
 
-One panel per plan: what was flown while it was valid is drawn bold, what came before pale. The
-darker a cell, the nearer the next obstacle. Below, where plans reckon with the charge, or the
-vehicle was charged, the charge over time.
+One panel per plan: what was flown while it was valid is drawn bold, with arrows, what came before
+pale. The darker a cell, the nearer the next obstacle. Below, where plans reckon with the charge, or
+the vehicle was charged, the charge over time.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import textwrap
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.lines import Line2D
 
-from companion.geometry import Ned, NorthEast, enu_from_ned
-from companion.mission.model import Mission
+from companion.geometry import Ned, enu_from_ned
+from companion.record.backdrop import Backdrop
 from companion.record.charge_figure import draw_charge
+from companion.record.labels import write_names
 from companion.record.trail import Trail
 
 PANEL_INCHES = (5.4, 4.2)
 CHARGE_INCHES = 2.1
 """Height of the strip of the charge."""
+LEGEND_INCHES = 0.35
 COLUMNS = 3
 """At most so many panels side by side."""
-SHADE_LIMIT_M = 3.0
-"""Distance to the next obstacle from which on a cell is white."""
+TITLE_LETTERS = 50
+"""Of a line of a title."""
+ARROWS, ARROW_EVERY = 6, 0.2
+"""Of a part at most; and how far apart, as a share of the panel's width."""
+ARROW = {"arrowstyle": "-|>", "color": "tab:blue", "mutation_scale": 14, "shrinkA": 0, "shrinkB": 0}
+NOW, BEFORE, BEGIN, END = "tab:blue", "lightsteelblue", "tab:green", "tab:red"
 
 
-def draw_flight(mission: Mission, trail: Trail, path: Path) -> None:
-    """Draws a flight to a PNG file."""
-    figure_of(mission, trail).savefig(path, dpi=110)
+def draw_flight(backdrop: Backdrop, trail: Trail, path: Path) -> None:
+    """Draws a flight to a file: PNG, PDF or SVG, by its name.
+
+    Equal flights give equal files; an SVG has its words as words.
+    """
+    undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+    with mpl.rc_context({"svg.hashsalt": "flight", "svg.fonttype": "none"}):
+        metadata = undated.get(path.suffix.lower())
+        figure_of(backdrop, trail).savefig(path, dpi=110, metadata=metadata)
 
 
-def figure_of(mission: Mission, trail: Trail) -> Figure:
+def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
     """A flight, a panel for each part of its trail; east to the right, north up, metres.
 
     Below is the charge, if it says something.
@@ -46,59 +60,70 @@ def figure_of(mission: Mission, trail: Trail) -> Figure:
     columns = math.ceil(panels / rows)
     width, height = PANEL_INCHES[0] * columns, PANEL_INCHES[1] * rows
     strip = CHARGE_INCHES if trail.charge.says_something else 0.0
-    figure = Figure(figsize=(width, height + strip), layout="constrained")
+    figure = Figure(figsize=(width, height + strip + LEGEND_INCHES), layout="constrained")
     FigureCanvasAgg(figure)
     heights = [PANEL_INCHES[1]] * rows + [strip] * bool(strip)
     grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
     if strip:
         draw_charge(figure.add_subplot(grid[rows, :]), trail.charge)
+    parts = [(title, _east_north(positions)) for title, positions in trail.parts]
     axes = [figure.add_subplot(grid[divmod(i, columns)]) for i in range(panels)]
     for i, axis in enumerate(axes):
-        _draw_hall(mission, axis)
-        for _, positions in trail.parts[:i]:
-            _draw_path(axis, positions, is_present=False)
-        if trail.parts:
-            title, positions = trail.parts[i]
-            _draw_path(axis, positions, is_present=True)
-            axis.set_title(f"({chr(ord('a') + i)}) {title}")
+        backdrop.draw(axis)
+        for _, points in parts[:i]:
+            axis.plot(*points.T, color=BEFORE, linewidth=1.2)
+        if parts:
+            title, points = parts[i]
+            _draw_part(axis, points)
+            axis.set_title(textwrap.fill(f"({chr(ord('a') + i)}) {title}", TITLE_LETTERS))
+    handles = [*_legend(len(parts)), *backdrop.legend]
+    figure.legend(
+        handles=handles,
+        loc="outside lower center",
+        ncols=min(len(handles), 3 * columns),
+        fontsize="small",
+        frameon=False,
+    )
+    figure.draw_without_rendering()  # lays it out
+    names = {name: enu_from_ned(at)[:2] for name, (at, _) in backdrop.places.items()}
+    for i, axis in enumerate(axes):
+        drawn = [points for _, points in parts[: i + 1]]
+        write_names(axis, names, np.vstack([np.empty((0, 2)), *drawn]))
     return figure
 
 
-def _draw_hall(mission: Mission, axis: Axes) -> None:
-    grid = mission.grid
-    rows, cols = grid.occupied.shape
-    north, east = grid.origin
-    extent = (east, east + cols * grid.cell_m, north, north + rows * grid.cell_m)
-    near = np.minimum(grid.distance_m / SHADE_LIMIT_M, 1.0)
-    shade = np.where(grid.occupied, 0.0, 0.25 + 0.75 * near)
-    axis.imshow(shade, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=extent)
-    for wall in mission.walls:
-        if wall.up_m is not None:
-            axis.add_patch(_patch(wall.corners, edgecolor="tab:gray", hatch="xx"))
-    for zone in mission.limits.keep_out.values():
-        axis.add_patch(_patch(zone, edgecolor="tab:red", hatch="//"))
-    for place in mission.places.values():
-        x, y, _ = enu_from_ned(place.position)
-        if corners := place.region.outline():
-            axis.add_patch(_patch(corners, edgecolor="tab:orange"))
-        axis.plot(x, y, "o", color="tab:orange", markersize=5)
-        axis.annotate(place.name, (x, y), xytext=(4, 4), textcoords="offset points", color="k")
-    axis.set_aspect("equal")
-    axis.set_xlabel("east [m]")
-    axis.set_ylabel("north [m]")
+def _east_north(positions: list[Ned]) -> npt.NDArray[np.float64]:
+    """(n, 2)"""
+    return np.array([enu_from_ned(p)[:2] for p in positions]).reshape(-1, 2)
 
 
-def _patch(corners: Iterable[NorthEast], edgecolor: str, hatch: str | None = None) -> Polygon:
-    points = [(east, north) for north, east in corners]
-    return Polygon(points, facecolor="none", edgecolor=edgecolor, hatch=hatch)
-
-
-def _draw_path(axis: Axes, positions: list[Ned], is_present: bool) -> None:
-    if not positions:
+def _draw_part(axis: Axes, points: npt.NDArray[np.float64]) -> None:
+    """What was flown with one plan."""
+    if not len(points):
         return
-    points = np.array([enu_from_ned(p) for p in positions])
-    color, width = ("tab:blue", 2.0) if is_present else ("lightsteelblue", 1.2)
-    axis.plot(points[:, 0], points[:, 1], color=color, linewidth=width)
-    if is_present:
-        axis.plot(*points[0, :2], "^", color="tab:green", markersize=7)
-        axis.plot(*points[-1, :2], "s", color="tab:red", markersize=6)
+    axis.plot(*points.T, color=NOW, linewidth=2.0)
+    axis.plot(*points[0], "^", color=BEGIN, markersize=7)
+    axis.plot(*points[-1], "s", color=END, markersize=6)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    low, high = axis.get_xlim()
+    count = min(ARROWS, int(along[-1] / (ARROW_EVERY * (high - low))))
+    for share in (np.arange(count) + 0.5) / max(1, count):
+        here = min(int(np.searchsorted(along, share * along[-1])), len(points) - 1)
+        before = int(np.searchsorted(along, along[here] - 0.02 * (high - low)))
+        if before < here:
+            axis.annotate(
+                "",
+                points[here],
+                xytext=points[before],
+                arrowprops=ARROW,
+            )
+
+
+def _legend(parts: int) -> list[Line2D]:
+    if not parts:
+        return []
+    flown = Line2D([], [], color=NOW, linewidth=2.0, label="flown with this plan")
+    before = Line2D([], [], color=BEFORE, linewidth=1.2, label="before")
+    begin = Line2D([], [], color=BEGIN, marker="^", linestyle="", label="where it begins")
+    end = Line2D([], [], color=END, marker="s", linestyle="", label="where it ends")
+    return [flown, *[before] * (parts > 1), begin, end]

@@ -105,17 +105,15 @@ class RunFolder:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
         if stamped.event in self._told:
             return  # the run that was cut off has told it
-        self.trail.charge.take(stamped)
+        self.trail.take(stamped)
         if stamped.event.is_told:
             self._tell(stamped)
         with self._going_on():
             self._events.write(json.dumps(line_of(stamped)) + "\n")
             self._events.flush()
             match stamped.event:
-                case PlanMade(number=number) as plan:
-                    self._plan(number, plan, "first plan")
-                case PlanReplaced(number=number, reason=reason) as plan:
-                    self._plan(number, plan, f"replan {number}: {reason}")
+                case PlanMade(number=number) | PlanReplaced(number=number) as plan:
+                    self._plan(number, plan)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Appends frames to flight.tlog; none with a signing key in it."""
@@ -160,11 +158,10 @@ class RunFolder:
                 self._is_failing = True
                 self._tell(Stamped(0.0, RecordingFailed(str(error.strerror))))
 
-    def _plan(self, number: int, plan: FlightEvent, title: str) -> None:
-        """Writes a plan; the trail's next part belongs to it."""
+    def _plan(self, number: int, plan: FlightEvent) -> None:
+        """Writes a plan."""
         path = self.folder / f"plan-{number}.json"
         path.write_text(json.dumps(json_of(plan), indent=2) + "\n", encoding="utf-8")
-        self.trail.begin(title)
 
 
 class _Told:

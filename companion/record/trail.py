@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from companion.flight_events.event import Stamped
+from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.geometry import Ned
 from companion.record.charge_trail import ChargeTrail
 
@@ -26,6 +28,15 @@ class Trail:
     charge: ChargeTrail = field(default_factory=ChargeTrail)
     _added: int = 0
     _stride: int = 1
+
+    def take(self, stamped: Stamped) -> None:
+        """Something has happened: a plan begins another part."""
+        self.charge.take(stamped)
+        match stamped.event:
+            case PlanMade():
+                self.begin("first plan")
+            case PlanReplaced(number=number, reason=reason):
+                self.begin(f"replan {number}: {reason}")
 
     def begin(self, title: str) -> None:
         """Starts a part; the last of all has what is left of the flight."""

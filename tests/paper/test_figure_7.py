@@ -25,6 +25,7 @@ from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission
+from companion.record.backdrop import backdrop_of
 from companion.record.figure import figure_of
 from companion.record.run_folder import RunFolder
 from companion.record.trail import Trail
@@ -146,7 +147,7 @@ def test_c_the_upload_has_failed_and_the_vehicle_flies_to_r2_and_home(
 
 @pytest.fixture(scope="module")
 def panels(flown: Flown, section_v: Mission) -> list[Axes]:
-    return figure_of(section_v, flown.trail).axes
+    return figure_of(backdrop_of(section_v), flown.trail).axes
 
 
 def paths(panel: Axes) -> list[np.ndarray]:

@@ -24,6 +24,7 @@ from companion.flight_events.tree import (
     TreeBuilt,
     TreeStopped,
 )
+from companion.record.backdrop import backdrop_of
 from companion.record.charge_trail import MARKS_MAX, POINTS_MAX, ChargeAt, ChargeTrail
 from companion.record.figure import draw_flight, figure_of
 from companion.record.trail import Trail
@@ -134,11 +135,11 @@ def test_the_strip_shows_what_is_known(tmp_path: Path) -> None:
     trail = drawn(
         [*MEASURED, (1.0, PLAN), (12.0, PlaceReached("D", "move(A, D)")), *charged, replan]
     )
-    strip = figure_of(mission("F at(A)"), trail).axes[0]
+    strip = figure_of(backdrop_of(mission("F at(A)")), trail).axes[0]
     told = {text.get_text() for text in strip.get_legend().get_texts()}
     assert told == {"measured", "planned at least", "required", "reserve", "charging"}
     assert [text.get_text() for text in strip.texts] == ["replan 1"]
-    draw_flight(mission("F at(A)"), trail, tmp_path / "flight.png")
+    draw_flight(backdrop_of(mission("F at(A)")), trail, tmp_path / "flight.png")
     with Image.open(tmp_path / "flight.png") as image:
         assert image.height > 550
 
@@ -147,4 +148,4 @@ def test_the_strip_shows_what_is_known(tmp_path: Path) -> None:
 def test_without_anything_to_say_there_is_no_strip(
     happened: list[tuple[float, FlightEvent]],
 ) -> None:
-    assert len(figure_of(mission("F at(A)"), drawn(happened)).axes) == 1
+    assert len(figure_of(backdrop_of(mission("F at(A)")), drawn(happened)).axes) == 1

@@ -27,6 +27,7 @@ from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, StoppedAsAsked
 from companion.flight_events.word import PositionLeft
 from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.record.backdrop import backdrop_of
 from companion.record.drawing import draw_here, draw_in_child
 from companion.record.figure import draw_flight
 from companion.record.run_folder import RunFolder
@@ -207,7 +208,7 @@ def test_the_trail_of_a_long_flight_stays_small_and_whole(tmp_path: Path) -> Non
     assert title == f"replan {PARTS_MAX - 1} and all later plans"
     assert last[0] == (PARTS_MAX - 1.0, 0.0, -2.0)
     assert last[-1][0] == 499.0
-    draw_flight(mission("F at(A)"), trail, tmp_path / "flight.png")
+    draw_flight(backdrop_of(mission("F at(A)")), trail, tmp_path / "flight.png")
     assert max(size_of(tmp_path / "flight.png")) < 4000
 
 
@@ -232,7 +233,7 @@ def test_what_was_flown_can_be_seen(tmp_path: Path) -> None:
         trail.begin("first plan")
         for share in (0.0, 0.5, 1.0):
             trail.add((goal[0] * share, goal[1] * share, -2.0))
-        draw_flight(mission("F at(A)"), trail, tmp_path / "flight.png")
+        draw_flight(backdrop_of(mission("F at(A)")), trail, tmp_path / "flight.png")
         with Image.open(tmp_path / "flight.png") as image:
             pictures.append(image.convert("RGB").tobytes())
     assert pictures[0] != pictures[1]

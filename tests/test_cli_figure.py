@@ -1,0 +1,50 @@
+"""What `companion figure` draws of a recorded run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from commands import Companion
+
+from companion import load_mission, simulate
+from companion.api.figures import backdrop_of_run, trail_of_run
+from companion.record.backdrop import backdrop_of
+
+MISSIONS = Path(__file__).parents[1] / "missions"
+
+
+@pytest.fixture(scope="module")
+def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("run")
+    simulate(load_mission(MISSIONS / "surveillance.yaml"), folder=folder)
+    return folder
+
+
+def test_a_run_has_the_trail_and_the_world_of_its_flight(run_folder: Path) -> None:
+    trail, backdrop = trail_of_run(run_folder), backdrop_of_run(run_folder)
+    known = backdrop_of(load_mission(MISSIONS / "surveillance.yaml"))
+    assert [title for title, _ in trail.parts] == [
+        "first plan",
+        "replan 1: target found",
+        "replan 2: upload(r1) failed: denied",
+    ]
+    for _, positions in trail.parts:
+        assert len(positions) > 20
+    assert backdrop.places.keys() == known.places.keys()
+    assert backdrop.fence == known.fence
+    assert (backdrop.grid.occupied == known.grid.occupied).all()
+
+
+@pytest.mark.parametrize("name", ["flight.pdf", "flight.svg"])
+def test_it_is_drawn_beside_the_run(companion: Companion, run_folder: Path, name: str) -> None:
+    ended = companion("figure", run_folder, "--format", name.partition(".")[2])
+    assert (ended.code, ended.out) == (0, f"written    {run_folder / name}\n")
+    assert (run_folder / name).stat().st_size > 10_000
+
+
+def test_mistakes_are_answered(companion: Companion, run_folder: Path, tmp_path: Path) -> None:
+    assert "none of .pdf, .svg, .png" in companion("figure", run_folder, "-o", "a.doc").err
+    assert "cannot be shown: scene.json" in companion("figure", tmp_path).err
+    ended = companion("figure", run_folder, "-o", tmp_path / "nowhere" / "a.pdf")
+    assert ended.code == 1 and "cannot write" in ended.err
