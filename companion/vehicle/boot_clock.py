@@ -4,7 +4,8 @@ A link that buffers hands on old positions as if they were new. The autopilot st
 own clock, and tells by TIMESYNC what that clock shows. It showed `tc1` after our question was sent,
 so what is stamped `tc1` was measured no earlier than that. This bound is taken: nothing is taken
 for newer than it is, nor for older by more than the question took on its way. Of the answers of
-WINDOW_S the one with the least round trip counts.
+WINDOW_S the one with the latest bound counts: its question was the quickest. A clock that falls
+behind ours, as a simulated autopilot's does on a busy machine, has it in the newest answer.
 
 Rules:
 1. A question a second until FEW are answered, then one in RELAXED_S.
@@ -96,8 +97,7 @@ class BootClock:
         self._follow(boot_s)
         if not self._answers:
             return now_s
-        best = min(self._answers)
-        return min(now_s, best.asked_s + boot_s - best.boot_s)
+        return min(now_s, boot_s + max(each.asked_s - each.boot_s for each in self._answers))
 
     @property
     def offset(self) -> ClockOffset | None:
