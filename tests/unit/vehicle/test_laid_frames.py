@@ -119,13 +119,14 @@ def test_a_mission_in_latitude_and_longitude_leaves_no_frame() -> None:
 def test_the_same_frame_is_kept_once_and_the_newest_ones_alone() -> None:
     computer = Computer()
     laid_at_home(computer)
-    first = computer.kept
-    computer.now_s += 1.0
-    again = standing_at(BESIDE)
+    computer.now_s += 500.0
+    again, boot_s = standing_at(BESIDE), 100.0 + 500.0 - SAME_BOOT_S / 2
     program = computer.program()
-    program.recall(again, system=1, boot_s=101.0)
-    program.note(again, system=1, boot_s=101.0)
-    assert computer.kept is first
+    program.recall(again, system=1, boot_s=boot_s)
+    program.note(again, system=1, boot_s=boot_s)
+    (kept,) = computer.kept
+    assert kept.laid.local == HOME
+    assert kept.booted_s == computer.now_s - boot_s, "as it is reckoned now"
     for _ in range(MOST_FRAMES + 3):
         computer.now_s += 1000.0
         laid_at_home(computer)
