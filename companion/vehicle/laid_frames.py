@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from companion.vehicle.mission_frame import LaidHome, MissionFrame
 
 SAME_BOOT_S = 10.0
-"""Two reckonings of one boot differ by less: clocks that drift apart by 100 millionths for a day, or
-by 2 %, as that of a simulated autopilot on a busy machine, for eight minutes between two sorties.
-What lies between two boots takes longer: a flight."""
+"""Two reckonings of one boot differ by less: clocks that drift apart by 100 millionths for a day,
+or by 2 %, as that of a simulated autopilot on a busy machine, for eight minutes between two
+sorties. What lies between two boots takes longer: a flight."""
 MOST_FRAMES = 16
 """The newest ones are remembered."""
 
