@@ -32,6 +32,7 @@ LANDING_M = 1.0
 """So much further away an autopilot may land whose velocity is off: with PX4's own simulator it is
 by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
+UNNOTICED = "the autopilot goes on landing; where the vehicle stands already, disarm it by hand"
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
@@ -95,6 +96,8 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
     is_down = state.is_landed and not state.is_armed
+    if (unnoticed := flight.progress.unnoticed_landing) is not None:
+        return Aborted(f"{unnoticed.reason}\n    {UNNOTICED}")
     if is_flying and is_down and not flight.progress.is_landed_by_plan:
         return Aborted("the vehicle was disarmed")
     return None

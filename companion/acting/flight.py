@@ -21,7 +21,7 @@ from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory, times
 from companion.planning.task_state import TaskState
-from companion.vehicle.port import Setpoint, Vehicle, VehicleState
+from companion.vehicle.port import Failed, Setpoint, Vehicle, VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 TICK_S = 0.05
@@ -39,6 +39,8 @@ class PlanProgress:
             that land and take off write it.
         is_stranded: an action has failed there; `ActionNode` writes it.
         is_descending: the vehicle comes down to the marker of its place; the leaf writes it.
+        unnoticed_landing: the autopilot lands, and does not say that it has; the leaves that land
+            write it.
     """
 
     completed: int = 0
@@ -46,6 +48,7 @@ class PlanProgress:
     is_landed_by_plan: bool = False
     is_stranded: bool = False
     is_descending: bool = False
+    unnoticed_landing: Failed | None = None
 
 
 @dataclass

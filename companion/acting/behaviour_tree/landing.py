@@ -2,7 +2,8 @@
 
 While the vehicle is on the ground by its own plan (`PlanProgress.is_landed_by_plan`), nothing
 interrupts the plan, and to be disarmed is no loss of control. A vehicle whose plan fails there
-takes off again before the next plan begins (`sortie.py`).
+takes off again before the next plan begins (`sortie.py`). One whose autopilot lands and does not
+say that it has is left to that: it stands somewhere, with a height that is wrong.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from companion.flight_events.sortie import (
 )
 from companion.flight_events.tree import LeafType
 from companion.mission.facts import AT
-from companion.vehicle.port import Failed, Goal, Progress
+from companion.vehicle.port import Failed, Goal, Mode, Progress
 
 NO_CHARGE_S = 120.0
 """Time without one more percent after which a charger is given up."""
@@ -55,6 +56,10 @@ class ReachGoals(Leaf):
             flight.hold()  # until the autopilot does
         outcome = flight.vehicle.pursue(self._left[0], self.takeoff_up_m)
         if isinstance(outcome, Failed):
+            state, is_landing = flight.vehicle.state, self._left[0] is Goal.LANDED
+            if is_landing and state is not None and state.mode is Mode.LAND:
+                flight.progress.unnoticed_landing = outcome
+                return Status.RUNNING  # the sortie ends
             return self.fail(outcome.reason)
         if outcome is Progress.DONE:
             self._left.pop(0)

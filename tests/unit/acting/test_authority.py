@@ -19,6 +19,7 @@ from companion.acting.authority import (
     not_handed_over,
     why_left_alone,
 )
+from companion.acting.flight import PlanProgress
 from companion.errors import CompanionError, LinkError
 from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
@@ -41,7 +42,7 @@ def flight(takeover: Takeover | None = None, is_landed_by_plan: bool = False) ->
     return SimpleNamespace(
         now_s=NOW_S,
         vehicle=SimpleNamespace(takeover=takeover),
-        progress=SimpleNamespace(is_landed_by_plan=is_landed_by_plan),
+        progress=PlanProgress(is_landed_by_plan=is_landed_by_plan),
     )
 
 

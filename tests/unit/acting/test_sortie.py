@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
@@ -29,7 +31,7 @@ from companion.flight_events.sortie import (
     WeakFailsafeAccepted,
 )
 from companion.geometry import distance
-from companion.mission.model import Otherwise
+from companion.mission.model import Land, Otherwise, TakeOff
 from companion.outcomes import Refusal
 from companion.planning.effort import Effort
 from companion.vehicle.port import Failed, Goal, Mode, Progress, Takeover
@@ -115,6 +117,19 @@ def test_a_landing_that_fails_leaves_the_failure_and_ends() -> None:
     run.until(Phase.ENDED)
     left = "setpoints end, so that the autopilot's offboard-loss failsafe takes the vehicle"
     assert run.end == aborted(f"not landed; {left}")
+
+
+def test_a_landing_on_the_way_that_the_autopilot_does_not_notice_ends_the_sortie() -> None:
+    """It stands with a height that is wrong: it does not take off again from there."""
+    on_the_way = replace(command("rest", "at(H)", "rested"), execute=(Land(), TakeOff()))
+    run = SortieRig(mission("F rested", skills=[on_the_way]))
+    run.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed after 120 s"))
+    run.until(Phase.TASK)
+    run.vehicle.change(mode=Mode.LAND)
+    run.until(Phase.ENDED)
+    hint = "the autopilot goes on landing; where the vehicle stands already, disarm it by hand"
+    assert run.end == aborted(f"not landed after 120 s\n    {hint}")
+    assert run.vehicle.pursued[-1] is Goal.LANDED and run.vehicle.setpoint is None
 
 
 def test_the_first_failure_is_the_one_that_counts() -> None:
