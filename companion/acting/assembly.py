@@ -54,7 +54,8 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
     def here() -> Ned | None:
         return vehicle.state.position if vehicle.state else None
 
-    prepared.planner.flight_time = flight_times(mission, routes, here, lambda: speed_limit.target)
+    limits, planner = (lambda: speed_limit.target), prepared.planner
+    planner.flight_time = flight_times(mission, prepared.ways, here, limits)
     flight = Flight(
         vehicle=vehicle,
         task=TaskState(prepared.planner),

@@ -23,6 +23,7 @@ from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.engine_port import Engine
 from companion.planning.flight_times import flight_times, route_map
+from companion.planning.flown_ways import FlownWays
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
@@ -53,13 +54,18 @@ class PreparedMission:
     """
 
     mission: Mission
-    routes: LayeredRoutes
+    ways: FlownWays
     speed_limit: LiveSpeedLimit
     planner: Planner
     first_plan: FirstPlan | None
     engine: Engine | None = None
     engine_failure: str | None = None
     functions: FunctionPort = field(default_factory=NoFunctions)
+
+    @property
+    def routes(self) -> LayeredRoutes:
+        """Of the mission."""
+        return self.ways.routes
 
     def plan(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
@@ -118,24 +124,24 @@ def prepare(
     """
     calls = functions or NoFunctions()
     mission = above_ground(mission, ground_amsl_m)
-    routes = routes or route_map(mission)
+    ways = FlownWays(routes := routes or route_map(mission))
     for name in (name for name, place in mission.places.items() if place.found_by):
         routes.hide(name)
     speed_limit = LiveSpeedLimit(mission.speed_limits)
     speed_limit.set_operator_limit(speed_max_mps)
-    times = flight_times(mission, routes, limits=lambda: speed_limit.target)
+    times = flight_times(mission, ways, limits=lambda: speed_limit.target)
     energy = None
     if mission.battery is not None:
-        energy = MissionEnergy(mission, routes, lambda: speed_limit.target)
+        energy = MissionEnergy(mission, ways, lambda: speed_limit.target)
     planner = Planner(mission, times, energy=energy)
     if mission.tree is not None:
         planner.actions_of(mission.tree)  # or says which one does not exist
-        return PreparedMission(mission, routes, speed_limit, planner, None, functions=calls)
+        return PreparedMission(mission, ways, speed_limit, planner, None, functions=calls)
     problem, histories = TaskState(planner).problem()
     found, failure = _planned(planner, problem, histories, engine)
     first_plan = FirstPlan(problem, found)
     anticipate_events(planner)
-    about = mission, routes, speed_limit, planner
+    about = mission, ways, speed_limit, planner
     return PreparedMission(*about, first_plan, engine, failure, calls)
 
 

@@ -260,7 +260,10 @@ class RouteMap:
         path = np.vstack([space.point(start), to_go.path(cell) + 0.5, space.point(goal)])
         kept = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the clearance band
         near = _ClearLegs(space, others.around(path))
-        points = np.vstack([path[:kept], pull_string(path[kept:], near)])
+        way = path[[kept, -1]]  # straight, or along free cells
+        if not near.are_clear(way[:1], way[1:]).all():
+            way = pull_string(path[kept:], near)
+        points = np.vstack([path[:kept], way])
         plane = points * self._grid.cell_m + self._grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
         last_down_m = goal[2] if down_m is None else down_m

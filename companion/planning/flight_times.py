@@ -13,7 +13,7 @@ from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import PlaceRegion
-from companion.planning.flown_times import FlownTimes
+from companion.planning.flown_ways import FlownWays
 from companion.planning.instances import FlightTime
 from companion.slices import spent
 
@@ -51,21 +51,21 @@ def route_map(mission: Mission, kind: type[LayeredRoutes] = LayeredRoutes) -> La
 
 def flight_times(
     mission: Mission,
-    routes: LayeredRoutes,
+    ways: FlownWays,
     here: Callable[[], Ned | None] = lambda: None,
     limits: Callable[[], SpeedLimits] | None = None,
 ) -> FlightTime:
-    """Seconds of flight between places: as they are flown, where the task has bounds in time.
+    """Seconds of flight between places: as they are flown, where bounds or a battery ask for it.
 
     All others cost what their length says, which takes a fraction of a millisecond.
 
     Args:
         mission: whose places they are.
-        routes: its routes.
+        ways: to its places.
         here: says where the vehicle is, between places.
         limits: says how fast it may fly now; without it as fast as the mission allows.
     """
-    as_written, flown = mission.speed_limits, FlownTimes(routes)
+    as_written, routes = mission.speed_limits, ways.routes
 
     def flight_time(origin: str, goal: str) -> float:
         start = here() if origin == HERE else routes.goal(origin)
@@ -73,8 +73,8 @@ def flight_times(
             return math.inf
         now = limits() if limits else as_written
         spent(_DISTANCE_US)
-        if mission.is_timed:
-            return flown.flight_s(start, goal, now)
+        if mission.is_timed or mission.battery is not None:
+            return ways.flight_s(start, goal, now)
         return routes.passage(start, goal).duration_s(now)
 
     return flight_time

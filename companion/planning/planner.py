@@ -30,6 +30,7 @@ from companion.planning.energy.ledger import Ledger, ledger
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
+from companion.planning.flown_ways import FlownWays
 from companion.planning.instances import FlightTime, Instances, task_model
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
@@ -80,10 +81,10 @@ class Planner(Solver):
         energy: MissionEnergy | None = None,
     ) -> None:
         if flight_time is None:
-            routes = route_map(mission)
-            flight_time = flight_times(mission, routes)
+            ways = FlownWays(route_map(mission))
+            flight_time = flight_times(mission, ways)
             if mission.battery is not None:
-                energy = energy or MissionEnergy(mission, routes)
+                energy = energy or MissionEnergy(mission, ways)
         elif mission.battery is not None and energy is None:
             raise CompanionError(
                 "flight times say nothing of energy, and the mission has a battery\n"

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from companion.geometry import Ned
 from companion.mission.facts import HERE
 from companion.mission.model import Mission, Skill
-from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits
 from companion.planning.charger import UNITS_PER_WH, Charger
 from companion.planning.domain import REST_S, Action
 from companion.planning.energy.model import EnergyModel
 from companion.planning.energy.ratio_estimate import KnownRatios, RatioEstimate
+from companion.planning.flown_ways import FlownWays
 from companion.planning.lasso import Energy
 
 MOVING_MPS = 0.5
@@ -30,7 +30,7 @@ class MissionEnergy:
 
     Args:
         mission: with a battery.
-        routes: its routes.
+        ways: to its places.
         limits: says how fast it may fly now.
 
     Attributes:
@@ -46,12 +46,12 @@ class MissionEnergy:
     def __init__(
         self,
         mission: Mission,
-        routes: LayeredRoutes,
+        ways: FlownWays,
         limits: Callable[[], SpeedLimits] | None = None,
     ) -> None:
         battery = mission.battery
         assert battery is not None
-        self._mission, self._routes = mission, routes
+        self._mission, self._ways, self._routes = mission, ways, ways.routes
         self._limits = limits or (lambda: mission.speed_limits)
         self.model = model = EnergyModel(battery)
         self.here: Callable[[], Ned | None] = lambda: None
@@ -83,10 +83,11 @@ class MissionEnergy:
         start = self.here() if origin == HERE else self._routes.goal(origin)
         if start is None:
             return None
-        passage = self._routes.passage(start, goal)
-        if math.isinf(passage.over_ground_m):
+        passage, limits = self._routes.passage(start, goal), self._limits()
+        flight_s = self._ways.flight_s(start, goal, limits)
+        if math.isinf(flight_s):
             return None
-        return self.model.flight(passage, start, self._routes.goal(goal), self._limits())
+        return self.model.flight(passage, start, self._routes.goal(goal), limits, flight_s)
 
     def of_speeding_up(self, speed_mps: float) -> int:
         """What a flight from rest to a speed takes more than one that has it already."""
@@ -124,9 +125,26 @@ class MissionEnergy:
         return tuple(dict.fromkeys([*named, *self._docks]))
 
     def to_land_at(self, place: str) -> int | None:
-        """What it takes to fly to a place from here, and to land there; None without a way."""
-        flight = self.flight(HERE, place)
-        return None if flight is None else flight + self._landing(place)
+        """What it takes to fly to a place from here, and to land there; None without a way.
+
+        It is asked in each tick of a wait, so no route is found: the way is as long as it is, and
+        has the bends of that from the nearest place.
+        """
+        if (here := self.here()) is None:
+            return None
+        passage, limits = self._routes.passage(here, place), self._limits()
+        if math.isinf(passage.over_ground_m):
+            return None
+        flight_s = passage.duration_s(limits) + self._bends_s(here, place, limits)
+        goal = self._routes.goal(place)
+        return self.model.flight(passage, here, goal, limits, flight_s) + self._landing(place)
+
+    def _bends_s(self, here: Ned, place: str, limits: SpeedLimits) -> float:
+        """How much longer the way from the nearest place takes than its length says."""
+        near = min(map(self._routes.goal, self._mission.places), key=lambda at: math.dist(at, here))
+        flown_s = self._ways.flight_s(near, place, limits)
+        by_length_s = self._routes.passage(near, place).duration_s(limits)
+        return max(0.0, flown_s - by_length_s) if math.isfinite(flown_s) else 0.0
 
     @property
     def is_needed_to_land(self) -> bool:

@@ -62,7 +62,9 @@ class EnergyModel:
         """What a hover takes."""
         return self._units(self._profile.power_w(0.0) * seconds)
 
-    def flight(self, passage: Passage, start: Ned, goal: Ned, limits: SpeedLimits) -> int:
+    def flight(
+        self, passage: Passage, start: Ned, goal: Ned, limits: SpeedLimits, flight_s: float
+    ) -> int:
         """What a flight takes from rest to rest.
 
         Args:
@@ -70,23 +72,26 @@ class EnergyModel:
             start: where it begins.
             goal: where it ends.
             limits: how fast it is flown.
+            flight_s: how long that lasts, with the bends of the way.
         """
+        down_m, joules = passage.down_m, 0.0
         if passage.climb_m is not None:
-            downs_m = -passage.climb_m, passage.down_m + passage.climb_m
-            joules = sum(self._joules(0.0, down_m, start, goal, limits) for down_m in downs_m)
-            joules += self._joules(passage.over_ground_m, 0.0, start, goal, limits)
-        else:
-            joules = self._joules(passage.over_ground_m, passage.down_m, start, goal, limits)
-        return self._units(joules)
+            for upright_m in (-passage.climb_m, passage.down_m + passage.climb_m):
+                seconds = Passage(0.0, upright_m).duration_s(limits)
+                joules += self._joules(0.0, upright_m, start, goal, seconds)
+                flight_s -= seconds
+            down_m = 0.0
+        return self._units(
+            joules + self._joules(passage.over_ground_m, down_m, start, goal, flight_s)
+        )
 
     def _joules(
-        self, over_ground_m: float, down_m: float, start: Ned, goal: Ned, limits: SpeedLimits
+        self, over_ground_m: float, down_m: float, start: Ned, goal: Ned, seconds: float
     ) -> float:
         """Of one part, level, sloped or on the spot."""
         length_m = math.hypot(over_ground_m, down_m)
-        if length_m < LEVEL_M:
+        if length_m < LEVEL_M or seconds <= 0.0:
             return 0.0
-        seconds = Passage(over_ground_m, down_m).duration_s(limits)
         speed_mps = length_m / seconds
         ahead = math.hypot(goal[0] - start[0], goal[1] - start[1])
         velocity = [

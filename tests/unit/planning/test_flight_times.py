@@ -17,6 +17,7 @@ from companion.mission.model import Place
 from companion.motion.region import Disc
 from companion.motion.trajectory import Trajectory
 from companion.planning.flight_times import flight_times, from_table, route_map
+from companion.planning.flown_ways import ARRIVAL_S, FlownWays
 from companion.vehicle_profile import VehicleProfile
 
 QUAD = VehicleProfile()
@@ -44,7 +45,7 @@ def test_flight_times_are_those_of_the_map() -> None:
     """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
     asked = mission("F at(A)")
     here: Ned | None = None
-    seconds = flight_times(asked, route_map(asked), lambda: here)
+    seconds = flight_times(asked, FlownWays(route_map(asked)), lambda: here)
     change_s = 2.0 / 2.0 + 2.0 / QUAD.jerk_mps3
     assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + change_s, abs=0.4)
     assert seconds("here", "A") == math.inf
@@ -61,15 +62,15 @@ def test_a_task_with_bounds_counts_the_bends() -> None:
     routes = route_map(asked)
     route = routes.route(POSITIONS["C"], "A")
     assert route is not None and route.blends
-    seconds = flight_times(bounded, routes)
-    assert seconds("C", "A") == Trajectory(route, asked.speed_limits).duration_s
-    assert seconds("C", "A") != flight_times(asked, routes)("C", "A")
+    seconds = flight_times(bounded, FlownWays(routes))
+    assert seconds("C", "A") == Trajectory(route, asked.speed_limits).duration_s + ARRIVAL_S
+    assert seconds("C", "A") != flight_times(asked, FlownWays(routes))("C", "A")
     routes.hide("A")
     assert seconds("C", "A") == math.inf
     routes.find_place("A", (6.0, 3.0, -2.0))
     found = routes.route(POSITIONS["C"], "A")
     assert found is not None
-    assert seconds("C", "A") == Trajectory(found, asked.speed_limits).duration_s
+    assert seconds("C", "A") == Trajectory(found, asked.speed_limits).duration_s + ARRIVAL_S
 
 
 def test_among_shelves_flights_take_longer_than_their_length_says() -> None:
@@ -77,7 +78,7 @@ def test_among_shelves_flights_take_longer_than_their_length_says() -> None:
     routes = route_map(asked)
     routes.add_clearance(0.5)
     by_length_s = routes.passage(routes.goal("Gate"), "Dock").duration_s(asked.speed_limits)
-    assert flight_times(asked, routes)("Gate", "Dock") > 1.4 * by_length_s
+    assert flight_times(asked, FlownWays(routes))("Gate", "Dock") > 1.4 * by_length_s
 
 
 def test_a_table_has_the_ways_that_it_has() -> None:

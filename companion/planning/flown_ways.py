@@ -18,33 +18,41 @@ from companion.motion.trajectory import Trajectory
 from companion.slices import spent
 
 _ROUTE_US, _TRAJECTORY_US = 5_000, 130
+ARRIVAL_S = 0.15
+"""From the end of a trajectory until the vehicle is seen to be there; on the average."""
 _KEPT = 4_096
 """Routes; those between 64 places."""
 
 
-class FlownTimes:
-    """How long trajectories to places last.
+class FlownWays:
+    """Ways to places, and how long their trajectories last.
+
+    Attributes:
+        routes: that are flown.
 
     Args:
-        routes: the ways.
+        routes: the same.
     """
 
     def __init__(self, routes: LayeredRoutes) -> None:
-        self._routes = routes
+        self.routes = routes
         self._route = lru_cache(_KEPT)(self._find)
+        self._duration_s = lru_cache(_KEPT)(_duration_s)
 
     def flight_s(self, start: Ned, place: str, limits: SpeedLimits) -> float:
-        """From rest to rest; inf where no way leads there."""
-        passage = self._routes.passage(start, place)
+        """From rest until the vehicle is there; inf where no way leads there."""
+        passage = self.routes.passage(start, place)
         if math.isinf(passage.over_ground_m):
             return math.inf
-        route = self._route(start, place, self._routes.goal(place), passage)
-        if route is None:
-            return math.inf
-        spent(_TRAJECTORY_US)
-        return Trajectory(route, limits).duration_s
+        route = self._route(start, place, self.routes.goal(place), passage)
+        return math.inf if route is None else self._duration_s(route, limits) + ARRIVAL_S
 
     def _find(self, start: Ned, place: str, goal: Ned, passage: Passage) -> Route | None:
         """The route to where a place is now, if the way there is as long as it is now."""
         spent(_ROUTE_US)
-        return self._routes.route(start, place)
+        return self.routes.route(start, place)
+
+
+def _duration_s(route: Route, limits: SpeedLimits) -> float:
+    spent(_TRAJECTORY_US)
+    return Trajectory(route, limits).duration_s
