@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from lockstep import Lockstep
@@ -15,6 +16,9 @@ from companion.flight_events.sortie import PauseEnded, VehicleLanded
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 
+MISSIONS = Path(__file__).parents[2] / "missions"
+INSIDE = ((-1.5, -1.5), (21.5, -1.5), (21.5, 13.5), (-1.5, 13.5))
+"""Fence of the hall, east and north."""
 SAYS = 0.8
 """The power of the mission, against what it really takes."""
 POWER_W = {
@@ -60,3 +64,27 @@ def test_a_pause_ends_when_the_charge_is_needed() -> None:
     flight.until_reported(VehicleLanded)
     assert not flight.of(NoPlanFound), text(flight)
     assert 100 * flight.simulation.flight.charge >= RESERVE
+
+
+def test_among_shelves_the_first_stretch_takes_what_was_expected() -> None:
+    """Bends make flights up to 1.7 times as long as their length says; nothing was learnt yet."""
+    hall = MISSIONS / "maps" / "hall.yaml"
+    sites = {"Home": (0, 0), "A": (3, 11), "B": (17.5, 10.5), "C": (17, 1.5), "E": (9.6, 0.2)}
+    data = two_docks(
+        map=str(hall),
+        limits={"speed_mps": 3, "up_m": [0.5, 4], "fence": [list(corner) for corner in INSIDE]},
+        places={
+            n: {"east_m": east, "north_m": north, "up_m": 2} for n, (east, north) in sites.items()
+        },
+        sets={"Place": list(sites), "Pad": ["E"]},
+        task={"patrol": "patrolling(A, B, C)"},
+        battery={"reserve": RESERVE, "capacity_wh": 12.0},
+    )
+    world = {"version": 1, "map": str(hall), "airframe": "px4_sih", "wander": {}}
+    pads = [{"east_m": 9.6, "north_m": 0.2, "radius_m": 2.0, "current_a": 100}]
+    mission = load_mission(data)
+    scenario = world | {"battery": {"charge": 0.5}, "pads": pads}
+    flight = Lockstep(mission, world_of(mission, scenario), seed=1)
+    flight.until_reported(EnergyUsed, 300.0)
+    (used,) = flight.of(EnergyUsed)
+    assert abs(used.used_wh / used.expected_wh - 1) <= 0.06
