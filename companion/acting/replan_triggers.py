@@ -157,6 +157,7 @@ class ReplanTriggers:
 
     def _cut_off_by_map(self, plan: PlanUnderWay) -> str | None:
         """A belief that the plan needs was given up, once the routes on the map are known."""
+        self._late.abandon()  # it takes over the map, too
         self._reachability.search()
         if not self._reachability.is_known:
             return None
@@ -229,6 +230,7 @@ class ReplanTriggers:
         flight = self._flight
         may_replan = flight.task.running is not None and not flight.progress.is_landed_by_plan
         is_timed = self._replanner.is_timed and not plan.is_leaving
+        may_replan = may_replan and not self._map_differs(plan)
         return is_timed and may_replan and self._timed != (plan.lasso, flight.progress.completed)
 
     def _will_be_late(self, plan: PlanUnderWay) -> str | None:
