@@ -15,7 +15,7 @@ from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.ranging import Ranging
 from companion.vehicle.surroundings import Surroundings
-from companion.vehicle.telemetry import Telemetry
+from companion.vehicle.telemetry import Telemetry, voltage_v
 
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 COMPANION = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
@@ -50,6 +50,7 @@ class Snapshot:
     Attributes:
         time_s: since the run began.
         setpoint: where it was last asked to be; None if nothing is streamed.
+        clearance_m: to the nearest obstacle at its altitude on the map as it is known; inf if none.
         link_age_s: time since the autopilot was heard.
     """
 
@@ -59,6 +60,8 @@ class Snapshot:
     yaw_rad: float
     setpoint: Ned | None
     battery_percent: int | None
+    voltage_v: float | None
+    clearance_m: float
     mode: str
     is_armed: bool
     link_age_s: float
@@ -72,6 +75,8 @@ class Snapshot:
             "yaw_deg": round(math.degrees(self.yaw_rad), 1),
             "setpoint": self.setpoint and _rounded(self.setpoint),
             "battery_percent": self.battery_percent,
+            "voltage_v": self.voltage_v and round(self.voltage_v, 2),
+            "clearance_m": round(self.clearance_m, 2) if math.isfinite(self.clearance_m) else None,
             "mode": self.mode,
             "armed": self.is_armed,
             "link_age_s": round(self.link_age_s, 2),
@@ -98,6 +103,7 @@ class Watcher:
         self._codec = MavlinkCodec(0, 0)
         self._system = 0
         self._mode = ""
+        self._voltage_v: float | None = None
         self._heard_s = -math.inf
         self._setpoint: tuple[float, Ned] | None = None
 
@@ -130,7 +136,9 @@ class Watcher:
             if self._telemetry.is_news(now_s, message):
                 self._telemetry.take(now_s, message)
                 self._ranging.take_pose(message, self._telemetry.frame)
-            if message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:
+            if message.get_msgId() == dialect.MAVLINK_MSG_ID_BATTERY_STATUS:
+                self._voltage_v = voltage_v(message)
+            elif message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:
                 self._mode = mode_name(message.custom_mode) or "another mode"
         elif component == SCANNER and message.get_msgId() == _SCAN:
             self._ranging.take_scan(message)
@@ -145,6 +153,7 @@ class Watcher:
         setpoint = None
         if self._setpoint is not None and now_s - self._setpoint[0] < SETPOINT_OLD_S:
             setpoint = self._telemetry.frame.position(self._setpoint[1])
+        north, east, down = state.position
         return Snapshot(
             time_s=now_s,
             position=state.position,
@@ -152,6 +161,8 @@ class Watcher:
             yaw_rad=state.yaw_rad,
             setpoint=setpoint,
             battery_percent=state.battery_percent,
+            voltage_v=self._voltage_v,
+            clearance_m=self.grid.at(-down).clearance_m((north, east)),
             mode=self._mode,
             is_armed=state.is_armed,
             link_age_s=now_s - self._heard_s,

@@ -303,17 +303,19 @@ def heartbeat_of(message: Message) -> Heartbeat:
     )
 
 
+def voltage_v(message: Message) -> float | None:
+    """Of all cells of a BATTERY_STATUS; None if it is not known."""
+    cells_mv = [each for each in message.voltages if each != VOLTAGE_UNKNOWN]
+    return sum(cells_mv) / 1000 if cells_mv else None
+
+
 def _power_w(message: Message) -> float | None:
     """Voltage times current of a BATTERY_STATUS; None without one of them.
 
     A charger's current counts as none, as PX4 sends -1 for a current that it does not know.
     """
-    cells_mv = [each for each in message.voltages if each != VOLTAGE_UNKNOWN]
-    if not cells_mv or message.current_battery < 0:
-        return None
-    volts: float = sum(cells_mv) / 1000
-    amperes: float = message.current_battery / 100
-    return volts * amperes
+    volts, amperes = voltage_v(message), message.current_battery / 100
+    return None if volts is None or amperes < 0 else volts * amperes
 
 
 def _thrust(roll: float, pitch: float, yaw: float) -> NorthEast:

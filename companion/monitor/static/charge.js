@@ -81,14 +81,13 @@ export class ChargeView {
     this.looked = 0;
   }
 
-  // Is there a charge to show, and is it of interest? Then it opens, once, and is the reader's.
+  // Is the charge a matter of the mission? Then it opens, once, and is the reader's.
   look(events) {
     for (; this.looked < events.length; this.looked += 1) {
       const event = events[this.looked];
-      if (event.kind === "battery" && event.percent !== null) this.box.hidden = false;
-      if (!this.wasOpened && (event.kind === "charge" || event.nodes?.some(charges))) {
-        this.details.open = this.wasOpened = true;
-      }
+      if (event.kind !== "charge" && !event.nodes?.some(charges)) continue;
+      this.box.hidden = false;
+      if (!this.wasOpened) this.details.open = this.wasOpened = true;
     }
   }
 

@@ -2,6 +2,7 @@
 
 import { TaskView } from "./automata.js";
 import { ChargeView } from "./charge.js";
+import { CurvesView } from "./curves.js";
 import { byId, say } from "./dom.js";
 import { History } from "./history.js";
 import { MapView } from "./map.js";
@@ -33,6 +34,7 @@ function open(mission) {
   page = {
     history, timeline, map: new MapView(mission, zoom.view), tree: new TreeView(), plan: new PlanView(),
     task: new TaskView(), charge: new ChargeView((time_s) => timeline.seek(time_s)),
+    curves: new CurvesView((time_s) => timeline.seek(time_s)),
   };
   byId("name").textContent = mission.name;
   document.title = `${mission.name}, companion monitor`;
@@ -61,6 +63,7 @@ function frame(now_ms) {
     page.plan.show(state);
     page.task.show(state);
     page.charge.show(page.history, state);
+    page.curves.show(page.history, state, vehicle);
     page.timeline.show();
     showVehicle(vehicle, state);
     const [kind, text] = badge(state);

@@ -61,12 +61,18 @@ function drawBeliefs(state, actions) {
 export function showVehicle(vehicle, state) {
   say(byId("phase"), state.ending ? state.ending.text.split("\n")[0] : state.phase);
   if (!vehicle) return;
-  const { battery_percent: percent, link_age_s: age_s } = vehicle;
+  const { battery_percent: percent, voltage_v, link_age_s: age_s } = vehicle;
   figure("mode", vehicle.mode + (vehicle.armed ? "" : ", disarmed"));
-  figure("battery", percent === null ? "unknown" : `${percent} %`, percent !== null && percent < LOW_PERCENT);
+  figure("battery", battery(percent, voltage_v), percent !== null && percent < LOW_PERCENT);
   figure("link", age_s < 0.5 ? "good" : `silent for ${age_s.toFixed(1)} s`, age_s >= 0.5);
   figure("speed", `${vehicle.speed_mps.toFixed(1)} m/s`);
   figure("up", `${vehicle.enu[2].toFixed(1)} m`);
+}
+
+// What is known of it.
+function battery(percent, voltage_v) {
+  const known = [percent === null ? [] : `${percent} %`, voltage_v === null ? [] : `${voltage_v.toFixed(1)} V`].flat();
+  return known.join(", ") || "unknown";
 }
 
 function figure(name, value, isBad = false) {

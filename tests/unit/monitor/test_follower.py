@@ -78,6 +78,7 @@ def test_snapshots_are_what_pymavlink_reads_in_the_log(
     heard: dict[str, list[tuple[float, Any]]] = {
         "LOCAL_POSITION_NED": [],
         "SET_POSITION_TARGET_LOCAL_NED": [],
+        "BATTERY_STATUS": [],
     }
     while (message := log.recv_match(type=list(heard))) is not None:
         heard[message.get_type()].append((message._timestamp - 1_700_000_000.0, message))
@@ -92,11 +93,21 @@ def test_snapshots_are_what_pymavlink_reads_in_the_log(
     for snapshot in whole.snapshots[10::25]:
         position = newest("LOCAL_POSITION_NED", snapshot.time_s)
         assert snapshot.position == pytest.approx((position.x, position.y, position.z), abs=1e-6)
+        cells_mv = newest("BATTERY_STATUS", snapshot.time_s).voltages
+        volts = sum(each for each in cells_mv if each != 65535) / 1000
+        assert snapshot.voltage_v == pytest.approx(volts) and 14 < volts < 17
         if snapshot.setpoint is not None:
             sent = newest("SET_POSITION_TARGET_LOCAL_NED", snapshot.time_s)
             assert snapshot.setpoint == pytest.approx((sent.x, sent.y, sent.z), abs=1e-6)
     assert {"OFFBOARD", "AUTO.TAKEOFF", "AUTO.LAND"} <= {s.mode for s in whole.snapshots}
     assert whole.snapshots[0].battery_percent == 100
+
+
+def test_the_clearance_is_that_of_the_map(whole: Follower, surveillance_run: Path) -> None:
+    grid = read_scene(surveillance_run).grid
+    for snapshot in whole.snapshots[::25]:
+        north, east, _ = snapshot.position
+        assert snapshot.clearance_m == grid.clearance_m((north, east)) > 0.2
 
 
 def test_a_folder_that_grows_is_read_as_one_that_is_whole(
