@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page
 
 LOOK_AGAIN_S = 0.05
@@ -61,6 +62,12 @@ class Watched:
                 return False
             self.page.wait_for_timeout(1000 * LOOK_AGAIN_S)
         return True
+
+    def violations(self, *rules: str) -> list[str]:
+        """What axe-core finds that keeps people from using the page; by all rules, or by some."""
+        options = {"runOnly": list(rules)} if rules else None
+        found = Axe().run(self.page, options=options).response["violations"]
+        return [f"{each['id']}: {[node['html'] for node in each['nodes']]}" for each in found]
 
     def has_no_horizontal_scroll(self) -> bool:
         """Whether the page is as wide as its window."""

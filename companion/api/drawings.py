@@ -115,7 +115,7 @@ def _of_scene(scene: Scene, zero: GlobalOrigin) -> Drawing:
         radius_m = site.region.inner_m(site.position)
         places[name] = DrawnPlace(name, position, Height(up_m), radius_m)
     home = min(scene.sites.items(), key=lambda s: horizontal_distance(s[1].position, (0.0, 0.0)))
-    zones = {f"zone_{i}": on_earth(zone, zero) for i, zone in enumerate(scene.keep_out, 1)}
+    zones = {name: on_earth(zone, zero) for name, zone in scene.keep_out.items()}
     return Drawing(scene.name, places, home[0], on_earth(scene.fence, zero), zones)
 
 

@@ -25,7 +25,7 @@ def backdrop_of_run(folder: Path) -> Backdrop:
     return Backdrop(
         scene.grid,
         scene.fence,
-        scene.keep_out,
+        tuple(scene.keep_out.values()),
         tuple(wall.corners for wall in scene.walls),
         {name: (site.position, site.region) for name, site in scene.sites.items()},
     )

@@ -52,7 +52,7 @@ def world(scene: Scene) -> Content:
     entities.append(entity("fence", lines=[_loop(scene.fence, 0.0, GREEN)]))
     entities += [
         entity(f"keep_out_{number}", lines=[_loop(zone, 0.0, RED), _loop(zone, top_m, RED)])
-        for number, zone in enumerate(scene.keep_out, 1)
+        for number, zone in enumerate(scene.keep_out.values(), 1)
     ]
     entities += [
         entity(f"low_wall_{number}", lines=[_loop(wall.corners, wall.up_m or 0.0, GREY)])

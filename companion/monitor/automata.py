@@ -10,21 +10,23 @@ places has 15 transitions then, and 1,028 with a million labels among its nodes 
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from companion.ltl.automaton import BuchiAutomaton
+from companion.ltl.automaton import BuchiAutomaton, Label
 from companion.ltl.formula import Formula, atoms
 from companion.ltl.monitor import live_states
 from companion.ltl.semantics import Letter
 from companion.ltl.timed_formula import Line, parts
 from companion.ltl.translate import translate
 from companion.mission.facts import AT, Fact
-from companion.monitor.page_events import Arrow, AutomatonDrawing
+from companion.monitor.obligations import Obligations
+from companion.monitor.page_events import Arrow, AutomataMoved, AutomatonDrawing, Edge
 
 Node = tuple[int, frozenset[int]]
 """A state, and the marks of the transition that has led there."""
+Step = tuple[Node, Node]
 
 
 @dataclass(frozen=True)
@@ -54,31 +56,58 @@ class DrawnAutomaton:
             found += sorted((e for e in ends - set(found) if e[0] in self.live), key=_order)
         return tuple(found)
 
-    def after(self, nodes: Collection[Node], letter: Letter) -> frozenset[Node]:
-        """One letter later."""
-        leaving = [t for state, _ in nodes for t in self.automaton.outgoing[state]]
+    @cached_property
+    def number(self) -> dict[Node, int]:
+        """The place of each node among all."""
+        return {node: i for i, node in enumerate(self.nodes)}
+
+    def steps(self, nodes: Collection[Node], letter: Letter) -> frozenset[Step]:
+        """By which a letter is read."""
         return frozenset(
-            (t.target, t.marks)
-            for t in leaving
+            (node, (t.target, t.marks))
+            for node in nodes
+            for t in self.automaton.outgoing[node[0]]
             if t.target in self.live and t.label.matches(letter)
         )
+
+    def after(self, nodes: Collection[Node], letter: Letter) -> frozenset[Node]:
+        """One letter later."""
+        return frozenset(end for _, end in self.steps(nodes, letter))
 
     @property
     def drawing(self) -> AutomatonDrawing:
         """Nodes (accepting or not), and arrows between them with their labels."""
-        number = {node: i for i, node in enumerate(self.nodes)}
-        arrows: dict[tuple[int, int], list[str]] = {}
+        number = self.number
+        arrows: dict[Edge, list[Label]] = {}
         for node in self.nodes:
             for t in self.automaton.outgoing[node[0]]:
                 end = (t.target, t.marks)
                 if end in number:
-                    arrows.setdefault((number[node], number[end]), []).append(str(t.label))
+                    arrows.setdefault((number[node], number[end]), []).append(t.label)
         return AutomatonDrawing(
             conjunct=self.name,
             formula=self.text,
+            initial=tuple(sorted(number[node] for node in self.start)),
             accepting=tuple(len(marks) == self.automaton.marks for _, marks in self.nodes),
-            arrows=tuple(Arrow(*ends, " or ".join(labels)) for ends, labels in arrows.items()),
+            arrows=tuple(Arrow(*ends, _told(labels)) for ends, labels in arrows.items()),
         )
+
+
+def _told(labels: Sequence[Label]) -> str:
+    """Cubes joined by `or`. What one literal leaves to the others is not repeated.
+
+    >>> a, b = frozenset({"a"}), frozenset({"b"})
+    >>> _told([Label(a, frozenset()), Label(b, a)])
+    'a or b'
+    """
+    alone = [each for each in labels if len(each.positive) + len(each.negative) == 1]
+    held = frozenset().union(*(each.positive for each in alone))
+    absent = frozenset().union(*(each.negative for each in alone))
+    less = [
+        each if each in alone else Label(each.positive - absent, each.negative - held)
+        for each in labels
+    ]
+    return " or ".join(dict.fromkeys(map(str, less)))
 
 
 def _places(formula: Formula) -> frozenset[str]:
@@ -94,23 +123,38 @@ class TaskReader:
     """Reads the word of a flight with the automata of its task."""
 
     def __init__(self, task: dict[str, Line]) -> None:
+        lines = [(name, part, bound) for name, line in task.items() for part, bound in parts(line)]
         self.automata = [
             DrawnAutomaton(name, str(bound or part), translate(part, exclusive=_places(part)))
-            for name, line in task.items()
-            for part, bound in parts(line)
+            for name, part, bound in lines
         ]
+        self.obligations = Obligations([(name, part) for name, part, _ in lines])
         self._nodes = [automaton.start for automaton in self.automata]
+        self._steps: list[frozenset[Step]] = [frozenset() for _ in self.automata]
 
     def read(self, letter: Letter, restarted: Collection[str]) -> None:
         """One more position; the named conjuncts begin anew with it."""
+        self.obligations.read(letter, restarted)
         for i, automaton in enumerate(self.automata):
             before = automaton.start if automaton.name in restarted else self._nodes[i]
-            self._nodes[i] = automaton.after(before, letter)
+            self._steps[i] = automaton.steps(before, letter)
+            self._nodes[i] = frozenset(end for _, end in self._steps[i])
 
     @property
-    def states(self) -> tuple[tuple[int, ...], ...]:
-        """For each conjunct the numbers of the nodes where it may be; none: it is violated."""
-        return tuple(
-            tuple(i for i, node in enumerate(automaton.nodes) if node in nodes)
-            for automaton, nodes in zip(self.automata, self._nodes, strict=True)
+    def moved(self) -> AutomataMoved:
+        """Where the automata may be, how they came there, and what is due.
+
+        An automaton that may be nowhere is that of a violated conjunct.
+        """
+        numbers = [each.number for each in self.automata]
+        return AutomataMoved(
+            tuple(
+                tuple(sorted(number[node] for node in nodes))
+                for number, nodes in zip(numbers, self._nodes, strict=True)
+            ),
+            tuple(
+                tuple(sorted((number[start], number[end]) for start, end in steps))
+                for number, steps in zip(numbers, self._steps, strict=True)
+            ),
+            self.obligations.due,
         )

@@ -22,7 +22,7 @@ from companion.errors import CompanionError
 from companion.flight_events.catalogue import FOR_PROGRAMS
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.fence import FenceKept
-from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
+from companion.flight_events.plans import LineDropped, LineTakenUp, PlanMade, WrittenTreeAdopted
 from companion.flight_events.skills import ClearanceChanged, SymbolMoved
 from companion.flight_events.tree import ActionTreeNode, TreeBuilt
 from companion.flight_events.word import PositionLeft
@@ -32,7 +32,6 @@ from companion.monitor.automata import TaskReader
 from companion.monitor.page_events import (
     DERIVED,
     AutomataDrawn,
-    AutomataMoved,
     CellsChanged,
     Leg,
     SeenCell,
@@ -88,7 +87,7 @@ class Follower:
             scene.fence,
             scene.clearance_m,
             scene.speed_limits,
-            keep_out=scene.keep_out,
+            keep_out=tuple(scene.keep_out.values()),
             up_m=scene.up_m,
         )
         self._task: TaskReader | None = None
@@ -149,10 +148,13 @@ class Follower:
                 self._is_written = isinstance(event, WrittenTreeAdopted)
                 self._task = TaskReader({name: parse_line(text) for name, text in task.items()})
                 yield AutomataDrawn(tuple(each.drawing for each in self._task.automata))
-                yield AutomataMoved(self._task.states)
+                yield self._task.moved
             case PositionLeft() if self._task is not None:
                 self._task.read(frozenset(event.facts), event.restarted)
-                yield AutomataMoved(self._task.states)
+                yield self._task.moved
+            case LineDropped(line=line) | LineTakenUp(line=line) if self._task is not None:
+                self._task.obligations.drop(line, isinstance(event, LineDropped))
+                yield self._task.moved
             case ClearanceChanged():
                 self._routes.add_clearance(event.clearance_m - self._scene.clearance_m)
             case FenceKept():
@@ -203,7 +205,9 @@ def _mission(scene: Scene, run: str, is_live: bool) -> dict[str, Any]:
             "shade": base64.b64encode(_shade(grid).tobytes()).decode("ascii"),
         },
         "fence": _corners(scene.fence),
-        "keep_out": [_corners(zone) for zone in scene.keep_out],
+        "keep_out": [
+            {"name": name, "corners": _corners(zone)} for name, zone in scene.keep_out.items()
+        ],
         "low_walls": [_corners(wall.corners) for wall in scene.walls],
         "places": [
             {"name": name, "enu": enu_from_ned(site.position), **_outline(site)}

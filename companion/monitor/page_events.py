@@ -25,6 +25,10 @@ class DerivedEvent(FlightEvent):
     is_recorded = False
 
 
+Edge = tuple[int, int]
+"""From one node to another, by their numbers."""
+
+
 class Arrow(NamedTuple):
     """The transitions between two nodes, by their numbers, and what they are labelled with."""
 
@@ -38,11 +42,13 @@ class AutomatonDrawing:
     """The automaton of one conjunct.
 
     Attributes:
+        initial: nodes in which it begins.
         accepting: of each node.
     """
 
     conjunct: str
     formula: str
+    initial: tuple[int, ...]
     accepting: tuple[bool, ...]
     arrows: tuple[Arrow, ...]
 
@@ -58,11 +64,18 @@ class AutomataDrawn(DerivedEvent):
 
 @dataclass(frozen=True, slots=True)
 class AutomataMoved(DerivedEvent):
-    """The automata may be in these nodes, a list for each of them."""
+    """The automata may be in these nodes, a list for each of them.
+
+    Attributes:
+        taken: the edges by which they have come there, from node to node.
+        due: what is still to be done, in words: the name of a line of the task, and of it.
+    """
 
     kind = "states"
 
     states: tuple[tuple[int, ...], ...]
+    taken: tuple[tuple[Edge, ...], ...]
+    due: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ class Scene:
     Attributes:
         start_unix_s: t_s 0 of the events on the clock of flight.tlog.
         fence: north-east corners.
-        keep_out: the same of areas that are not entered.
+        keep_out: the same of zones that are not entered, by name.
         walls: those that are low.
         speed_limits: by which routes are chosen.
         clearance_m: that routes keep from obstacles.
@@ -48,7 +48,7 @@ class Scene:
     start_unix_s: float
     grid: OccupancyGrid
     fence: tuple[NorthEast, ...]
-    keep_out: tuple[tuple[NorthEast, ...], ...]
+    keep_out: dict[str, tuple[NorthEast, ...]]
     walls: tuple[Wall, ...]
     sites: dict[str, PlaceRegion]
     clearance_m: float
@@ -101,7 +101,7 @@ def _scene(data: dict[str, Any]) -> Scene:
         for place in data["places"]
     }
     fence = _polygon(data["fence"])
-    keep_out = tuple(map(_polygon, data.get("keep_out", {}).values()))
+    keep_out = {str(zone): _polygon(each) for zone, each in data.get("keep_out", {}).items()}
     profile = VehicleProfile()  # what follows was absent at first
     clearance_m = float(data.get("clearance_m", profile.clearance_m))
     name, start_unix_s = str(data["name"]), float(data["start_unix_s"])

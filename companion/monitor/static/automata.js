@@ -1,9 +1,12 @@
-// The task: for each conjunct its automaton. Where it may be is filled, what is accepting has a ring.
-// What the plan drops is told, and read on.
+// The task: what is due of it, and for each conjunct its automaton. Where it may be is filled, what
+// is accepting has a ring, and the edge by which it came there is thick. What the plan drops is
+// told, and read on.
 
 import { byId, html, svg } from "./dom.js";
 
-const GAP = 44, RADIUS = 7, HEIGHT = 52, MOST_DRAWN = 7;
+const RADIUS = 12, MOST_DRAWN = 7, DOTS_GAP = 30;
+const CHARACTER_PX = 6.7, MOST_CHARACTERS = 26; // of a label
+const LEAST_GAP_PX = 52, SIDE_PX = 26, LOOP_PX = 46, ARC_PX = 26;
 
 export class TaskView {
   show(state) {
@@ -12,54 +15,104 @@ export class TaskView {
       this.rows = state.automata.map(drawn);
       byId("automata").replaceChildren(...this.rows.map((row) => row.element));
     }
-    const version = ["automata", "states", "dropped", "taken up"].map((kind) => state.touched[kind]).join();
+    const version = ["automata", "states", "dropped", "taken up", "end"].map((kind) => state.touched[kind]).join();
     if (this.told === version) return;
     this.told = version;
+    drawDue(state);
     this.rows?.forEach((row, i) => {
-      const here = state.states[i] ?? [];
+      const here = state.states[i] ?? [], taken = (state.taken[i] ?? []).map(String);
       row.nodes.forEach((node, n) => node.toggleAttribute("data-here", here.includes(n)));
+      for (const [edge, arrow] of row.arrows) arrow.toggleAttribute("data-taken", taken.includes(edge));
       row.element.toggleAttribute("data-violated", !here.length);
       row.element.toggleAttribute("data-dropped", state.dropped.has(row.conjunct));
     });
   }
 }
 
-function drawn({ conjunct, formula, accepting, arrows }) {
-  const isSmall = accepting.length <= MOST_DRAWN;
-  const step = isSmall ? GAP : 2.9 * RADIUS;
-  const x = (n) => 16 + n * step, y = HEIGHT / 2;
-  const nodes = accepting.map((is, n) => svg("g", { class: "state", transform: `translate(${x(n)} ${y})` },
-    svg("circle", { r: arrows.some(([, to]) => to === n) ? RADIUS : 3 }), ...(is ? [svg("circle", { r: RADIUS + 3, class: "ring" })] : []),
-    svg("title", {}, is ? "accepting" : "not accepting")));
-  const lines = isSmall ? arrows.map(([from, to, label]) =>
-    svg("path", { d: arrow(x, y, from, to), class: "arrow" }, svg("title", {}, label))) : [];
-  const width = x(accepting.length - 1) + 16;
-  const drawing = svg("svg", {
-    viewBox: `0 0 ${width} ${HEIGHT}`, width, height: HEIGHT, class: "automaton",
-    role: "img", "aria-label": `automaton of ${conjunct}, ${accepting.length} states`,
-  }, ...lines, ...nodes);
-  const element = html("div", { class: "conjunct" },
-    html("div", { class: "says" }, html("strong", {}, conjunct),
-      html("span", { class: "verdict" }, " violated"), html("span", { class: "left-out" }, " dropped"),
-      html("code", { title: formula }, formula)),
-    drawing);
-  return { element, nodes, conjunct };
+function drawDue({ due, ending, automata }) {
+  const isOver = ending || !automata.length;
+  const nothing = ending ? "the flight is over" : automata.length ? "nothing at present" : "no task yet";
+  byId("due").replaceChildren(...(isOver || !due.length
+    ? [html("li", { class: "quiet" }, nothing)]
+    : due.map(([line, words]) => html("li", {}, html("span", { class: "quiet" }, `${line} `), words))));
 }
 
-// Onwards above the middle, back below it, to itself a loop on top; each ends in a small head.
-function arrow(x, y, from, to) {
-  const r = RADIUS + 3;
-  if (from === to) {
-    const [a, top] = [x(from), y - r];
-    return `M${a - 4} ${top + 1}c-7-15 15-15 8 0${head(a + 4, top + 1, 0.2, 1)}`;
+function drawn({ conjunct, formula, initial, accepting, arrows }) {
+  const plan = accepting.length <= MOST_DRAWN ? laidOut(accepting.length, arrows) : dots(accepting.length);
+  const { x, y, width, height } = plan;
+  const nodes = accepting.map((is, n) => svg("g", { class: "state", transform: `translate(${x[n]} ${y})` },
+    svg("circle", { r: RADIUS }), ...(is ? [svg("circle", { r: RADIUS + 3, class: "ring" })] : []),
+    svg("text", { y: 4 }, String(n)), svg("title", {}, is ? "accepting" : "not accepting")));
+  const edges = plan.arrows.map(({ edge, d, label, at: [left, top] }) => [String(edge), svg("g", { class: "arrow" },
+    svg("path", { d }), svg("text", { x: left, y: top }, short(label)), svg("title", {}, label))]);
+  const entries = initial.map((n) => svg("g", { class: "arrow" }, svg("path", {
+    d: `M${x[n] - SIDE_PX} ${y - 16}L${x[n] - 11} ${y - 10}${head(x[n] - 11, y - 10, 0.93, 0.37)}` })));
+  const drawing = svg("svg", {
+    viewBox: `0 0 ${width} ${height}`, width, height, class: "automaton", role: "img",
+    "aria-label": `automaton of ${conjunct}, ${accepting.length} states`,
+  }, ...entries, ...edges.map(([, arrow]) => arrow), ...nodes);
+  const element = html("div", { class: "conjunct" },
+    html("strong", {}, conjunct),
+    html("span", { class: "verdict" }, " violated"), html("span", { class: "left-out" }, " dropped"),
+    html("code", {}, formula),
+    html("div", { class: "drawing", tabindex: "0", role: "group", "aria-label": `automaton of ${conjunct}` }, drawing));
+  return { element, nodes, conjunct, arrows: edges };
+}
+
+// As people say it: at(A) is A.
+const words = (label) => label.replace(/\bat\((\w+)\)/g, "$1");
+const short = (label) => {
+  const text = words(label);
+  return text.length > MOST_CHARACTERS ? `${text.slice(0, MOST_CHARACTERS - 1)}…` : text;
+};
+const wide = (label) => short(label).length * CHARACTER_PX;
+
+function dots(count) {
+  const x = Array.from({ length: count }, (_, n) => SIDE_PX + n * DOTS_GAP);
+  return { x, y: 30, width: x.at(-1) + SIDE_PX, height: 60, arrows: [] };
+}
+
+// States in a row. Onwards to the next one above the middle, back to the last one below it, to itself
+// a loop on top; further ones below, each at a depth of its own. Labels stand in a row for each.
+function laidOut(count, arrows) {
+  const span = ([from, to]) => to - from;
+  const labels = (isOne) => arrows.filter(isOne).map(([, , label]) => wide(label));
+  const loop = (n) => Math.max(0, ...labels(([from, to]) => from === n && to === n));
+  const x = [SIDE_PX + Math.max(RADIUS, loop(0) / 2 - 10)];
+  for (let n = 1; n < count; n += 1) {
+    const between = Math.max(0, ...labels(([from, to]) => Math.min(from, to) === n - 1 && Math.max(from, to) === n));
+    x.push(x[n - 1] + Math.max(LEAST_GAP_PX, between + 2 * RADIUS - 4, (loop(n - 1) + loop(n)) / 2 + 10));
   }
-  const side = to > from ? -1 : 1;
-  const [a, b] = [x(from) - side * 5, x(to) + side * 5];
-  const [start, bend] = [y + side * (r - 2), y + side * Math.min(24, 10 + 6 * Math.abs(to - from))];
-  return `M${a} ${start}Q${(a + b) / 2} ${bend} ${b} ${start}${head(b, start, -side * 0.8, -side * 0.6)}`;
+  const far = arrows.filter((each) => Math.abs(span(each)) > 1).sort((a, b) => Math.abs(span(a)) - Math.abs(span(b)));
+  const hasLoops = arrows.some((each) => !span(each)), isBack = arrows.some((each) => span(each) === -1);
+  const y = RADIUS + (hasLoops ? LOOP_PX : ARC_PX);
+  const width = Math.max(x.at(-1) + Math.max(SIDE_PX, loop(count - 1) / 2 + 4), ...far.map(([from, to, label]) =>
+    (x[from] + x[to] + wide(label)) / 2 + 4));
+  const depth = (each) => ARC_PX * (far.indexOf(each) + 1 + (isBack ? 1 : 0));
+  return {
+    x, y, width, height: y + RADIUS + 14 + ARC_PX * (far.length + (isBack ? 1 : 0)),
+    arrows: arrows.map((each) => {
+      const [from, to, label] = each, edge = [from, to], middle = (x[from] + x[to]) / 2;
+      if (from === to) return { edge, label, d: looped(x[from], y - RADIUS - 3), at: [x[from], y - RADIUS - 26] };
+      if (span(each) === 1) return { edge, label, d: arc(x[from], x[to], y, -1, 12), at: [middle, y - RADIUS - 11] };
+      const isNear = span(each) === -1, deep = isNear ? 6 : depth(each); // a curve goes half as deep as it bends
+      return { edge, label, d: arc(x[from], x[to], y, 1, 2 * deep), at: [middle, y + RADIUS + deep + 11] };
+    }),
+  };
+}
+
+const looped = (x, top) => `M${x - 5} ${top + 1}c-10-24 20-24 10 0${head(x + 5, top + 1, -0.38, 0.92)}`;
+
+// From one state to another, above (-1) or below (1) the row; it ends in a small head.
+function arc(from, to, y, side, bend) {
+  const towards = Math.sign(to - from), slant = 8;
+  const [a, b] = [from + towards * slant, to - towards * slant];
+  const start = y + side * (RADIUS - 1), turn = y + side * (RADIUS + bend);
+  const middle = (a + b) / 2, steep = Math.hypot(b - middle, start - turn) || 1;
+  return `M${a} ${start}Q${middle} ${turn} ${b} ${start}${head(b, start, (b - middle) / steep, (start - turn) / steep)}`;
 }
 
 function head(x, y, dx, dy) {
-  const [bx, by] = [x - 4 * dx, y - 4 * dy];
-  return `M${bx - 2.5 * dy} ${by + 2.5 * dx}L${x} ${y} ${bx + 2.5 * dy} ${by - 2.5 * dx}`;
+  const [bx, by] = [x - 6 * dx, y - 6 * dy];
+  return `M${bx - 3 * dy} ${by + 3 * dx}L${x} ${y} ${bx + 3 * dy} ${by - 3 * dx}`;
 }

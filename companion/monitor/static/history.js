@@ -62,7 +62,7 @@ export class History {
 function fresh() {
   return {
     time_s: -Infinity, count: 0, touched: {}, nodes: [], statuses: [], said: [], legs: [],
-    automata: [], states: [], dropped: new Set(), withdrawn: new Set(), facts: new Map(), cells: new Map(),
+    automata: [], states: [], taken: [], due: [], dropped: new Set(), withdrawn: new Set(), facts: new Map(), cells: new Map(),
     plan: null, phase: "", ending: null, planned_s: 0, charge: freshCharge(), kept: { within: [], keep_out: [] },
   };
 }
@@ -94,7 +94,7 @@ function apply(state, event) {
       state.automata = event.automata;
       break;
     case "states":
-      state.states = event.states;
+      [state.states, state.taken, state.due] = [event.states, event.taken, event.due];
       break;
     case "dropped":
       state.dropped.add(event.line);

@@ -4,6 +4,7 @@ import { TaskView } from "./automata.js";
 import { ChargeView } from "./charge.js";
 import { CurvesView } from "./curves.js";
 import { byId, say } from "./dom.js";
+import { explain } from "./explained.js";
 import { History } from "./history.js";
 import { MapView } from "./map.js";
 import { PlanView, showVehicle } from "./panels.js";
@@ -14,7 +15,7 @@ import { Zoom } from "./zoom.js";
 let page = null;
 let isConnected = false;
 
-const zoom = new Zoom(byId("hall"), byId("whole"), () => page?.map.look(zoom.view));
+const zoom = new Zoom(byId("hall"), byId("whole"), byId("follow"), () => page?.map.look(zoom.view));
 
 const stream = new EventSource("stream");
 const on = (kind, take) => stream.addEventListener(kind, (message) => take(JSON.parse(message.data)));
@@ -58,6 +59,7 @@ function frame(now_ms) {
     const time_s = page.timeline.advance(dt_s);
     const state = page.history.at(time_s);
     const vehicle = page.history.vehicle(time_s);
+    if (zoom.isFollowing && vehicle) zoom.centre(page.map.share(vehicle.enu));
     page.map.show(page.history, state, vehicle);
     page.tree.show(state);
     page.plan.show(state);
@@ -72,6 +74,7 @@ function frame(now_ms) {
   }
 }
 requestAnimationFrame(frame);
+explain();
 
 new ResizeObserver(() => page?.map.fit()).observe(byId("hall"));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => page?.map.paint());

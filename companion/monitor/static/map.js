@@ -21,14 +21,16 @@ export class MapView {
     this.hall.style.setProperty("--ratio", cols / rows);
     this.corner = [east_m, SVG_Y(north_m + this.height_m)];
     this.layers = Object.fromEntries(
-      ["fence", "kept", "low_walls", "keep_out", "places", "cells", "path", "past", "trail", "names", "carrot", "setpoint", "vehicle"]
+      ["fence", "kept", "low_walls", "keep_out", "places", "cells", "path", "past", "trail", "areas", "names", "carrot", "setpoint", "vehicle"]
         .map((name) => [name, svg("g", { class: name })]));
     this.overlay.replaceChildren(svg("title"), ...Object.values(this.layers));
     this.layers.fence.append(svg("polygon", { points: line(mission.fence) }));
     this.layers.low_walls.append(
       ...mission.low_walls.map((wall) => svg("polygon", { points: line(wall) })));
     this.layers.keep_out.append(
-      ...mission.keep_out.map((zone) => svg("polygon", { points: line(zone) })));
+      ...mission.keep_out.map(({ corners }) => svg("polygon", { points: line(corners) })));
+    this.fence = fenceName(mission.fence);
+    this.layers.areas.append(this.fence, ...mission.keep_out.map(zoneName));
     this.layers.places.append(...mission.places.map(region));
     this.names = mission.places.map(name);
     this.layers.names.append(...this.names);
@@ -48,6 +50,7 @@ export class MapView {
   }
 
   fit() {
+    if (!this.hall.clientWidth) return; // not laid out yet; the observer of its size comes again
     const { left, top, width } = this.view;
     this.px = (this.width_m * width) / this.hall.clientWidth;
     this.overlay.style.setProperty("--px", this.px);
@@ -60,6 +63,12 @@ export class MapView {
     byId("scale").style.setProperty("--length", `${length_m / this.px}px`);
     say(byId("scale"), `${length_m} m, north is up`);
     for (const text of this.names) text.setAttribute("dy", -5 * this.px);
+    for (const [name, px] of [["dx", 5], ["dy", 15]]) this.fence.setAttribute(name, px * this.px);
+  }
+
+  // Where a point is, in shares of the map from its north-western corner.
+  share([east, north]) {
+    return [(east - this.corner[0]) / this.width_m, (SVG_Y(north) - this.corner[1]) / this.height_m];
   }
 
   // The distance field, in the colours of the light or the dark page.
@@ -150,4 +159,15 @@ const region = ({ enu: [east, north], radius_m, corners }) => corners
 const name = ({ name, enu: [east, north], radius_m, corners }) => {
   const top = corners ? Math.max(...corners.map((corner) => corner[1])) : north + radius_m;
   return svg("text", { x: east, y: SVG_Y(top) }, name);
+};
+
+// The fence has its name in its north-western corner, a zone in its middle.
+const fenceName = (corners) => {
+  const [east, north] = corners.reduce((a, b) => (b[1] - b[0] > a[1] - a[0] ? b : a));
+  return svg("text", { class: "area fence-name", x: east, y: SVG_Y(north) }, "fence");
+};
+
+const zoneName = ({ name, corners }) => {
+  const middle = (axis) => corners.reduce((sum, corner) => sum + corner[axis], 0) / corners.length;
+  return svg("text", { class: "area", x: middle(0), y: SVG_Y(middle(1)) }, name);
 };

@@ -32,7 +32,7 @@ function drawPlan(state, actions) {
   if (loop.length) {
     parts.push(html("div", { class: "loop" },
       html("ol", { "aria-label": "loop, for ever" }, ...steps(loop)),
-      html("span", { class: "omega", title: "for ever" }, "ω")));
+      html("span", { class: "omega", tabindex: "0", role: "note", "data-explain": "omega", "aria-describedby": "tip" }, "ω")));
   }
   if (!state.nodes.length) parts.push(html("p", { class: "quiet" }, "no plan yet"));
   const reason = state.plan?.reason;

@@ -1,6 +1,7 @@
 // Time: where in the run the page is, and what happened when. Marks and lines lead to their time.
 
 import { byId, html, minutes, say } from "./dom.js";
+import { EventList } from "./event_list.js";
 
 const MOST_BEHIND_S = 10;
 const SPEEDS = [0.5, 1, 2, 5, 20];
@@ -15,15 +16,13 @@ export class Timeline {
   // `isFollowing`: the page looks at the newest time, as it comes.
   constructor(history) {
     this.history = history;
-    this.forPrograms = new Set(history.mission.for_programs);
     this.isFollowing = history.mission.is_live;
     this.isPlaying = !this.isFollowing;
     this.time_s = 0;
     this.hasJumped = false;
     this.listed = 0;
-    this.lines = [];
+    this.lines = new EventList(history, (time_s) => this.seek(time_s));
     this.marks = [];
-    byId("lines").replaceChildren();
     byId("marks").replaceChildren();
     byId("live").hidden = !history.mission.is_live;
   }
@@ -52,7 +51,8 @@ export class Timeline {
   }
 
   key(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.target.tagName === "SELECT") return;
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.target.tagName === "SELECT" || event.target.type === "search") return;
     const step_s = event.shiftKey ? 10 : 1;
     const isOnButton = ["BUTTON", "SUMMARY"].includes(event.target.tagName);
     const actions = {
@@ -104,7 +104,7 @@ export class Timeline {
     for (const { element, t_s } of this.marks) {
       element.style.setProperty("--at", (t_s - start_s) / Math.max(end_s - start_s, 1e-3));
     }
-    this.showPresent();
+    this.lines.show(this.time_s);
   }
 
   // Lines and marks for the events that have come.
@@ -112,31 +112,14 @@ export class Timeline {
     const { events } = this.history;
     for (; this.listed < events.length; this.listed += 1) {
       const event = events[this.listed];
-      if (this.forPrograms.has(event.kind)) continue;
-      const jump = () => { this.seek(event.t_s); };
-      const line = html("li", { "data-kind": event.kind },
-        html("button", { type: "button", onclick: jump },
-          html("time", {}, minutes(event.t_s)), html("span", {}, event.text)));
-      this.lines.push({ element: line, t_s: event.t_s });
-      byId("lines").append(line);
+      this.lines.add(event);
       if (event.kind !== "replan" && event.kind !== "violation") continue;
       const label = event.kind === "replan" ? String(event.number ?? "×") : "!";
-      const mark = html("button",
-        { type: "button", class: "mark", title: event.text, "aria-label": event.text, onclick: jump }, label);
+      const mark = html("button", {
+        type: "button", class: "mark", title: event.text, "aria-label": event.text,
+        onclick: () => this.seek(event.t_s) }, label);
       this.marks.push({ element: mark, t_s: event.t_s });
       byId("marks").append(mark);
     }
-  }
-
-  showPresent() {
-    const past = this.lines.filter((line) => line.t_s <= this.time_s).length;
-    if (past === this.past) return;
-    this.past = past;
-    this.lines.forEach(({ element }, i) => {
-      element.toggleAttribute("data-future", i >= past);
-      element.toggleAttribute("data-present", i === past - 1);
-    });
-    const list = byId("lines"), line = this.lines[past - 1]?.element;
-    if (line) list.scrollTop = line.offsetTop - list.clientHeight + line.clientHeight;
   }
 }

@@ -2,6 +2,7 @@
 // unless somebody has opened it.
 
 import { byId, html, setStatus, statusShape } from "./dom.js";
+import { meaningOf } from "./explained.js";
 
 const SIGNS = {
   sequence: "→", reactive_sequence: "→", selector: "?", parallel: "⇉", subtree: "→", action: "?",
@@ -27,9 +28,10 @@ export class TreeView {
         shape, html("span", { class: "sign", "aria-hidden": "true" }, SIGNS[node.type]),
         html("span", { class: "label" }, node.name), said,
       ];
+      const explained = { "data-explain": meaningOf(node), "aria-describedby": isInner && "tip" };
       const element = isInner
-        ? html("details", { class: node.type }, html("summary", {}, ...label))
-        : html("div", { class: "leaf" }, ...label);
+        ? html("details", { class: node.type }, html("summary", explained, ...label))
+        : html("div", { class: "leaf", ...explained }, ...label);
       parents.length = node.depth + 1;
       parents[node.depth].append(element);
       parents.push(element);

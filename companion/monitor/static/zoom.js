@@ -9,6 +9,7 @@ const MOVE = 0.2;
 const LINE_PX = 16; // of a wheel that counts lines
 const PER_PX = { wheel: 0.002, pinch: 0.01 }; // a pinch on a touchpad is a wheel with ctrl
 const CENTRE = [0.5, 0.5];
+const FOLLOWED = 3; // times as large as the whole map
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 const within = ({ left, top, width }) => ({
@@ -28,15 +29,18 @@ function moved({ left, top, width }, x, y) {
 
 export class Zoom {
   // `changed` is called after each change of `view`.
-  constructor(hall, button, changed) {
+  constructor(hall, whole, follow, changed) {
     this.hall = hall;
-    this.button = button;
+    this.whole = whole;
+    this.follow = follow;
+    this.isFollowing = false;
     this.changed = changed;
     this.view = WHOLE;
     this.fingers = new Map();
-    button.onclick = () => { this.show(WHOLE); hall.focus(); };
+    whole.onclick = () => { this.show(WHOLE); hall.focus(); };
+    follow.onclick = () => this.followOrNot();
     hall.onkeydown = (event) => this.key(event);
-    hall.ondblclick = (event) => this.zoom(event.shiftKey ? 1 / DOUBLE : DOUBLE, this.point(event));
+    hall.ondblclick = (event) => event.target.closest("button") || this.zoom(event.shiftKey ? 1 / DOUBLE : DOUBLE, this.point(event));
     hall.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
     hall.onpointerdown = (event) => this.press(event);
     hall.onpointermove = (event) => this.drag(event);
@@ -49,9 +53,33 @@ export class Zoom {
 
   show(view) {
     this.view = view;
-    this.button.hidden = this.isWhole;
+    this.whole.hidden = this.isWhole;
+    if (this.isWhole) this.release();
     this.hall.toggleAttribute("data-zoomed", !this.isWhole);
     this.changed();
+  }
+
+  followOrNot() {
+    if (this.isFollowing) {
+      this.release();
+      return;
+    }
+    this.isFollowing = true;
+    this.follow.setAttribute("aria-pressed", "true");
+    if (this.isWhole) this.zoom(FOLLOWED);
+  }
+
+  // Follows nothing any more.
+  release() {
+    this.isFollowing = false;
+    this.follow.setAttribute("aria-pressed", "false");
+  }
+
+  // Keeps what is followed in the middle, by its share of the whole map.
+  centre([x, y]) {
+    const { left, top, width } = this.view;
+    const view = within({ left: x - width / 2, top: y - width / 2, width });
+    if (Math.hypot(view.left - left, view.top - top) > 1e-5) this.show(view);
   }
 
   zoom(factor, point = CENTRE) {
@@ -74,7 +102,7 @@ export class Zoom {
   // While the map has the focus; the arrows are the time's while there is nothing to move.
   key(event) {
     if (event.ctrlKey || event.altKey || event.metaKey || event.target !== this.hall) return;
-    const move = (x, y) => (this.isWhole ? null : () => this.show(moved(this.view, x, y)));
+    const move = (x, y) => (this.isWhole ? null : () => { this.release(); this.show(moved(this.view, x, y)); });
     const actions = {
       "+": () => this.zoom(STEP), "=": () => this.zoom(STEP), "-": () => this.zoom(1 / STEP),
       0: () => this.show(WHOLE),
@@ -88,7 +116,7 @@ export class Zoom {
   }
 
   press(event) {
-    if (event.button !== 0 || event.target === this.button) return;
+    if (event.button !== 0 || event.target.closest("button")) return;
     this.hall.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, this.point(event));
   }
@@ -99,6 +127,7 @@ export class Zoom {
     this.fingers.set(event.pointerId, this.point(event));
     const after = this.grip();
     const [x, y] = after.middle.map((share, i) => share - before.middle[i]);
+    if (x || y) this.release();
     this.show(moved(zoomed(this.view, after.spread / before.spread, before.middle), x, y));
   }
 

@@ -56,12 +56,24 @@ def test_rings_say_which_words_are_accepted(
 
 def test_a_violated_conjunct_stands_nowhere_and_may_begin_anew() -> None:
     reader = TaskReader({"calm": parse("G !p"), "later": parse("F q")})
-    begin = reader.states
+    begin = reader.moved.states
     assert all(begin)
     reader.read(frozenset({"p"}), ())
-    assert reader.states[0] == () and reader.states[1]
+    assert reader.moved.states[0] == () and reader.moved.states[1]
     reader.read(frozenset(), ("calm",))
-    assert reader.states[0]
+    assert reader.moved.states[0]
+
+
+def test_the_edge_just_taken_leads_from_where_it_was() -> None:
+    reader = TaskReader({"it": parse("G (p -> F q)")})
+    for letter in (frozenset({"p"}), frozenset[str](), frozenset({"q"})):
+        before = reader.moved.states[0]
+        reader.read(letter, ())
+        after = reader.moved
+        assert {start for start, _ in after.taken[0]} <= set(before)
+        assert {end for _, end in after.taken[0]} == set(after.states[0])
+        drawn = {(arrow.start, arrow.end) for arrow in reader.automata[0].drawing.arrows}
+        assert set(after.taken[0]) <= drawn
 
 
 def test_a_line_of_the_task_is_drawn_by_its_conjuncts() -> None:
@@ -82,4 +94,4 @@ def test_a_patrol_of_many_places_is_small_enough_for_a_page() -> None:
     )
     assert sum(len(each.drawing.arrows) for each in reader.automata) < 1000
     reader.read(frozenset({"b", places[3]}), ())
-    assert all(reader.states)
+    assert all(reader.moved.states)

@@ -103,6 +103,14 @@ def test_snapshots_are_what_pymavlink_reads_in_the_log(
     assert whole.snapshots[0].battery_percent == 100
 
 
+def test_zones_have_their_names_on_the_page(surveillance_run: Path, tmp_path: Path) -> None:
+    scene = json.loads((surveillance_run / "scene.json").read_text(encoding="utf-8"))
+    scene["keep_out"] = {"pond": [[1, 2], [3, 2], [3, 4]]}
+    (tmp_path / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
+    (zone,) = Follower(tmp_path, is_live=False).mission["keep_out"]
+    assert zone == {"name": "pond", "corners": [[1.0, 2.0], [3.0, 2.0], [3.0, 4.0]]}
+
+
 def test_the_clearance_is_that_of_the_map(whole: Follower, surveillance_run: Path) -> None:
     grid = read_scene(surveillance_run).grid
     for snapshot in whole.snapshots[::25]:
@@ -231,7 +239,7 @@ def test_a_scene_that_was_written_before_zones_and_low_walls_is_read(
         del scene[key]
     del scene["map"]["open"]
     (tmp_path / "scene.json").write_text(json.dumps(scene), encoding="utf-8")
-    assert read_scene(tmp_path).keep_out == ()
+    assert read_scene(tmp_path).keep_out == {}
     assert not read_scene(tmp_path).grid.is_open
 
 

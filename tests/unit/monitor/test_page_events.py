@@ -32,6 +32,8 @@ def test_the_kinds_that_the_page_draws_exist() -> None:
         drawn |= set(re.findall(r'case "(\w+)"', text))
         drawn |= set(re.findall(r'kind [!=]== "(\w+)"', text))
         drawn |= set(re.findall(r"touched\.(\w+)", text))
+        for listed in re.findall(r"new Set\(\[(.*?)\]\)", text, re.DOTALL):
+            drawn |= set(re.findall(r'"([\w ]+)"', listed)) if path.stem == "event_list" else set()
     assert drawn >= {"tree", "replan", "withdrawn", "end"}
     assert drawn <= KINDS
 

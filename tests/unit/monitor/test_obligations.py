@@ -1,0 +1,48 @@
+"""What is still due: goals of a lap, demands of other lines, and neither of what is dropped."""
+
+from __future__ import annotations
+
+from companion.ltl.parser import parse
+from companion.mission.facts import at
+from companion.monitor.obligations import Obligations
+
+PATROL = [("patrol", parse(f"G F at({place})")) for place in "AB"]
+
+
+def read(obligations: Obligations, *facts: str) -> list[str]:
+    obligations.read(frozenset(facts), ())
+    return [words for _, words in obligations.due]
+
+
+def test_a_goal_is_due_once_in_a_lap() -> None:
+    due = Obligations(PATROL)
+    assert due.due == (
+        ("patrol", "A still due in this lap"),
+        ("patrol", "B still due in this lap"),
+    )
+    assert read(due, at("A")) == ["B still due in this lap"]
+    assert read(due, at("A")) == ["B still due in this lap"]
+    assert read(due, at("B")) == []
+    assert read(due, at("A")) == ["B still due in this lap"], "another lap"
+
+
+def test_an_answer_is_due_after_its_question_alone() -> None:
+    due = Obligations(
+        [("answer", parse("G (asked -> F told)")), ("home", parse("G (told -> X at(Home))"))]
+    )
+    assert due.due == ()
+    assert read(due, "asked") == read(due) == ["told still due"]
+    assert read(due, "told") == ["Home due at the next position"]
+    assert read(due, at("Home")) == []
+
+
+def test_rules_are_not_due_nor_is_what_is_dropped_or_begins_anew() -> None:
+    due = Obligations([*PATROL, ("rule", parse("G !at(D)")), ("once", parse("F at(C)"))])
+    due.drop("once", True)
+    assert read(due, at("A")) == ["B still due in this lap"]
+    due.drop("once", False)
+    assert read(due) == ["B still due in this lap", "C still due"]
+    due.read(frozenset({at("C")}), ())
+    assert ("once", "C still due") not in due.due
+    due.read(frozenset(), ("once",))
+    assert ("once", "C still due") in due.due
