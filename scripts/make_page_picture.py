@@ -11,12 +11,14 @@ import io
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from benches import ROOT
 from benches.shipped import shipped
 from PIL import Image
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Page, sync_playwright
 
 from companion.record.run_folder import RunFolder
 
@@ -24,8 +26,12 @@ MISSION = "surveillance"
 SHOWN_S = 54.5
 """Time of the flight that is shown."""
 SIZE = {"width": 1440, "height": 900}
-COLOURS = 256
-MOST_BYTES = 150_000
+MOST_BYTES = 300_000
+SEEK = """time => {
+  const slider = document.getElementById('time');
+  slider.value = time;
+  slider.dispatchEvent(new Event('input'));
+}"""
 
 
 def fly(folder: Path) -> None:
@@ -37,36 +43,42 @@ def fly(folder: Path) -> None:
     run.close()
 
 
-def picture(address: str) -> bytes:
-    """The page at one time of the flight, as a PNG."""
-    seek = "time => { const slider = document.getElementById('time');"
-    seek += " slider.value = time; slider.dispatchEvent(new Event('input')); }"
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(
-            executable_path="/usr/bin/chromium", args=["--no-sandbox"]
-        )
-        page = browser.new_page(viewport=SIZE)
-        page.goto(address)
-        page.locator("#play", has_text="Pause").click()
-        page.locator(".mark").nth(1).wait_for()
-        page.evaluate(seek, SHOWN_S)
-        page.wait_for_timeout(500)
-        return page.screenshot()
-
-
-def main(path: Path) -> None:
-    """Writes the picture."""
+@contextmanager
+def paused_page() -> Iterator[Page]:
+    """The page of a flight of the mission, all of it read, and paused."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / MISSION
         fly(folder)
         command = [sys.executable, "-m", "companion", "replay", str(folder), "--port", "0"]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        with (
+            subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server,
+            sync_playwright() as playwright,
+        ):
             assert server.stdout is not None
-            png = picture(server.stdout.readline().split()[1])
+            browser = playwright.chromium.launch(
+                executable_path="/usr/bin/chromium", args=["--no-sandbox"]
+            )
+            page = browser.new_page(viewport=SIZE)
+            page.goto(server.stdout.readline().split()[1])
+            page.locator("#play", has_text="Pause").click()
+            page.locator("#lines li", has_text="satisfied, landed").wait_for(state="attached")
+            yield page
             server.kill()
+
+
+def picture(page: Page, time_s: float, wait_ms: float) -> bytes:
+    """The page at one time of the flight, as a PNG."""
+    page.evaluate(SEEK, time_s)
+    page.wait_for_timeout(wait_ms)
+    return page.screenshot()
+
+
+def main(path: Path) -> None:
+    """Writes the picture."""
+    with paused_page() as page:
+        png = picture(page, SHOWN_S, wait_ms=500)
     with Image.open(io.BytesIO(png)) as image:
-        few = image.convert("RGB").quantize(COLOURS, Image.Quantize.FASTOCTREE)
-        few.save(path, optimize=True)
+        image.convert("RGB").save(path, optimize=True)
     assert path.stat().st_size <= MOST_BYTES, f"{path} has {path.stat().st_size} bytes"
     print(f"{path}  {path.stat().st_size / 1000:.0f} kB")
 
