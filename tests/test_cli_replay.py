@@ -51,7 +51,7 @@ def test_page_files_and_stream(
         assert page.headers["Content-Type"].startswith("text/html")
     assert policy.startswith("default-src 'none'") and "http" not in policy
     files = re.findall(r'(?:src|href)="([^"]+)"', text)
-    assert {"main.js", "style.css", "icon.svg"} == set(files)
+    assert {"main.js", "palette.css", "style.css", "icon.svg"} == set(files)
     for name in files:
         with urllib.request.urlopen(f"{address}/{name}", timeout=START_S) as file:
             assert file.status == 200 and file.headers["Content-Security-Policy"] == policy

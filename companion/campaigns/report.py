@@ -26,7 +26,10 @@ from companion.campaigns.table import write_whole
 NAME = "report.html"
 WORST = 10
 MOST_LISTED = 12
-STYLE = Path(__file__).parent / "static" / "report.css"
+STYLES = (
+    Path(__file__).parents[1] / "monitor" / "static" / "palette.css",  # the monitor page's
+    Path(__file__).parent / "static" / "report.css",
+)
 
 
 @dataclass(frozen=True)
@@ -97,10 +100,11 @@ def report_html(source: ReportSource) -> str:
         _section("What was sampled", _sampled(source)),
         _section("To repeat it", _repeating(source)),
     )
+    style = "".join(path.read_text(encoding="utf-8") for path in STYLES)
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{name}: campaign</title><style>{STYLE.read_text(encoding='utf-8')}</style></head>"
+        f"<title>{name}: campaign</title><style>{style}</style></head>"
         f"<body>{pictures.symbol}<header><h1>{name}: {len(source.flown)} flights</h1>"
         f'<p class="quiet">{_headline(source)}</p></header><main>{"".join(sections)}</main>'
         "</body></html>\n"

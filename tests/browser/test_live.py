@@ -59,6 +59,8 @@ def test_a_mission_from_the_first_plan_to_the_landing(flight: str, open_page: Op
     desk.until("document.querySelectorAll('.path polyline').length === 4")
     for figure in (r"mode\s+OFFBOARD", r"link\s+good", r"battery\s+\d+ %", r"up\s+(1\.9|2\.\d) m"):
         assert desk.comes_true(lambda f=figure: re.search(f, " ".join(desk.texts("#vehicle div"))))
+    assert desk.comes_true(lambda: "C or targetFound still due" in " ".join(desk.texts("#due li")))
+    assert desk.violations() == []
     flown = desk.page.evaluate(TRAIL)
     desk.until(f"{TRAIL}.length > {len(flown)} + 100")
     assert desk.page.evaluate(TRAIL)[: len(flown) // 2] == flown[: len(flown) // 2]
