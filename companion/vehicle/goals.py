@@ -81,7 +81,7 @@ class Pursuit:
     start_mode: Mode
     start_s: float
     takeoff_up_m: float
-    is_in_failsafe: bool = False
+    is_in_failsafe: bool
     ticket: int | None = None
     asked: Approach | None = None
     has_failed: bool = False

@@ -11,7 +11,6 @@ import pytest
 from fakes import on_hold
 
 from companion.acting.authority import (
-    LANDING_M,
     is_silent,
     loss_of_control,
     loss_of_link,
@@ -27,7 +26,7 @@ from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.motion.region import Disc
 from companion.outcomes import Refusal
-from companion.vehicle.port import Mode, Takeover, VehicleState
+from companion.vehicle.port import Failed, Mode, Takeover, VehicleState
 
 NOW_S = 10_000.0
 FLYING = on_hold(NOW_S)
@@ -38,11 +37,15 @@ EPSILON = 1e-6
 LIMITS = Limits(2.0, (0.5, 4.0), ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)))
 
 
-def flight(takeover: Takeover | None = None, is_landed_by_plan: bool = False) -> Any:
+def flight(
+    takeover: Takeover | None = None,
+    is_landed_by_plan: bool = False,
+    unnoticed: Failed | None = None,
+) -> Any:
     return SimpleNamespace(
         now_s=NOW_S,
         vehicle=SimpleNamespace(takeover=takeover),
-        progress=PlanProgress(is_landed_by_plan=is_landed_by_plan),
+        progress=PlanProgress(is_landed_by_plan=is_landed_by_plan, unnoticed_landing=unnoticed),
     )
 
 
@@ -112,7 +115,7 @@ def test_home_is_as_wide_as_its_radius_and_what_the_position_may_be_off_by(
     )
 
 
-@pytest.mark.parametrize(("accuracy_m", "further_m"), [(0.05, 0.0), (0.3, LANDING_M)])
+@pytest.mark.parametrize(("accuracy_m", "further_m"), [(0.1, 0.0), (0.3, 1.0)])
 def test_where_no_map_goes_along_it_may_have_landed_further_away(
     accuracy_m: float, further_m: float
 ) -> None:
@@ -173,6 +176,14 @@ def test_what_each_phase_may_find(
         assert loss_of_control(phase, state, flight(is_landed_by_plan=True)) is None
     else:
         assert found is None
+
+
+def test_a_landing_that_the_autopilot_does_not_notice_ends_the_sortie() -> None:
+    landing = flight(unnoticed=Failed("still on its way down"))
+    assert reason(loss_of_control(Phase.TASK, FLYING, landing)) == (
+        "still on its way down\n"
+        "    the autopilot goes on landing; where the vehicle stands already, disarm it by hand"
+    )
 
 
 # -- handing over ----------------------------------------------------------------------------------

@@ -85,7 +85,7 @@ def test_airborne_is_a_hold_heard_after_the_ground_was_left(
 
 
 def pursuit(goal: Goal, start_mode: Mode) -> Pursuit:
-    return Pursuit(goal, APPROACHES[goal].passes | {start_mode}, start_mode, 100.0, 2.0)
+    return Pursuit(goal, APPROACHES[goal].passes | {start_mode}, start_mode, 100.0, 2.0, False)
 
 
 def test_a_new_one_has_not_failed() -> None:
