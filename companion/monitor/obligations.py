@@ -9,15 +9,14 @@ formula progression leaves of them (`companion/ltl/progression.py`); what always
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 from companion.ltl.formula import FALSE, TRUE, Formula, Operator, conjuncts, subformulas
 from companion.ltl.progression import progressed
 from companion.ltl.semantics import Letter
 from companion.mission.facts import AT, Fact
 
-MOST_NODES = 60
-"""Of what is left of a line; what is larger is not told, as nobody would read it."""
+MOST_TOLD, MOST_KEPT = 60, 1000
+"""Nodes of what is left of a line: nobody would read more, and more is not kept."""
 TEMPORAL = frozenset(
     {
         Operator.NEXT,
@@ -30,38 +29,62 @@ TEMPORAL = frozenset(
 )
 
 
-@dataclass
 class DueLine:
     """A conjunct of the task as it is read: what it is, and what is left of it."""
 
-    name: str
-    formula: Formula
-
-    def __post_init__(self) -> None:
-        self.rest = self.formula
+    def __init__(self, name: str, formula: Formula) -> None:
+        self.name = name
         self.is_dropped = False
-        self.is_met = False
+        self.formula = self.rest = formula
+        self.goals, self.otherwise = _recurring(formula)
+        self.met: set[Formula] = set()
 
     @property
-    def recurring(self) -> Formula | None:
-        """The goal that has to hold again and again, if that is all that it says."""
-        if self.formula.operator is not Operator.ALWAYS:
-            return None
-        inner = self.formula.operands[0]
-        is_goal = inner.operator is Operator.EVENTUALLY and not _is_temporal(inner.operands[0])
-        return inner.operands[0] if is_goal else None
+    def is_met(self) -> bool:
+        """Each recurring goal was met in this lap, or need not be any more."""
+        return self.rest is TRUE or self.met.issuperset(self.goals)
+
+    def read(self, letter: Letter, is_restarted: bool) -> None:
+        """One more position."""
+        rest = progressed(self.formula if is_restarted else self.rest, letter)
+        self.rest = rest if _size(rest) <= MOST_KEPT else TRUE
+        self.met |= {goal for goal in self.goals if progressed(goal, letter) is TRUE}
 
     @property
     def words(self) -> list[str]:
         """What is due of it, in words."""
-        if (goal := self.recurring) is not None:
-            return [] if self.is_met else [f"{in_words(goal)} still due in this lap"]
-        left = [each for each in conjuncts(self.rest) if each.operator is not Operator.ALWAYS]
+        if self.goals:
+            left = ", ".join(in_words(goal) for goal in self.goals if goal not in self.met)
+            instead = "".join(f", or {in_words(each)}" for each in self.otherwise)
+            return [] if self.is_met else [f"{left} still due in this lap{instead}"]
+        if _size(self.rest) > MOST_TOLD:
+            return []
+        left_over = [each for each in conjuncts(self.rest) if each.operator is not Operator.ALWAYS]
         return [
             f"{in_words(each)} {'still due' if _is_temporal(each) else 'due at the next position'}"
-            for each in left
+            for each in left_over
             if each not in (TRUE, FALSE)
         ]
+
+
+def _recurring(formula: Formula) -> tuple[tuple[Formula, ...], tuple[Formula, ...]]:
+    """The goals that have to hold again and again, and what may be done instead.
+
+    None, if the line is not of this kind: `G F p & ...`, and that or something else.
+    """
+    choices = formula.operands if formula.operator is Operator.OR else (formula,)
+    for choice in choices:
+        goals = [_goal(part) for part in conjuncts(choice)]
+        if TRUE not in goals:
+            return tuple(goals), tuple(each for each in choices if each is not choice)
+    return (), ()
+
+
+def _goal(part: Formula) -> Formula:
+    """p of `G F p`; true of everything else."""
+    inner = part.operands[0] if part.operator is Operator.ALWAYS else TRUE
+    goal = inner.operands[0] if inner.operator is Operator.EVENTUALLY else TRUE
+    return TRUE if _is_temporal(goal) else goal
 
 
 class Obligations:
@@ -70,22 +93,14 @@ class Obligations:
     def __init__(self, lines: Sequence[tuple[str, Formula]]) -> None:
         self.lines = [DueLine(name, formula) for name, formula in lines]
 
-    @property
-    def _recurring(self) -> list[DueLine]:
-        return [each for each in self.lines if each.recurring is not None and not each.is_dropped]
-
     def read(self, letter: Letter, restarted: Collection[str]) -> None:
         """One more position; the named lines begin anew with it."""
-        if all(each.is_met for each in self._recurring):
-            for each in self._recurring:
-                each.is_met = False
+        recurring = [each for each in self.lines if each.goals and not each.is_dropped]
+        if all(each.is_met for each in recurring):
+            for each in recurring:
+                each.met.clear()
         for each in self.lines:
-            begun = each.formula if each.name in restarted else each.rest
-            if (goal := each.recurring) is not None:
-                each.is_met |= progressed(goal, letter).operator is Operator.TRUE
-            else:
-                rest = progressed(begun, letter)
-                each.rest = rest if sum(1 for _ in subformulas(rest)) <= MOST_NODES else TRUE
+            each.read(letter, each.name in restarted)
 
     def drop(self, name: str, is_dropped: bool) -> None:
         """Plans do not keep a line any more, or keep it again."""
@@ -119,6 +134,8 @@ def in_words(formula: Formula) -> str:
             return f"not {in_words(operands[0])}"
         case Operator.EVENTUALLY:
             return in_words(operands[0])
+        case Operator.ALWAYS if operands[0].operator is Operator.EVENTUALLY:
+            return f"{in_words(operands[0])} again and again"
         case Operator.ALWAYS:
             return f"{in_words(operands[0])} for good"
         case Operator.NEXT:
@@ -142,5 +159,10 @@ def _together(operands: tuple[Formula, ...]) -> str:
     return ", then ".join(each for each in (" and ".join(now), then) if each)
 
 
+def _size(formula: Formula) -> int:
+    return sum(1 for _ in subformulas(formula))
+
+
 def _is_temporal(formula: Formula) -> bool:
+    """Whether it speaks of other positions too."""
     return any(each.operator in TEMPORAL for each in subformulas(formula))

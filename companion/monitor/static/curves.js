@@ -11,7 +11,7 @@ const CURVES = [
   { name: "altitude", unit: "m", value: ({ enu }) => enu[2] },
   { name: "speed", unit: "m/s", value: ({ speed_mps }) => speed_mps },
   { name: "battery", unit: "%", value: ({ battery_percent }) => battery_percent },
-  { name: "clearance", unit: "m", value: ({ clearance_m }) => clearance_m },
+  { name: "clearance", unit: "m", value: ({ clearance_m }) => clearance_m, absent: "no obstacle" },
 ];
 
 export class CurvesView {
@@ -87,8 +87,8 @@ class Strip {
   }
 
   show(vehicle, x) {
-    const { unit, value } = this.curve, number = vehicle && value(vehicle);
-    say(this.now, number == null ? "unknown" : `${number.toFixed(unit === "%" ? 0 : 1)} ${unit}`);
+    const { unit, value, absent = "unknown" } = this.curve, number = vehicle && value(vehicle);
+    say(this.now, number == null ? absent : `${number.toFixed(unit === "%" ? 0 : 1)} ${unit}`);
     if (x === undefined) return;
     this.later.setAttribute("x", x);
     for (const end of ["x1", "x2"]) this.at.setAttribute(end, x);

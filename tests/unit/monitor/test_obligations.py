@@ -26,6 +26,14 @@ def test_a_goal_is_due_once_in_a_lap() -> None:
     assert read(due, at("A")) == ["B still due in this lap"], "another lap"
 
 
+def test_goals_of_one_line_are_told_together_with_what_may_be_done_instead() -> None:
+    due = Obligations([("patrol", parse("G F at(A) & G F at(B) & G F at(C) | F called"))])
+    assert read(due, at("A")) == ["B, C still due in this lap, or called"]
+    assert read(due, at("C")) == ["B still due in this lap, or called"]
+    assert read(due, "called") == []
+    assert read(due) == []
+
+
 def test_an_answer_is_due_after_its_question_alone() -> None:
     due = Obligations(
         [("answer", parse("G (asked -> F told)")), ("home", parse("G (told -> X at(Home))"))]
