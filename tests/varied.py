@@ -72,10 +72,13 @@ class ThisProcess:
 
 
 def table_by(
-    engine: RowEngine, folder: Path, on_row: Callable[[FlownRow], None] = lambda flown: None
+    engine: RowEngine,
+    folder: Path,
+    on_row: Callable[[FlownRow], None] = lambda flown: None,
+    kit: Kit | None = None,
 ) -> bytes:
-    """The table of the short campaign, flown by an engine."""
-    kit = short_kit()
+    """The table of a campaign, by default of the short one, flown by an engine."""
+    kit = kit or short_kit()
     campaign = Campaign(kit, engine, folder, kit.header(SEED, runs=RUNS), on_row)
     try:
         campaign.flown(random_rows(kit, SEED, RUNS))

@@ -53,6 +53,8 @@ class Campaign:
 
         Raises:
             Interrupted: the user has pressed Ctrl-C; rows under way were waited for.
+            NotWritten: a row cannot be kept.
+            LinkError: the cluster is gone.
             CompanionError: a worker would fly other bytes.
         """
         kept = self._file.rows

@@ -11,7 +11,9 @@ cluster has.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Iterator
+from concurrent.futures import CancelledError
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
@@ -50,11 +52,12 @@ class DaskCluster:
             )
         from distributed import Client
 
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # we tell it ourselves
         try:
             self._client: Client = Client(address, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError) as error:
             raise LinkError(f"no Dask scheduler answers at {address}: {error}") from error
-        self._packed = packed
+        self._packed, self._address = packed, address
         self._under_way: dict[Any, Row] = {}
         self._deaths = Deaths()
 
@@ -71,16 +74,16 @@ class DaskCluster:
         return max(counts.values(), default=0)
 
     def fly(self, rows: Iterable[Row]) -> Iterator[FlownRow]:
-        """The rows as they come back."""
-        waiting = iter(rows)
-        while True:
-            for _ in range(max(1, WINDOW * self.threads) - len(self._under_way)):
-                if (row := next(waiting, None)) is None:
-                    break
-                self._submit(row)
-            if not self._under_way:
-                return
-            yield from self._returned()
+        """The rows as they come back.
+
+        Raises:
+            LinkError: the scheduler is gone.
+            CompanionError: a worker would fly other bytes.
+        """
+        try:
+            yield from self._flown(iter(rows))
+        except (CancelledError, OSError) as error:
+            raise LinkError(f"the Dask scheduler at {self._address} is gone") from error
 
     def finish(self) -> Iterator[FlownRow]:
         """The rows that are under way, as they come back."""
@@ -91,6 +94,16 @@ class DaskCluster:
         """Leaves the cluster; what is under way there is given up."""
         self._client.cancel(list(self._under_way), force=True)
         self._client.close()
+
+    def _flown(self, waiting: Iterator[Row]) -> Iterator[FlownRow]:
+        while True:
+            for _ in range(max(1, WINDOW * self.threads) - len(self._under_way)):
+                if (row := next(waiting, None)) is None:
+                    break
+                self._submit(row)
+            if not self._under_way:
+                return
+            yield from self._returned()
 
     def _submit(self, row: Row) -> None:
         future = self._client.submit(fly_row, self._packed, row, pure=False, retries=0)

@@ -1,8 +1,8 @@
 """The rows of a campaign on disk, as they come: DIR/rows.jsonl.
 
 Its first line is the header. Each row is a line of its own, written and kept (fsync) before the
-next one is waited for; so whatever ends a campaign, it loses the rows that were under way. A line
-that is not whole is dropped. Two campaigns cannot write to one folder.
+next one is waited for; so whatever ends a campaign, a full disk among it, it loses the rows that
+were under way. A line that is not whole is dropped. Two campaigns cannot write to one folder.
 """
 
 from __future__ import annotations
@@ -19,6 +19,13 @@ from companion.errors import CompanionError, MissionError
 NAME = "rows.jsonl"
 
 
+class NotWritten(CompanionError):
+    """A file of a campaign cannot be written, as on a full disk; rows from before are kept."""
+
+    def __init__(self, path: Path, error: OSError) -> None:
+        super().__init__(f"{path} cannot be written: {error.strerror}")
+
+
 class RowFile:
     """The file of a campaign, open and locked.
 
@@ -32,13 +39,16 @@ class RowFile:
     Raises:
         CompanionError: another campaign writes to the folder.
         MissionError: the folder has rows of another campaign.
-        OSError: it cannot be written.
+        NotWritten: it cannot be written.
     """
 
     def __init__(self, folder: Path, header: Mapping[str, str]) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
         self._path = folder / NAME
-        self._file = self._path.open("a+b")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._file = self._path.open("a+b", buffering=0)
+        except OSError as error:
+            raise NotWritten(self._path, error) from error
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
@@ -54,18 +64,26 @@ class RowFile:
             raise _other_campaign(folder, before, header)
 
     def add(self, flown: FlownRow) -> None:
-        """Keeps a row."""
-        self.rows[flown.row.index] = flown
+        """Keeps a row.
+
+        Raises:
+            NotWritten: it cannot be written; at most a part of its line is there.
+        """
         self._write(flown.as_json())
+        self.rows[flown.row.index] = flown
 
     def close(self) -> None:
         """Another campaign may write to the folder."""
         self._file.close()
 
     def _write(self, entry: Mapping[str, object]) -> None:
-        self._file.write(json.dumps(entry).encode() + b"\n")
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        line = json.dumps(entry).encode() + b"\n"
+        try:
+            while line:
+                line = line[self._file.write(line) :]
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise NotWritten(self._path, error) from error
 
 
 def header_in(folder: Path, key: str) -> dict[str, str]:

@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 from companion.campaigns.outcomes import FlownRow, Margins
+from companion.campaigns.row_file import NotWritten
 from companion.errors import MissionError
 
 NAME = "table.csv"
@@ -67,13 +68,21 @@ def table_text(header: Mapping[str, str], paths: Sequence[str], flown: Iterable[
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Writes a file at once: whoever reads it meanwhile has the one before, or none."""
+    """Writes a file at once: whoever reads it meanwhile has the one before, or none.
+
+    Raises:
+        NotWritten: it cannot be written; the one before is there as it was.
+    """
     partial = path.with_name(f"{path.name}.partial")
-    with partial.open("w", encoding="utf-8") as file:
-        file.write(text)
-        file.flush()
-        os.fsync(file.fileno())
-    partial.replace(path)
+    try:
+        with partial.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        partial.replace(path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise NotWritten(path, error) from error
 
 
 def read_table(path: Path) -> Table:

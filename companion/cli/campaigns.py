@@ -14,7 +14,7 @@ import typer
 
 from companion.cli.arguments import MissionFile, load
 from companion.cli.simulated_flight import ScenarioFile
-from companion.errors import CompanionError
+from companion.errors import CompanionError, LinkError
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -140,14 +140,15 @@ def begun(
         again: the command that goes on with it, told when it is stopped.
     """
     from companion.campaigns.campaign import Campaign, Interrupted
+    from companion.campaigns.row_file import NotWritten
 
     engine = engine_of(kit, jobs, dask)
     with closing(engine), _progress(total) as tell:
         flights = Campaign(kit, engine, folder, header, tell)
         try:
             yield flights
-        except Interrupted:
-            kept = f"stopped: {len(flights.rows)} rows are kept"
+        except (Interrupted, NotWritten, LinkError) as error:
+            kept = f"{error}\n    {len(flights.rows)} rows are kept"
             raise CompanionError(f"{kept}\n    to go on: {again}") from None
         finally:
             flights.close()

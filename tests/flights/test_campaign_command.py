@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 import subprocess
 import time
@@ -95,6 +96,26 @@ def test_a_campaign_that_is_killed_leaves_no_process_and_goes_on(
     assert code == 0, told
     assert "McNemar    p = 1: may be chance" in told
     same = [(each / "table.csv").read_bytes() for each in (whole, tmp_path / "killed")]
+    assert same[0] == same[1]
+
+
+def test_a_full_disk_is_told_and_costs_no_row_that_was_kept(
+    whole: Path, scenario: Path, tmp_path: Path
+) -> None:
+    """No file of the process may grow any more, as on a full disk; then there is room again."""
+    folder = tmp_path / "full"
+    process = begun(scenario, folder)
+    wait_for_rows(folder, 2)
+    most = (folder / NAME).stat().st_size + 10
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (most, most))
+    code, told = ended(process)
+    kept = (folder / NAME).read_bytes().count(b"\n") - 1  # a header; a torn line has no end
+    assert code == 1
+    assert f"{folder / NAME} cannot be written: File too large\n    {kept} rows are kept" in told
+    assert f"--resume {folder}" in told and not (folder / "table.csv").exists()
+    code, told = ended(begun(scenario, folder))
+    assert code == 0, told
+    same = [(each / "table.csv").read_bytes() for each in (whole, folder)]
     assert same[0] == same[1]
 
 

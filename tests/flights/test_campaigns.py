@@ -8,15 +8,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from offered import TEMPLATE, install_template, installed_in
 from varied import DEADLY, RUNS, ThisProcess, fly_but_die, short_kit, table_by
 
+from companion.api.simulating import varied_world_of
 from companion.campaigns import worker
+from companion.campaigns.kit import Kit
 from companion.campaigns.outcomes import FlownRow, Outcome
 from companion.campaigns.processes import LocalProcesses, accepted
 from companion.campaigns.row_file import NAME
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import WorkerRefused, fly_row
 from companion.errors import CompanionError
+from companion.mission.loader import load_mission
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +81,20 @@ def test_what_raises_is_the_outcome_of_its_row(monkeypatch: pytest.MonkeyPatch) 
 def test_one_process_and_four(table: bytes, tmp_path: Path) -> None:
     for jobs in (1, 4):
         assert table_by(LocalProcesses(short_kit().packed, jobs), tmp_path / str(jobs)) == table
+
+
+@pytest.mark.long
+def test_skills_in_python_are_called_in_processes_of_the_row(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install_template(tmp_path)
+    installed_in(tmp_path / "site", monkeypatch)
+    mission = load_mission(TEMPLATE / "weighing.yaml")
+    scenario = {"version": 1, "vary": {"wind.east_mps": [-3, 3]}}
+    kit = Kit.of(mission, varied_world_of(mission, scenario), 120.0)
+    engines = {"here": ThisProcess(kit), "there": LocalProcesses(kit.packed, 2)}
+    here, there = (table_by(engine, tmp_path / n, kit=kit) for n, engine in engines.items())
+    assert here == there and here.count(b",satisfied,") == RUNS
 
 
 @pytest.mark.long

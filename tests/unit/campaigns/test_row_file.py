@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from companion.campaigns.outcomes import FlownRow, Outcome
-from companion.campaigns.row_file import NAME, RowFile, header_in
+from companion.campaigns.row_file import NAME, NotWritten, RowFile, header_in
 from companion.campaigns.rows import Row
+from companion.campaigns.table import write_whole
 from companion.errors import CompanionError, MissionError
 
 HEADER = {"format": "1", "seed": "3"}
@@ -16,6 +20,17 @@ HEADER = {"format": "1", "seed": "3"}
 
 def flown(index: int) -> FlownRow:
     return FlownRow(Row(index, 7, {"a": 1.5}), Outcome.SATISFIED, track=((0.0, 1.0),))
+
+
+@contextmanager
+def room_for(size: int) -> Iterator[None]:
+    """No file of this process grows beyond so many bytes: as a full disk, for any user."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def test_rows_are_there_again(tmp_path: Path) -> None:
@@ -67,3 +82,26 @@ def test_a_search_is_not_resumed_as_a_campaign(tmp_path: Path) -> None:
     RowFile(tmp_path, HEADER).close()
     with pytest.raises(MissionError, match="has no runs"):
         header_in(tmp_path, "runs")
+
+
+def test_a_row_that_the_disk_has_no_room_for_costs_no_other(tmp_path: Path) -> None:
+    file = RowFile(tmp_path, HEADER)
+    file.add(flown(0))
+    size = (tmp_path / NAME).stat().st_size
+    told = r"rows.jsonl cannot be written: File too large"
+    with room_for(size + 20), pytest.raises(NotWritten, match=told):
+        file.add(flown(1))
+    assert [*file.rows] == [0] and (tmp_path / NAME).stat().st_size == size + 20
+    file.close()
+    again = RowFile(tmp_path, HEADER)
+    again.add(flown(1))
+    again.close()
+    assert len((tmp_path / NAME).read_bytes().splitlines()) == 3
+
+
+def test_a_table_that_the_disk_has_no_room_for_leaves_the_one_before(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    write_whole(path, "before")
+    with room_for(10), pytest.raises(NotWritten, match=r"table\.csv cannot be written"):
+        write_whole(path, "a longer table")
+    assert [*tmp_path.iterdir()] == [path] and path.read_text() == "before"
