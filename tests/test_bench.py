@@ -48,6 +48,12 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
                 "verify and parse MAVLink",
             },
         ),
+        pytest.param(
+            "campaigns",
+            3,  # Dask comes with the tests alone
+            {"campaign, 2 processes", "memory after 8 flights"},
+            marks=pytest.mark.long,
+        ),
         pytest.param("missions", 100, set(), marks=pytest.mark.long),  # flies them all
     ],
 )
@@ -83,4 +89,7 @@ def test_a_group_that_there_is_not_is_named() -> None:
     command = [sys.executable, str(BENCH), "flyng"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900, check=False)
     assert done.returncode == 2
-    assert "no group flyng; there are translating, planning, flying, missions" in done.stderr
+    assert (
+        "no group flyng; there are translating, planning, flying, campaigns, missions"
+        in done.stderr
+    )
