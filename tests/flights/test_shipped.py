@@ -162,7 +162,7 @@ SHIPPED = (
         [
             *("Well", "Pond", "Barn", "Mill", "Weir", "Ford", "East"),
             *(NO_CHARGE, BeliefWithdrawn("works(East)"), Replanned(NO_CHARGE.text)),
-            *("Hill", "Well", "West", SkillCompleted("recharge(West)")),
+            *("West", SkillCompleted("recharge(West)")),
             *("Pond", "Barn", "Mill", "Weir", "Ford", "Shed", "Oak", "Gate"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
         ],
