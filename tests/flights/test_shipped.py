@@ -163,6 +163,7 @@ SHIPPED = (
             *("Well", "Pond", "Barn", "Mill", "Weir", "Ford", "East"),
             *(NO_CHARGE, BeliefWithdrawn("works(East)"), Replanned(NO_CHARGE.text)),
             *("West", SkillCompleted("recharge(West)")),
+            Replanned("flights take N % less energy than the mission says"),
             *("Pond", "Barn", "Mill", "Weir", "Ford", "Shed", "Oak", "Gate"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
         ],
