@@ -62,6 +62,7 @@ class UploadHost:
             beat_s = 0.0
             while not self._ends.is_set():
                 self._link.wait(0.02)
+                self._link.send([])  # begins a step: what is taken in of one is bounded
                 for datagram in self._link.receive():
                     for message in self._codec.parse(datagram):
                         self._take(message)
