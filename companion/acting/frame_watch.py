@@ -10,9 +10,7 @@ from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted
 from companion.flight_events.frames import FrameDoubted, FrameTrusted, OriginMoved
-from companion.flight_events.sortie import (
-    Phase,
-)
+from companion.flight_events.sortie import Phase
 from companion.geometry import GlobalOrigin, distance
 
 TOLD_S = 0.5

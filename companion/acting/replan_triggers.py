@@ -83,7 +83,7 @@ class ReplanTriggers:
         self._reachability = replanner.reachability
         self._cut_off, self._line = Question[str](), Question[str]()
         self._possible, self._late = Question[bool](), Question[str]()
-        self._timed: tuple[Lasso, int] | None = None
+        self._flown_on_paper: tuple[Lasso, int] | None = None
         self.has_used_slice = False
 
     def adopt(self, lasso: Lasso) -> None:
@@ -227,11 +227,11 @@ class ReplanTriggers:
     # -- a bound will be late ------------------------------------------------------------------
 
     def _may_be_late(self, plan: PlanUnderWay) -> bool:
-        flight = self._flight
-        may_replan = flight.task.running is not None and not flight.progress.is_landed_by_plan
-        is_timed = self._replanner.is_timed and not plan.is_leaving
-        may_replan = may_replan and not self._map_differs(plan)
-        return is_timed and may_replan and self._timed != (plan.lasso, flight.progress.completed)
+        if not self._replanner.is_timed or plan.is_leaving or self._map_differs(plan):
+            return False
+        progress, is_flying = self._flight.progress, self._flight.task.running is not None
+        is_news = self._flown_on_paper != (plan.lasso, progress.completed)
+        return is_flying and is_news and not progress.is_landed_by_plan
 
     def _will_be_late(self, plan: PlanUnderWay) -> str | None:
         """Asked once after each completed skill."""
@@ -239,7 +239,7 @@ class ReplanTriggers:
         late = self._late.ask(about, lambda: self._replanner.lateness(plan.lasso) or "")
         if late is None:
             return None
-        self._timed = about
+        self._flown_on_paper = about
         return late or None
 
     # -- the tree has failed -------------------------------------------------------------------

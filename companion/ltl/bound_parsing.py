@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from lark import Token
 
 from companion.errors import FormulaError
-from companion.ltl.formula import Formula, Operator, conjoin, implies, subformulas
+from companion.ltl.formula import TEMPORAL, Formula, conjoin, implies, subformulas
 from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
 from companion.ltl.timed_formula import TimedFormula
 
@@ -24,16 +24,6 @@ UNITS_S = {"s": 1.0, "min": 60.0}
 
 _LIMIT = re.compile(r"(?P<sign>\D*?)\s*(?P<number>[-+]?\d+(\.\d+)?)\s*(?P<unit>[A-Za-z]*)")
 _WRITE = {"BOUND": "write F[<=60s] at(A)", "LIMIT": "write revisit(A) <= 120 s"}
-_TEMPORAL = frozenset(
-    (
-        Operator.NEXT,
-        Operator.EVENTUALLY,
-        Operator.ALWAYS,
-        Operator.UNTIL,
-        Operator.RELEASE,
-        Operator.WEAK_UNTIL,
-    )
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +128,7 @@ def misplaced(token: Token) -> tuple[str, str]:
 def _state_formula(part: Parsed, bound: Token) -> Formula:
     """A formula that one position decides."""
     formula = without_bounds(part)
-    temporal = next((f for f in subformulas(formula) if f.operator in _TEMPORAL), None)
+    temporal = next((f for f in subformulas(formula) if f.operator in TEMPORAL), None)
     if temporal is not None:
         raise error_at(
             bound,

@@ -44,6 +44,18 @@ class Operator(Enum):
     IFF = "<->"
 
 
+TEMPORAL = frozenset(
+    {
+        Operator.NEXT,
+        Operator.EVENTUALLY,
+        Operator.ALWAYS,
+        Operator.UNTIL,
+        Operator.RELEASE,
+        Operator.WEAK_UNTIL,
+    }
+)
+"""Those that speak of other positions too."""
+
 _Key = tuple[Operator, tuple["Formula", ...], str]
 _interned: WeakValueDictionary[_Key, Formula] = WeakValueDictionary()
 

@@ -10,23 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from companion.ltl.formula import FALSE, TRUE, Formula, Operator, conjuncts, subformulas
+from companion.ltl.formula import FALSE, TEMPORAL, TRUE, Formula, Operator, conjuncts, subformulas
 from companion.ltl.progression import progressed
 from companion.ltl.semantics import Letter
 from companion.mission.facts import AT, Fact
 
 MOST_TOLD, MOST_KEPT = 60, 1000
 """Nodes of what is left of a line: nobody would read more, and more is not kept."""
-TEMPORAL = frozenset(
-    {
-        Operator.NEXT,
-        Operator.EVENTUALLY,
-        Operator.ALWAYS,
-        Operator.UNTIL,
-        Operator.RELEASE,
-        Operator.WEAK_UNTIL,
-    }
-)
 
 
 class DueLine:

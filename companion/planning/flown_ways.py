@@ -48,9 +48,13 @@ class FlownWays:
         return math.inf if route is None else self._duration_s(route, limits) + ARRIVAL_S
 
     def _find(self, start: Ned, place: str, goal: Ned, passage: Passage) -> Route | None:
-        """The route to where a place is now, if the way there is as long as it is now."""
+        """The route to where a place is now, if the way there is as long as it is now.
+
+        It is found in the slice in which that was measured: the map may change after it.
+        """
+        route = self.routes.route(start, place)
         spent(_ROUTE_US)
-        return self.routes.route(start, place)
+        return route
 
 
 def _duration_s(route: Route, limits: SpeedLimits) -> float:

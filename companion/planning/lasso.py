@@ -140,7 +140,11 @@ class Lasso:
         return all(a is WAIT for a in self.loop)
 
     def rest(self, start: int) -> Lasso:
-        """What is left of it from position `start` on."""
+        """What is left of it from position `start` on.
+
+        >>> str(Lasso((), (WAIT,)).rest(3))
+        '(wait)^w'
+        """
         if start <= len(self.prefix):
             return Lasso(self.prefix[start:], self.loop)
         flown = (start - len(self.prefix)) % len(self.loop)

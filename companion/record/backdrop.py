@@ -40,11 +40,15 @@ class Backdrop:
     @property
     def legend(self) -> list[Line2D | Patch]:
         """What its lines and areas mean."""
-        fence: list[Line2D | Patch] = [Line2D([], [], color=FENCE, linestyle="--", label="fence")]
-        zone = Patch(facecolor="none", edgecolor=ZONE, hatch="//", label="keep out")
-        wall = Patch(facecolor="none", edgecolor=LOW_WALL, hatch="xx", label="low wall")
+        entries: list[Line2D | Patch] = [Line2D([], [], color=FENCE, linestyle="--", label="fence")]
+        if self.keep_out:
+            entries.append(Patch(facecolor="none", edgecolor=ZONE, hatch="//", label="keep out"))
+        if self.low_walls:
+            entries.append(
+                Patch(facecolor="none", edgecolor=LOW_WALL, hatch="xx", label="low wall")
+            )
         place = Line2D([], [], color=PLACE, marker="o", markersize=5, label="place, its region")
-        return [*fence, *[zone] * bool(self.keep_out), *[wall] * bool(self.low_walls), place]
+        return [*entries, place]
 
     def draw(self, axis: Axes) -> None:
         """Draws it; east to the right, north up, metres. The names of places come last."""
@@ -88,5 +92,4 @@ def _polygon(
     corners: Iterable[NorthEast], edgecolor: str, hatch: str | None = None, linestyle: str = "-"
 ) -> Polygon:
     points = [(east, north) for north, east in corners]
-    about = {"edgecolor": edgecolor, "hatch": hatch, "linestyle": linestyle}
-    return Polygon(points, closed=True, facecolor="none", **about)
+    return Polygon(points, facecolor="none", edgecolor=edgecolor, hatch=hatch, linestyle=linestyle)
