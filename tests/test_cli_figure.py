@@ -36,6 +36,12 @@ def test_a_run_has_the_trail_and_the_world_of_its_flight(run_folder: Path) -> No
     assert (backdrop.grid.occupied == known.grid.occupied).all()
 
 
+def test_a_tree_by_hand_has_a_trail_too(tmp_path: Path) -> None:
+    simulate(load_mission(MISSIONS / "by_hand.yaml"), folder=tmp_path)
+    ((title, positions),) = trail_of_run(tmp_path).parts
+    assert title == "the tree that was written by hand" and len(positions) > 100
+
+
 @pytest.mark.parametrize("name", ["flight.pdf", "flight.svg"])
 def test_it_is_drawn_beside_the_run(companion: Companion, run_folder: Path, name: str) -> None:
     ended = companion("figure", run_folder, "--format", name.partition(".")[2])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from companion.flight_events.event import Stamped
-from companion.flight_events.plans import PlanMade, PlanReplaced
+from companion.flight_events.plans import PlanMade, PlanReplaced, WrittenTreeAdopted
 from companion.geometry import Ned
 from companion.record.charge_trail import ChargeTrail
 
@@ -35,6 +35,8 @@ class Trail:
         match stamped.event:
             case PlanMade():
                 self.begin("first plan")
+            case WrittenTreeAdopted():
+                self.begin("the tree that was written by hand")
             case PlanReplaced(number=number, reason=reason):
                 self.begin(f"replan {number}: {reason}")
 
