@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.authority import why_left_alone
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalledFlight
 from companion.acting.phases import ON_THE_GROUND
+from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.preparation import Preparation, PreparedMission
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent, Stamped

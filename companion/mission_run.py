@@ -11,9 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.assembly import assemble, envelope_of
-from companion.acting.charge_report import ChargeReport
+from companion.acting.charge.charge_report import ChargeReport
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.found_places import FoundPlaces
@@ -27,6 +26,7 @@ from companion.acting.journal import (
     VehicleSeen,
 )
 from companion.acting.phases import ON_THE_GROUND
+from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.preparation import PreparedMission, prepare
 from companion.acting.resumption import Resumption, restore
 from companion.acting.sortie import Sortie

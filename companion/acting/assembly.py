@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from companion.acting.charge.energy_gauge import Gauge
 from companion.acting.docks import PlannedDock
-from companion.acting.energy_gauge import Gauge
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight

@@ -13,7 +13,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.behaviour_tree.leaf import failure_of
-from companion.acting.energy_watch import EnergyWatch
+from companion.acting.charge.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.replanner import Replanner

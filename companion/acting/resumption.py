@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.journal import CommandSettled, JournalledFlight
-from companion.acting.kept_fence import keep_to
 from companion.acting.phases import SortieEvent
 from companion.acting.positions import tell_positions
+from companion.acting.preflight.kept_fence import keep_to
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import OutcomeUnknown

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.beginning import Beginning
 from companion.acting.control import Control
@@ -26,9 +25,10 @@ from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
 from companion.acting.flown_task import FlownTask
 from companion.acting.frame_watch import FrameWatch
 from companion.acting.gate_watch import GateWatch
-from companion.acting.ground_checks import GroundChecks
 from companion.acting.journal import PhaseBegun
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
+from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
+from companion.acting.preflight.ground_checks import GroundChecks
 from companion.acting.resumption import Resumption
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent

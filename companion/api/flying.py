@@ -8,8 +8,8 @@ from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
 
-from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.flight_limit import FlightLimit
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
 from companion.clock import ScaledClock

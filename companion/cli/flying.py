@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from companion.acting.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
     AutopilotFence,

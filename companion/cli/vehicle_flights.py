@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from companion.acting.arming_terms import ArmingTerms
+from companion.acting.preflight.arming_terms import ArmingTerms
 from companion.cli.monitoring import monitored
 from companion.cli.real_time import raise_failure
 from companion.cli.recording import close_run, flown_s, line, open_run, recorded

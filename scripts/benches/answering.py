@@ -14,8 +14,8 @@ from statistics import median
 from typing import Any
 
 from benches import ROOT, Row
-from companion.acting.arming_terms import ArmingTerms
 from companion.acting.journal import Journal, NoJournal
+from companion.acting.preflight.arming_terms import ArmingTerms
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly

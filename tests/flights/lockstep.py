@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 
 from happened import Happened
 
-from companion.acting.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.flight import TICK_S
 from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalEntry, JournalledFlight, put_together
+from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.sortie import RunEnded, SetpointRefused

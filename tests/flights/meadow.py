@@ -6,7 +6,7 @@ from typing import Any
 
 from lockstep import VEHICLE, Lockstep
 
-from companion.acting.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.api.simulating import world_of
 from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.geometry import Ned

@@ -26,7 +26,7 @@ from meadow import (
     station_uploads,
 )
 
-from companion.acting.arming_terms import UploadPolicy
+from companion.acting.preflight.arming_terms import UploadPolicy
 from companion.api.simulating import world_of
 from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
 from companion.flight_events.sortie import (

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from lockstep import VEHICLE, Deaf, Lockstep, Lossy
 
-from companion.acting.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.api.simulating import world_of
 from companion.flight_events.rally import (
     RallyKept,

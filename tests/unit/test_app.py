@@ -12,9 +12,9 @@ from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
 from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
-from companion.acting.arming_terms import ArmingTerms
 from companion.acting.flight import TICK_S
 from companion.acting.journal import NoJournal
+from companion.acting.preflight.arming_terms import ArmingTerms
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout

@@ -9,10 +9,10 @@ from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
 from companion.acting import authority, beginning
-from companion.acting.arming_terms import ArmingTerms
 from companion.acting.authority import LINK_LOST_S, SILENT_S
-from companion.acting.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.phases import GOALS, TRANSITIONS, SortieEvent
+from companion.acting.preflight.arming_terms import ArmingTerms
+from companion.acting.preflight.failsafe_check import ANSWER_TIMEOUT_S
 from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
 from companion.flight_events.fence import FenceMissing
 from companion.flight_events.plans import PlanMade

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from companion.acting.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.flight import Flight
+from companion.acting.preflight.failsafe_check import ANSWER_TIMEOUT_S
 from companion.vehicle.port import Failed, Outcome, Progress
 
 UNKNOWN = (

@@ -9,8 +9,8 @@ from fakes import FakeRally
 from sortie_rig import SortieRig
 from synthetic import mission
 
-from companion.acting.arming_terms import ArmingTerms, UploadPolicy
-from companion.acting.rally_check import rally_places
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.preflight.rally_check import rally_places
 from companion.flight_events.rally import (
     RallyKept,
     RallyMissing,

@@ -21,10 +21,10 @@ Source: PX4 1.16, src/modules/navigator/rtl.cpp (findRtlDestination).
 
 from __future__ import annotations
 
-from companion.acting.arming_terms import UploadPolicy
-from companion.acting.fence_check import areas_of
 from companion.acting.flight import Flight
-from companion.acting.upload_check import UploadStep
+from companion.acting.preflight.arming_terms import UploadPolicy
+from companion.acting.preflight.fence_check import areas_of
+from companion.acting.preflight.upload_check import UploadStep
 from companion.flight_events.rally import (
     RallyKept,
     RallyMissing,

@@ -5,16 +5,16 @@ What its docks have to be like is told before that.
 
 from __future__ import annotations
 
-from companion.acting.arming_terms import ArmingTerms
-from companion.acting.dock_check import DockCheck, needs_docks
 from companion.acting.executive import Executive
-from companion.acting.failsafe_check import FailsafeCheck
-from companion.acting.fence_check import FenceJudge
 from companion.acting.flight import Flight
-from companion.acting.gauge_check import GaugeCheck
-from companion.acting.kept_fence import KeptFenceCheck
-from companion.acting.rally_check import RallyJudge
-from companion.acting.upload_check import UploadCheck
+from companion.acting.preflight.arming_terms import ArmingTerms
+from companion.acting.preflight.dock_check import DockCheck, needs_docks
+from companion.acting.preflight.failsafe_check import FailsafeCheck
+from companion.acting.preflight.fence_check import FenceJudge
+from companion.acting.preflight.gauge_check import GaugeCheck
+from companion.acting.preflight.kept_fence import KeptFenceCheck
+from companion.acting.preflight.rally_check import RallyJudge
+from companion.acting.preflight.upload_check import UploadCheck
 from companion.mission.model import Mission
 from companion.vehicle.port import Outcome, Progress
 

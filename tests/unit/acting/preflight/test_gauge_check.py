@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from fakes import FakeVehicle
 
-from companion.acting.failsafe_check import ANSWER_TIMEOUT_S
-from companion.acting.gauge_check import GaugeCheck
+from companion.acting.preflight.failsafe_check import ANSWER_TIMEOUT_S
+from companion.acting.preflight.gauge_check import GaugeCheck
 from companion.vehicle.port import Failed, Progress
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from companion.acting.energy_meter import UNITS_PER_J, EnergyMeter
+from companion.acting.charge.energy_meter import UNITS_PER_J, EnergyMeter
 from companion.acting.flight import TICK_S
 from companion.flight_events.energy import EnergyUsed
 from companion.planning.energy.ratio_estimate import KnownRatios

@@ -10,7 +10,7 @@ import pytest
 from fakes import FakeVehicle
 from shipped import MISSIONS
 
-from companion.acting.dock_check import DockCheck, needs_docks
+from companion.acting.preflight.dock_check import DockCheck, needs_docks
 from companion.flight_events.landing import DockMayBeMissed
 from companion.mission.loader import load_mission
 from companion.vehicle.port import Progress

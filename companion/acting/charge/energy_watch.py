@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from companion.acting.energy_meter import EnergyMeter
+from companion.acting.charge.energy_meter import EnergyMeter
 from companion.acting.flight import Flight
 from companion.mission.facts import HERE
 from companion.planning.charger import UNITS_PER_WH

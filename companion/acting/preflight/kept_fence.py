@@ -17,8 +17,8 @@ import numpy as np
 
 from companion.acting.beginning import GROUND_SLICE_US
 from companion.acting.executive import Executive
-from companion.acting.fence_check import FenceJudge
 from companion.acting.flight import Flight
+from companion.acting.preflight.fence_check import FenceJudge
 from companion.acting.replanning.replanner import PlanFailure
 from companion.geofence import KeptFence, StoredFence
 from companion.geometry import NorthEast

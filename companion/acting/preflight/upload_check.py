@@ -16,7 +16,7 @@ from collections.abc import Callable
 from enum import Enum
 from typing import Protocol
 
-from companion.acting.arming_terms import UploadPolicy
+from companion.acting.preflight.arming_terms import UploadPolicy
 from companion.transitions import StateTransition, TransitionTable
 from companion.vehicle.port import Failed, Outcome, Progress
 from companion.vehicle.store_port import AutopilotStore

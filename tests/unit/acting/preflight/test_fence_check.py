@@ -10,9 +10,9 @@ from fakes import FakeFence
 from sortie_rig import SortieRig
 from synthetic import mission
 
-from companion.acting.arming_terms import ArmingTerms, UploadPolicy
-from companion.acting.fence_check import LISTEN_S, areas_of
-from companion.acting.upload_check import TRANSITIONS, UploadStage
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.preflight.fence_check import LISTEN_S, areas_of
+from companion.acting.preflight.upload_check import TRANSITIONS, UploadStage
 from companion.flight_events.fence import (
     FenceKept,
     FenceMissing,

@@ -23,9 +23,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from companion.acting.arming_terms import UploadPolicy
 from companion.acting.flight import Flight
-from companion.acting.upload_check import UploadStep
+from companion.acting.preflight.arming_terms import UploadPolicy
+from companion.acting.preflight.upload_check import UploadStep
 from companion.flight_events.fence import (
     FenceKept,
     FenceMissing,

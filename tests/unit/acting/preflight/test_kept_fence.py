@@ -8,9 +8,9 @@ import pytest
 from sortie_rig import SortieRig
 from synthetic import mission
 
-from companion.acting.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.journal import FlightBegun, JournalEntry, put_together
-from companion.acting.kept_fence import keep_to
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.preflight.kept_fence import keep_to
 from companion.flight_events.fence import FenceKept
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.sortie import Phase
