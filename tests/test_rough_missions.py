@@ -11,7 +11,6 @@ from ruamel.yaml import YAML
 from companion.api.simulating import varied_world_of
 from companion.mission.loader import load_mission
 
-
 SHIPPED = [p for p in sorted(rough_missions.MISSIONS.glob("*.yaml")) if ".sim" not in p.suffixes]
 
 
