@@ -17,6 +17,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -28,6 +29,20 @@ _CHORDS, _CHORD_M = 8, 0.25  # the least number of points on a blend, and how fa
 
 Vector = npt.NDArray[np.float64]
 """(3,) or (n, 3) NED."""
+
+
+class PathPoint(NamedTuple):
+    """A point of a path.
+
+    Attributes:
+        position: in the mission's frame.
+        direction: of flight, of length 1.
+        curvature: how the direction changes, per metre.
+    """
+
+    position: Vector
+    direction: Vector
+    curvature: Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,12 +89,10 @@ class Blend:
         along_m = np.asarray(along_m, dtype=np.float64)
         parts = _clothoid(self.turn_rad, self._share(along_m))
         along, aside = (self.length_m / 2 * part[..., None] for part in parts)
-        begin = self.corner - self.reach_m * self.before
-        end = self.corner + self.reach_m * self.after
         return np.where(
             (along_m <= self.length_m / 2)[..., None],
-            begin + along * self.before + aside * self._aside,
-            end - along * self.after + aside * self._aside_after,
+            self._begin + along * self.before + aside * self._aside,
+            self._end - along * self.after + aside * self._aside_after,
         )
 
     def direction(self, along_m: npt.ArrayLike) -> Vector:
@@ -87,12 +100,25 @@ class Blend:
         turned = self._turned(np.asarray(along_m, dtype=np.float64))[..., None]
         return np.asarray(np.cos(turned) * self.before + np.sin(turned) * self._aside)
 
-    def curvature(self, along_m: float) -> Vector:
-        """How the direction changes there, per metre."""
-        along = np.asarray(along_m, dtype=np.float64)
-        turned = self._turned(along)
-        inwards = np.cos(turned) * self._aside - np.sin(turned) * self.before
-        return np.asarray(2 * self.turn_rad / self.length_m * self._share(along) * inwards)
+    def at(self, along_m: float) -> PathPoint:
+        """The point at a distance along it: one that is flown, in a third of the time of arrays."""
+        half_m, turn_rad = self.length_m / 2, self.turn_rad
+        is_before = along_m <= half_m
+        share = (along_m if is_before else self.length_m - along_m) / half_m
+        along, aside = (half_m * part for part in _clothoid(turn_rad, share))
+        turned = turn_rad / 2 * share**2
+        if is_before:
+            position = self._begin + along * self.before + aside * self._aside
+        else:
+            turned = turn_rad - turned
+            position = self._end - along * self.after + aside * self._aside_after
+        cos, sin = math.cos(turned), math.sin(turned)
+        inwards = cos * self._aside - sin * self.before
+        return PathPoint(
+            position,
+            cos * self.before + sin * self._aside,
+            2 * turn_rad / self.length_m * share * inwards,
+        )
 
     def chords(self, from_m: float = 0.0) -> Vector:
         """(n, 3) points on it from a distance along it to its end; evenly spaced, n >= 2."""
@@ -130,8 +156,18 @@ class Blend:
     @cached_property
     def _whole(self) -> tuple[float, float]:
         """How far a clothoid of length 1 leads along its leg, and aside."""
-        along, aside = _clothoid(self.turn_rad, np.ones(()))
+        along, aside = _clothoid(self.turn_rad, 1.0)
         return float(along), float(aside)
+
+    @cached_property
+    def _begin(self) -> Vector:
+        """Where the first leg is left."""
+        return self.corner - self.reach_m * self.before
+
+    @cached_property
+    def _end(self) -> Vector:
+        """Where the second leg is joined."""
+        return self.corner + self.reach_m * self.after
 
     @cached_property
     def _aside(self) -> Vector:
@@ -171,9 +207,13 @@ def cross(a: Vector, b: Vector) -> Vector:
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
+@overload
+def _clothoid(turn_rad: float, share: float) -> tuple[float, float]: ...
+@overload
 def _clothoid(
     turn_rad: float, share: npt.NDArray[np.float64]
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
+def _clothoid(turn_rad: float, share: Any) -> tuple[Any, Any]:
     """Points of a clothoid of length 1 that turns by half of an angle: how far along, and aside."""
     scale = math.sqrt(turn_rad / math.pi)
     aside, along = fresnel(share * scale)

@@ -5,28 +5,13 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from companion.motion.blends import Blend, Vector
+from companion.motion.blends import Blend, PathPoint, Vector
 from companion.motion.rounding import corners
 from companion.motion.routes import Route
-
-
-class PathPoint(NamedTuple):
-    """A point of a path.
-
-    Attributes:
-        position: in the mission's frame.
-        direction: of flight, of length 1.
-        curvature: how the direction changes, per metre.
-    """
-
-    position: Vector
-    direction: Vector
-    curvature: Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,10 +55,7 @@ class Turn:
 
     def at(self, along_m: float) -> PathPoint:
         """The point at a distance along it."""
-        blend = self.blend
-        return PathPoint(
-            blend.position(along_m), blend.direction(along_m), blend.curvature(along_m)
-        )
+        return self.blend.at(along_m)
 
     def chords(self, from_m: float) -> npt.NDArray[np.float64]:
         """(n, 3) points on it from one of them to its end."""

@@ -29,8 +29,17 @@ def test_it_leaves_one_leg_and_joins_the_other_straight(turn_deg: float) -> None
     first, last = blend.direction([0.0, blend.length_m])
     assert first == pytest.approx(blend.before, abs=1e-9)
     assert last == pytest.approx(blend.after, abs=1e-9)
-    assert blend.curvature(0.0) == pytest.approx(np.zeros(3))
-    assert blend.curvature(blend.length_m) == pytest.approx(np.zeros(3), abs=1e-9)
+    assert blend.at(0.0).curvature == pytest.approx(np.zeros(3))
+    assert blend.at(blend.length_m).curvature == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+@pytest.mark.parametrize("turn_deg", TURNS_DEG)
+def test_a_point_that_is_flown_is_one_of_its_points(turn_deg: float) -> None:
+    blend = blend_of(turn_deg)
+    along = np.linspace(0.0, blend.length_m, 50)
+    points = [blend.at(x) for x in along]
+    assert [point.position for point in points] == pytest.approx(blend.position(along))
+    assert [point.direction for point in points] == pytest.approx(blend.direction(along))
 
 
 @pytest.mark.parametrize("turn_deg", TURNS_DEG)
@@ -41,7 +50,7 @@ def test_direction_and_curvature_are_what_the_points_say(turn_deg: float) -> Non
     points, ways = blend.position(along), blend.direction(along)
     chords = np.diff(points, axis=0) / step_m
     assert np.abs(chords - (ways[:-1] + ways[1:]) / 2).max() < 1e-5
-    curvature = np.array([blend.curvature(x) for x in along[:-1] + step_m / 2])
+    curvature = np.array([blend.at(x).curvature for x in along[:-1] + step_m / 2])
     assert np.abs(np.diff(ways, axis=0) / step_m - curvature).max() < 1e-2 * blend.turn_rad
     greatest = np.linalg.norm(curvature, axis=1).max()
     assert greatest == pytest.approx(2 * blend.turn_rad / blend.length_m, rel=1e-3)
