@@ -13,7 +13,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Container, Sequence
 from functools import cache
-from itertools import chain
+from itertools import accumulate, chain
 from operator import attrgetter, itemgetter
 from typing import Any, NamedTuple
 
@@ -27,6 +27,7 @@ __all__ = [
     "Message",
     "checksum",
     "choose",
+    "decode",
     "dialect",
     "frame_size",
     "is_intact",
@@ -73,7 +74,7 @@ class MavlinkCodec:
     def __init__(self, system: int, component: int) -> None:
         self.system = system
         self.component = component
-        self._mavlink = dialect.MAVLink(None, srcSystem=system, srcComponent=component)
+        self._sequence = 0
 
     def pack(self, message: Message) -> bytes:
         """Returns the frame of a message, from this component, with the next sequence number."""
@@ -85,29 +86,25 @@ class MavlinkCodec:
         layout = _layout(kind)
         if missing := layout.length - len(fields):
             fields += layout.extensions[-missing:]
-        mavlink = self._mavlink
         whole = layout.pack(
-            mavlink.seq, self.system, self.component, *layout.number, *layout.values(fields)
+            self._sequence, self.system, self.component, *layout.number, *layout.values(fields)
         )
-        mavlink.seq = (mavlink.seq + 1) % 256
-        body = whole[:_LEAST_SIZE] + whole[_LEAST_SIZE:].rstrip(b"\0")
+        self._sequence = (self._sequence + 1) % 256
+        body = whole.rstrip(b"\0")
+        if len(body) < _LEAST_SIZE:
+            body = whole[:_LEAST_SIZE]
         body = _SIZES[len(body) - _HEADER_SIZE] + body
-        return b"\xfd" + body + _CHECKSUM.pack(checksum(body + layout.crc_extra, 0xFFFF))
+        crc = checksum(layout.crc_extra, checksum(body, 0xFFFF))
+        return b"\xfd" + body + _CHECKSUM.pack(crc)
 
     def parse(self, datagram: bytes) -> list[Message]:
         """Returns the intact, known messages of a datagram, in order; never raises."""
-        found = []
-        for frame in split_frames(datagram):
-            if message_id(frame) in dialect.mavlink_map:
-                try:
-                    found.append(self._mavlink.decode(bytearray(frame)))
-                except dialect.MAVError:
-                    continue  # damaged
-        return found
+        messages = map(decode, split_frames(datagram))
+        return [message for message in messages if message is not None]
 
 
 class _Layout(NamedTuple):
-    """The layout of a message on the wire; packs in a third of pymavlink's time.
+    """The layout of a message on the wire; packs and unpacks in a third of pymavlink's time.
 
     Attributes:
         length: number of fields.
@@ -116,6 +113,9 @@ class _Layout(NamedTuple):
         values: from fields to the order of the wire, arrays laid out.
         pack: what follows the size, from the header's values and those.
         number: the message's id, its lower 16 bits and the rest.
+        size: bytes of a payload, zeros at its end included.
+        unpack: a payload of that size to values.
+        fields_of: from these values to fields, arrays as lists.
     """
 
     length: int
@@ -125,6 +125,9 @@ class _Layout(NamedTuple):
     pack: Callable[..., bytes]
     number: tuple[int, int]
     crc_extra: bytes
+    size: int
+    unpack: Callable[[bytes], tuple[Any, ...]]
+    fields_of: Callable[[tuple[Any, ...]], Sequence[Any]]
 
 
 @cache
@@ -139,6 +142,9 @@ def _layout(kind: Any) -> _Layout:
         struct.Struct(whole).pack,
         (kind.id & 0xFFFF, kind.id >> 16),
         bytes([kind.crc_extra]),
+        kind.unpacker.size,
+        kind.unpacker.unpack,
+        _fields_of(kind),
     )
 
 
@@ -163,6 +169,40 @@ def _values(kind: Any) -> Callable[[Fields], Sequence[Any]]:
     return laid_out
 
 
+def _fields_of(kind: Any) -> Callable[[tuple[Any, ...]], Sequence[Any]]:
+    if sum(kind.lengths) == len(kind.lengths) and "char" not in kind.fieldtypes:
+        return itemgetter(*kind.orders) if len(kind.orders) > 1 else tuple
+    ends = list(accumulate(kind.lengths))
+    places = [(ends[i] - kind.lengths[i], kind.lengths[i]) for i in kind.orders]
+
+    def fields_of(values: tuple[Any, ...]) -> list[Any]:
+        fields = [
+            values[at] if length == 1 else list(values[at : at + length]) for at, length in places
+        ]
+        return [each.rstrip(b"\0") if isinstance(each, bytes) else each for each in fields]
+
+    return fields_of
+
+
+def decode(frame: bytes) -> Message | None:
+    """Returns the message of a frame; None if it is damaged or unknown."""
+    if not is_intact(frame):
+        return None
+    kind: Any = dialect.mavlink_map[message_id(frame)]
+    layout, length = _layout(kind), frame[1]
+    if frame[0] == _MAGIC_2:
+        begin, flags, sender = 10, frame[2:4], frame[4:7]
+    else:
+        begin, flags, sender = 6, b"\0\0", frame[2:5]
+    payload = frame[begin : begin + length]
+    values = layout.unpack(payload[: layout.size].ljust(layout.size, b"\0"))
+    message = kind(*layout.fields_of(values))
+    message._header = dialect.MAVLink_header(kind.id, *flags, length, *sender)
+    message._msgbuf, message._payload = frame, payload
+    (message._crc,) = _CHECKSUM.unpack_from(frame, begin + length)
+    return message
+
+
 def message_id(frame: bytes) -> int:
     """Returns the id of the message in a frame."""
     if frame[0] == _MAGIC_2:
@@ -176,7 +216,7 @@ def is_intact(frame: bytes) -> bool:
     if kind is None:
         return False
     end = frame[1] + (10 if frame[0] == _MAGIC_2 else 6)  # of the payload
-    expected = checksum(frame[1:end] + bytes([kind.crc_extra]), 0xFFFF)
+    expected = checksum(_layout(kind).crc_extra, checksum(frame[1:end], 0xFFFF))
     return bool(expected == frame[end] | frame[end + 1] << 8)
 
 
@@ -191,8 +231,10 @@ def split_frames(datagram: bytes) -> list[bytes]:
     A frame with an incompatibility flag that is not understood is none. It is skipped as a whole,
     so that nothing inside it is taken for a frame.
     """
-    frames: list[bytes] = []
     at, size = 0, len(datagram)
+    if size >= _SHORTEST and frame_size(datagram, 0) == size and datagram[2] == 0:
+        return [datagram]  # as nearly always
+    frames: list[bytes] = []
     while at + _SHORTEST <= size:
         length = frame_size(datagram, at)
         if length is None:

@@ -14,7 +14,7 @@ Source: https://mavlink.io/en/services/heartbeat.html. No I/O: `link.py` moves t
 
 from __future__ import annotations
 
-from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, source
+from companion.mavlink.framing import MavlinkCodec, Message, choose, decode, dialect, source
 from companion.vehicle.time_answers import TIMESYNC, TimeAnswers
 
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
@@ -61,7 +61,7 @@ class Wire:
     def parse(self, datagrams: list[bytes]) -> list[Message]:
         """The messages of a tick, in order, from whomever and for whomever."""
         frames = choose(datagrams, self._wanted, self._continual)
-        messages = [message for frame in frames for message in self._codec.parse(frame)]
+        messages = [message for message in map(decode, frames) if message is not None]
         if self.system:
             return messages
         for at, message in enumerate(messages):
@@ -73,17 +73,16 @@ class Wire:
     def peek(self, datagrams: list[bytes]) -> list[Message]:
         """The messages that may tell an event; all are parsed when they are taken."""
         frames = choose(datagrams, self._telling, frozenset())
-        return [message for frame in frames for message in self._codec.parse(frame)]
+        return [message for message in map(decode, frames) if message is not None]
 
     def answers(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """What leaves at once in answer to what arrives, without a step; nothing twice."""
         if not self.system:
             return []
         autopilot, leaving = (self.system, AUTOPILOT), []
-        for frame in choose(datagrams, TIMESYNC, frozenset()):
-            for message in self._codec.parse(frame):
-                if answer := self.time.answer(now_s, autopilot, message):
-                    leaving.append(self._codec.pack(answer))
+        for question in map(decode, choose(datagrams, TIMESYNC, frozenset())):
+            if question and (answer := self.time.answer(now_s, autopilot, question)):
+                leaving.append(self._codec.pack(answer))
         self._answered += leaving
         return leaving
 
