@@ -84,9 +84,11 @@ def is_in_polygon(point: Sequence[float], polygon: Sequence[NorthEast]) -> bool:
     """
     north, east = point[0], point[1]
     inside = False
-    for (n1, e1), (n2, e2) in zip(polygon, [*polygon[1:], polygon[0]], strict=True):
+    n1, e1 = polygon[-1]
+    for n2, e2 in polygon:
         if (e1 > east) != (e2 > east) and north < (n2 - n1) * (east - e1) / (e2 - e1) + n1:
             inside = not inside
+        n1, e1 = n2, e2
     return inside
 
 

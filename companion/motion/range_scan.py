@@ -50,5 +50,7 @@ def echoes(scan: RangeScan, reach_m: float, behind_m: float = 0.0) -> Floats:
     (beams,) = np.nonzero(scan.distances_m <= reach_m)  # nan is none
     angles = scan.first_rad + scan.step_rad * beams
     ends_m = scan.distances_m[beams] + behind_m
-    directions = np.column_stack([np.cos(angles), np.sin(angles)])
-    return np.asarray(scan.position + ends_m[:, None] * directions)
+    ends = np.empty((len(beams), 2))
+    ends[:, 0] = scan.position[0] + ends_m * np.cos(angles)
+    ends[:, 1] = scan.position[1] + ends_m * np.sin(angles)
+    return ends

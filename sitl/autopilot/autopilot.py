@@ -97,7 +97,7 @@ class Autopilot:
     @property
     def is_landed(self) -> bool:
         """The vehicle rests on the ground."""
-        return self.control.is_landed
+        return self.control.land_detector.is_landed
 
     @property
     def is_failsafe(self) -> bool:
@@ -107,7 +107,7 @@ class Autopilot:
     @property
     def is_position_lost(self) -> bool:
         """There has been no position for too long."""
-        return self._failsafe_inputs().is_position_lost
+        return self.health.is_position_lost
 
     @property
     def is_fence_breached(self) -> bool:
@@ -252,9 +252,10 @@ class Autopilot:
             setpoint = self._active_mode.setpoint(self._situation()) if self.is_armed else None
             self.control.follow(setpoint, state)
         self._steps_to_commander -= 1
-        was_landed = self.is_landed
+        detector = self.control.land_detector
+        was_landed = detector.is_landed
         motors = self.control.step(state, dt_s)
-        if was_landed != self.is_landed:
+        if detector.is_landed != was_landed:
             self._note_landing(was_landed)
         return motors
 

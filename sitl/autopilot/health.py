@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import math
 
-from sitl.autopilot.failsafes import BatteryLevel, FailsafeInputs, battery_level
+from sitl.autopilot.failsafes import (
+    POSITION_LOST_S,
+    BatteryLevel,
+    FailsafeInputs,
+    battery_level,
+)
 from sitl.autopilot.parameters import Parameters
 
 
@@ -46,6 +51,11 @@ class Health:
     def has_setpoints(self, now_s: float) -> bool:
         """The offboard stream is alive (COM_OF_LOSS_T)."""
         return now_s - self._setpoint_s <= self._parameters["COM_OF_LOSS_T"]
+
+    @property
+    def is_position_lost(self) -> bool:
+        """The estimate of the position is not to be trusted."""
+        return self.position_age_s > POSITION_LOST_S
 
     def inputs(self, intended_mode: str, is_fence_breached: bool, now_s: float) -> FailsafeInputs:
         """The inputs of the failsafes."""

@@ -35,6 +35,7 @@ class MotorControl:
     Attributes:
         setpoint: followed by the cascade, None while disarmed.
         motors: the newest commands.
+        land_detector: of take-offs and landings.
     """
 
     def __init__(self, parameters: Parameters, gains: HorizontalGains = OWN_GAINS) -> None:
@@ -43,14 +44,9 @@ class MotorControl:
         self._parameters = parameters
         self._gains = gains
         self._cascade = Cascade()
-        self._land_detector = LandDetector()
+        self.land_detector = LandDetector()
         self._armed_s = 0.0
         self._is_climbing = False
-
-    @property
-    def is_landed(self) -> bool:
-        """The vehicle rests on the ground."""
-        return self._land_detector.is_landed
 
     @property
     def attitude_target(self) -> tuple[Quaternion, float]:
@@ -85,11 +81,11 @@ class MotorControl:
             dt_s: length of a step.
         """
         parameters = self._parameters
-        self._land_detector.update(state, self._is_climbing, parameters["LNDMC_Z_VEL_MAX"], dt_s)
+        self.land_detector.update(state, self._is_climbing, parameters["LNDMC_Z_VEL_MAX"], dt_s)
         is_spinning_up = state.time_s - self._armed_s < parameters["COM_SPOOLUP_TIME"]
         if self.setpoint is None:
             self.motors = STOPPED
-        elif is_spinning_up or (self._land_detector.has_ground_contact and not self._is_climbing):
+        elif is_spinning_up or (self.land_detector.has_ground_contact and not self._is_climbing):
             self.motors = self._cascade.idle()
         else:
             self.motors = self._cascade.step(state, self.setpoint, dt_s)

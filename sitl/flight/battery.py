@@ -88,6 +88,7 @@ class Battery:
 
     def __init__(self, fdm: Properties, spec: BatterySpec) -> None:
         self._fdm = fdm
+        self._is_draining = bool(fdm["battery/is-draining"])
         self._counted_mah = 0.0
         self._fdm["battery/charge"] = self._full_charge = spec.charge
         self.capacity = 1.0
@@ -143,10 +144,11 @@ class Battery:
     @property
     def is_draining(self) -> bool:
         """Whether the vehicle's own current takes charge away; a charger's always gives some."""
-        return bool(self._fdm["battery/is-draining"])
+        return self._is_draining
 
     @is_draining.setter
     def is_draining(self, value: bool) -> None:
+        self._is_draining = value
         self._fdm["battery/is-draining"] = float(value)
 
     @property

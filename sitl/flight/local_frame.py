@@ -25,7 +25,7 @@ class LocalFrame:
 
     def __init__(self, home: GlobalOrigin, origin: GlobalOrigin) -> None:
         self._home = home
-        self.origin = origin
+        self.origin = home if origin == home else origin
 
     def local(self, position: Ned) -> Ned:
         """A position of the world, as the autopilot tells it."""
@@ -35,6 +35,6 @@ class LocalFrame:
 
     def seen(self, estimate: FlightState) -> FlightState:
         """An estimate of the world's frame, as the autopilot has it."""
-        if self.origin == self._home:
+        if self.origin is self._home:  # asked in each step
             return estimate
         return estimate._replace(position=self.local(estimate.position))

@@ -206,9 +206,11 @@ class AutopilotComponent:
 
     def _due_events(self, now_s: float) -> list[Message]:
         """Events of this step, and the number of the newest now and then."""
-        autopilot, boot_ms, events = self._vehicle.autopilot, self._vehicle.boot_ms, self._events
-        is_armed = autopilot.is_armed
-        common = [] if is_armed else events.report(autopilot.arming_denials, boot_ms)
+        autopilot, events = self._vehicle.autopilot, self._events
+        if autopilot.is_armed and not autopilot.status_texts:
+            return events.newest(now_s)  # as nearly always
+        boot_ms = self._vehicle.boot_ms
+        common = [] if autopilot.is_armed else events.report(autopilot.arming_denials, boot_ms)
         for text in autopilot.status_texts:
             if text.event is not None:
                 common.append(events.told(text.severity, text.event, boot_ms))

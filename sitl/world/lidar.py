@@ -48,20 +48,22 @@ class LidarSpec:
 
 
 class WallFaces(NamedTuple):
-    """The borders between free cells and walls, in cells; every array is (n,).
+    """The borders between free cells and walls across one axis, in cells; every array is (n,).
 
     Attributes:
-        over: the axis that each lies across, 0 is north.
-        line: where on it.
+        line: where on the axis.
         begin, end: where along the other axis.
         side: on which the wall is, 1 or -1.
     """
 
-    over: npt.NDArray[np.intp]
     line: Floats
     begin: Floats
     end: Floats
     side: Floats
+
+
+Faces = tuple[WallFaces, WallFaces]
+"""Those across north, and those across east."""
 
 
 class Lidar:
@@ -81,7 +83,7 @@ class Lidar:
     def set_map(self, grid: OccupancyGrid | None) -> None:
         """The true map from now on."""
         self._grid = grid
-        self._faces: dict[int, WallFaces] = {}
+        self._faces: dict[int, Faces] = {}
 
     def scan(self, position: NorthEast, yaw_rad: float, up_m: float = 0.0) -> Floats:
         """(BEAMS,) distance along each beam, metres; inf where nothing is within range.
@@ -113,20 +115,18 @@ class Lidar:
         return distances_m
 
 
-def _faces_of(grid: OccupancyGrid) -> WallFaces:
+def _faces_of(grid: OccupancyGrid) -> Faces:
     """All borders of a map."""
     walls = np.pad(grid.occupied, 1, constant_values=not grid.is_open)
-    found = np.concatenate((_faces(walls, _NORTH), _faces(walls.T, _EAST)))
-    over, *places = found.T.copy()
-    return WallFaces(over.astype(np.intp), *places)
+    return _faces(walls), _faces(walls.T)
 
 
-def _faces(walls: npt.NDArray[np.bool_], axis: int) -> Floats:
-    """(n, 5) the borders of free lines of cells and walls, joined where they touch, as `Faces`.
+def _faces(walls: npt.NDArray[np.bool_]) -> WallFaces:
+    """The borders of free lines of cells and walls, joined where they touch.
 
     Args:
-        walls: (lines + 2, cells + 2), with a rim of what lies off the map.
-        axis: that the lines follow each other along.
+        walls: (lines + 2, cells + 2), with a rim of what lies off the map; the lines follow each
+            other along the axis that the borders lie across.
     """
     found = []
     steps = np.diff(walls[:, 1:-1].astype(np.int8), axis=0)
@@ -134,27 +134,33 @@ def _faces(walls: npt.NDArray[np.bool_], axis: int) -> Floats:
         turns = np.diff((steps == side).astype(np.int8), axis=1, prepend=0, append=0)
         line, begin = np.nonzero(turns == 1)
         _, end = np.nonzero(turns == -1)
-        found += [(axis, *where, side) for where in zip(line, begin, end, strict=True)]
-    return np.array(found, dtype=np.float64).reshape(-1, 5)
+        found += [(*where, side) for where in zip(line, begin, end, strict=True)]
+    return WallFaces(*np.array(found, dtype=np.float64).reshape(-1, 4).T.copy())
 
 
-def _lengths_to_walls(faces: WallFaces, start: Floats, beams: Floats, far: float) -> Floats:
+def _lengths_to_walls(faces: Faces, start: Floats, beams: Floats, far: float) -> Floats:
     """The length of each beam up to its first face, inf without one; everything in cells.
 
     Args:
+        faces: of the map.
         start: (2,) north and east.
         beams: (2, BEAMS) directions.
         far: faces farther away may be left out.
     """
-    over, line, begin, end, side = faces
-    across, along = start[over], start[1 - over]
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        to_north = _lengths_across(faces[_NORTH], start, beams, far)
+        to_east = _lengths_across(faces[_EAST], start[::-1], beams[::-1], far)
+    return np.minimum(to_north, to_east)
+
+
+def _lengths_across(faces: WallFaces, start: Floats, beams: Floats, far: float) -> Floats:
+    """The same up to the faces across one axis, which comes first in start and beams."""
+    line, begin, end, side = faces
+    across, along = start
     depth = (line - across) * side
     is_seen = (depth >= 0) & (depth <= far) & (begin <= along + far) & (end >= along - far)
-    (seen,) = np.nonzero(is_seen)
-    over, along = over[seen], along[seen]
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        lengths = (line[seen] - across[seen])[:, None] * (1 / beams)[over]
-        at = lengths * beams[1 - over]
-        is_hit = (lengths >= 0) & (at >= (begin[seen] - along)[:, None])
-        is_hit &= at <= (end[seen] - along)[:, None]
+    lengths = (line[is_seen] - across)[:, None] * (1 / beams[0])
+    at = lengths * beams[1]
+    is_hit = (lengths >= 0) & (at >= (begin[is_seen] - along)[:, None])
+    is_hit &= at <= (end[is_seen] - along)[:, None]
     return np.asarray(np.where(is_hit, lengths, math.inf).min(axis=0, initial=math.inf))
