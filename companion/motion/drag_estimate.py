@@ -43,8 +43,8 @@ class DragEstimate:
         self._covariance = np.diag([UNKNOWN_PER_S**2, UNKNOWN_MPS2**2, UNKNOWN_MPS2**2])
         self._last_s = self._window_s = 0.0
         self._begin_velocity: NorthEast | None = None
-        self._thrust = np.zeros(2)  # its integral, m/s
-        self._way = np.zeros(2)  # integral of the velocity, m
+        self._thrust: NorthEast = (0.0, 0.0)  # its integral, m/s
+        self._way: NorthEast = (0.0, 0.0)  # integral of the velocity, m
 
     @property
     def per_s(self) -> float:
@@ -67,8 +67,8 @@ class DragEstimate:
             self._begin(velocity)
             return
         self._window_s += passed_s
-        self._thrust += np.multiply(thrust_mps2, passed_s)
-        self._way += np.multiply(velocity, passed_s)
+        self._thrust = _sum(self._thrust, thrust_mps2, passed_s)
+        self._way = _sum(self._way, velocity, passed_s)
         if self._window_s >= WINDOW_S:
             self._learn(self._thrust - np.subtract(velocity, self._begin_velocity))
             self._begin(velocity)
@@ -79,7 +79,7 @@ class DragEstimate:
 
     def _begin(self, velocity: NorthEast) -> None:
         self._begin_velocity, self._window_s = velocity, 0.0
-        self._thrust, self._way = np.zeros(2), np.zeros(2)
+        self._thrust = self._way = (0.0, 0.0)
 
     def _learn(self, spent_mps: npt.NDArray[np.float64]) -> None:
         """A step of the Kalman filter: (2,) what of a window's thrust was spent on drag."""
@@ -89,3 +89,7 @@ class DragEstimate:
         gain = prior @ model.T @ np.linalg.inv(model @ prior @ model.T + NOISE_MPS**2 * np.eye(2))
         self._mean = self._mean + gain @ (spent_mps - model @ self._mean)
         self._covariance = (np.eye(3) - gain @ model) @ prior
+
+
+def _sum(integral: NorthEast, rate: NorthEast, passed_s: float) -> NorthEast:
+    return integral[0] + rate[0] * passed_s, integral[1] + rate[1] * passed_s

@@ -108,7 +108,7 @@ class MavlinkVehicle:
         self._parameters = ParameterReader()
         self._readings: list[Reading] = []
         self._time = HeardTime()
-        self._now_s = 0.0
+        self._moment = Moment(0.0, 0.0, is_quiet=True)
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
         self.payloads = PayloadCommands(wire)
         self.markers = MarkerSightings(telemetry, marker_components)
@@ -141,13 +141,13 @@ class MavlinkVehicle:
 
     def receive(self, now_s: float, messages: list[Message]) -> list[Reading]:
         """Takes what arrived; returns the signals in it, in order."""
-        self._now_s = now_s
         self._control.step(now_s)
         self._readings = []
         autopilot = (self._wire.system, AUTOPILOT)
         self._time.step(now_s, any(source(message) == autopilot for message in messages))
+        moment = self._set_moment(now_s)
         for service in self._services:
-            service.step(self._moment)
+            service.step(moment)
         for message in messages:
             self._take(message)
         self.scans = self._ranging.scans(now_s)
@@ -160,10 +160,10 @@ class MavlinkVehicle:
 
     def transmit(self, now_s: float) -> list[Message]:
         """What has to leave now: commands, questions, and at most one setpoint."""
-        self._now_s = now_s
+        moment = self._set_moment(now_s)
         is_ours = self._control.state is ControlState.OURS
         speaking = [s for s in self._services if is_ours or not s.needs_control]
-        said = [message for service in speaking for message in service.due(self._moment)]
+        said = [message for service in speaking for message in service.due(moment)]
         if not is_ours:
             return said
         system, goal = self._wire.system, self._goals.goal
@@ -209,7 +209,7 @@ class MavlinkVehicle:
 
     def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
         """Streams a setpoint from now on; it has to be renewed before its lease is over."""
-        self._stream.fly(setpoint, self._now_s, is_for_task, is_landing)
+        self._stream.fly(setpoint, self._moment.now_s, is_for_task, is_landing)
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """The gate admits no faster setpoint from now on."""
@@ -282,9 +282,10 @@ class MavlinkVehicle:
         if component == AUTOPILOT:
             if kind == "PARAM_VALUE":
                 self._parameters.take(message)
-            is_news = self._telemetry.is_news(self._now_s, message)
+            now_s = self._moment.now_s
+            is_news = self._telemetry.is_news(now_s, message)
             if is_news and (kind != "HEARTBEAT" or self._is_believed(message)):
-                self._telemetry.take(self._now_s, message)
+                self._telemetry.take(now_s, message)
                 if self.frame_doubt is None:
                     self._ranging.take_pose(message, self._telemetry.frame)
         elif kind == SCAN and component == SCANNER:
@@ -301,9 +302,9 @@ class MavlinkVehicle:
             self._control.settle()
         else:
             is_ours = self._goals.admits(heartbeat)
-            self._control.take(self._now_s, heartbeat, is_ours)
+            self._control.take(self._moment.now_s, heartbeat, is_ours)
         return not self.is_doubted
 
-    @property
-    def _moment(self) -> Moment:
-        return Moment(self._now_s, self._time.seconds, self._time.is_quiet)
+    def _set_moment(self, now_s: float) -> Moment:
+        self._moment = Moment(now_s, self._time.seconds, self._time.is_quiet)
+        return self._moment

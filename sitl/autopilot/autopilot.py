@@ -105,11 +105,6 @@ class Autopilot:
         return self._failsafe.mode is not None or self._failsafe.stops_motors
 
     @property
-    def is_position_lost(self) -> bool:
-        """There has been no position for too long."""
-        return self.health.is_position_lost
-
-    @property
     def is_fence_breached(self) -> bool:
         """The vehicle is where its geofence does not allow it to be."""
         return self.fence.is_breached(self._state.position, self.home, self.parameters)
@@ -326,7 +321,7 @@ class Autopilot:
             mode,
             has_setpoints=self.health.has_setpoints(now_s),
             has_mission=self.mission.is_ready(now_s),
-            has_position=not self.is_position_lost,
+            has_position=not self.health.is_position_lost,
         )
 
     def _lowest_takeoff(self) -> float:

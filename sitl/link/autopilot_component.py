@@ -176,9 +176,10 @@ class AutopilotComponent:
             common.append(compose("HEARTBEAT", vehicle))
             self._reported_status = now
         for link in self._links.values():
-            for message in (*link.next_step, *common):
-                link.send(message)
-            link.next_step.clear()
+            if link.next_step or common:
+                for message in (*link.next_step, *common):
+                    link.send(message)
+                link.next_step.clear()
             if link.listing:
                 self._list_parameters(link)
             link.tell_origin()

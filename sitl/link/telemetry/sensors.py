@@ -73,7 +73,7 @@ def estimator_status(v: SimulatedVehicle) -> Fields:
     """ESTIMATOR_STATUS: attitude and height are always good, the rest while there is a position."""
     attitude, height = 0x1, 0x4 | 0x20
     horizontal = 0x2 | 0x8 | 0x10 | 0x100 | 0x200
-    flags = attitude | height | (0 if v.autopilot.is_position_lost else horizontal)
+    flags = attitude | height | (0 if v.autopilot.health.is_position_lost else horizontal)
     return (v.boot_us, flags, *(0.1,) * 6, v.estimator.accuracy_m, HEIGHT_ACCURACY_M)
 
 

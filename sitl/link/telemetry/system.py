@@ -52,7 +52,7 @@ def heartbeat(v: SimulatedVehicle) -> Fields:
 def sys_status(v: SimulatedVehicle) -> Fields:
     """SYS_STATUS: sensors, battery."""
     ready = 0 if v.autopilot.arming_denials() else _PREARM_CHECK
-    unhealthy = (_GPS if v.autopilot.is_position_lost else 0) | (
+    unhealthy = (_GPS if v.autopilot.health.is_position_lost else 0) | (
         _GEOFENCE if v.autopilot.is_fence_breached else 0
     )
     battery = (

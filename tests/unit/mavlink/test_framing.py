@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from companion.mavlink.framing import (
     MavlinkCodec,
     choose,
+    decode,
     dialect,
     is_intact,
     message_id,
@@ -91,6 +92,18 @@ def test_every_message_has_the_bytes_of_pymavlink(number: int) -> None:
         message = example(kind, number)
         assert ours.pack(message) == message.pack(theirs), kind.msgname
         theirs.seq = (theirs.seq + 1) % 256
+
+
+@pytest.mark.parametrize("number", [0, 1, 100])
+def test_every_message_is_decoded_as_pymavlink_decodes_it(number: int) -> None:
+    codec, theirs = MavlinkCodec(1, 191), dialect.MAVLink(None)
+    for kind in dialect.mavlink_map.values():
+        message = example(kind, number)
+        frames = [codec.pack(message)]
+        if kind.id < 256:
+            frames.append(bytes(message.pack(theirs, force_mavlink1=True)))
+        for packed in frames:
+            assert decode(packed) == theirs.decode(bytearray(packed)), kind.msgname
 
 
 def test_extensions_that_are_left_out_are_what_pymavlink_makes_of_them() -> None:
