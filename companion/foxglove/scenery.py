@@ -51,8 +51,12 @@ def world(scene: Scene) -> Content:
     entities = [entity("walls", cubes=list(_cubes(scene.grid, scene.grid.occupied, top_m, GREY)))]
     entities.append(entity("fence", lines=[_loop(scene.fence, 0.0, GREEN)]))
     entities += [
-        entity(f"keep_out_{number}", lines=[_loop(zone, 0.0, RED), _loop(zone, top_m, RED)])
-        for number, zone in enumerate(scene.keep_out.values(), 1)
+        entity(
+            f"keep_out_{name}",
+            lines=[_loop(zone, 0.0, RED), _loop(zone, top_m, RED)],
+            texts=[_label(name, _middle(zone, top_m), RED)],
+        )
+        for name, zone in scene.keep_out.items()
     ]
     entities += [
         entity(f"low_wall_{number}", lines=[_loop(wall.corners, wall.up_m or 0.0, GREY)])
@@ -156,12 +160,22 @@ def _place(name: str, site: PlaceRegion) -> dict[str, Any]:
         radius_m = site.region.inner_m(site.position)
         turns = (2 * math.pi * k / CORNERS for k in range(CORNERS))
         corners = [(north + radius_m * math.cos(a), east + radius_m * math.sin(a)) for a in turns]
-    label = {
-        "pose": pose((north, east, down - LIFTED_M)),
+    label = _label(name, (north, east, down - LIFTED_M), BLUE)
+    return entity(f"place_{name}", lines=[_loop(corners, -down, BLUE)], texts=[label])
+
+
+def _middle(corners: Sequence[NorthEast], up_m: float) -> Ned:
+    north_m, east_m = np.mean(corners, axis=0)
+    return float(north_m), float(east_m), -up_m
+
+
+def _label(text: str, position: Ned, color: Content) -> Content:
+    """A text that faces who looks at it."""
+    return {
+        "pose": pose(position),
         "billboard": True,
         "font_size": LABEL_PIXELS,
         "scale_invariant": True,
-        "color": BLUE,
-        "text": name,
+        "color": color,
+        "text": text,
     }
-    return entity(f"place_{name}", lines=[_loop(corners, -down, BLUE)], texts=[label])

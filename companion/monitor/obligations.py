@@ -35,8 +35,10 @@ class DueLine:
         return self.rest is TRUE or self.met.issuperset(self.goals)
 
     def read(self, letter: Letter, is_restarted: bool) -> None:
-        """One more position."""
-        rest = progressed(self.formula if is_restarted else self.rest, letter)
+        """One more position; a line that begins anew with it has met nothing before."""
+        if is_restarted:
+            self.rest, self.met = self.formula, set()
+        rest = progressed(self.rest, letter)
         self.rest = rest if _size(rest) <= MOST_KEPT else TRUE
         self.met |= {goal for goal in self.goals if progressed(goal, letter) is TRUE}
 

@@ -6,6 +6,7 @@ import io
 import json
 import math
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from companion.flight_events.fence import FenceKept
 from companion.foxglove.mcap_file import write_mcap
 from companion.foxglove.messages import LogMessage, heading, pose_in_map, stamp
 from companion.foxglove.recording import RecordedRun
-from companion.foxglove.scenery import PRIMITIVES, blocks, entity, kept
+from companion.foxglove.scenery import PRIMITIVES, blocks, entity, kept, world
 from companion.foxglove.schemas import SCHEMAS
 from companion.monitor.follower import Follower
 from companion.monitor.scene import read_scene
@@ -197,3 +198,13 @@ def test_a_heading_is_clockwise_from_north_and_a_rotation_is_not(yaw_deg: int) -
     q = heading(math.radians(yaw_deg))
     turned = 2 * math.degrees(math.atan2(q["z"], q["w"]))
     assert math.remainder(turned - (90 - yaw_deg), 360) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_zone_has_its_name(surveillance_run: Path) -> None:
+    """It stands above the zone's middle, as that of a place above the place."""
+    beds = {"beds": ((4.0, 8.0), (4.0, 12.0), (6.0, 12.0), (6.0, 8.0))}
+    entities = world(replace(read_scene(surveillance_run), keep_out=beds))["entities"]
+    [zone] = (each for each in entities if each["id"] == "keep_out_beds")
+    [label] = zone["texts"]
+    assert label["text"] == "beds"
+    assert (label["pose"]["position"]["x"], label["pose"]["position"]["y"]) == (10.0, 5.0)

@@ -54,3 +54,16 @@ def test_rules_are_not_due_nor_is_what_is_dropped_or_begins_anew() -> None:
     assert ("once", "C still due") not in due.due
     due.read(frozenset(), ("once",))
     assert ("once", "C still due") in due.due
+
+
+def test_goals_of_a_line_that_begins_anew_are_due_again() -> None:
+    """Those of other lines are not: the lap goes on."""
+    due = Obligations([*PATROL, ("watch", parse("G F at(C) & G F at(D) | F called"))])
+    for place in "ACB":
+        read(due, at(place))
+    assert due.due == (("watch", "D still due in this lap, or called"),)
+    due.read(frozenset({at("Home")}), ("watch",))
+    assert due.due == (("watch", "C, D still due in this lap, or called"),)
+    assert read(due, "called") == []
+    due.read(frozenset({at("C")}), ("watch",))
+    assert due.due[2:] == (("watch", "D still due in this lap, or called"),), "another lap"
