@@ -1,14 +1,15 @@
-"""Draws the mission patterns into docs/patterns.md, with their automata in docs/patterns/.
+"""Draws the mission patterns into docs/patterns.md, with their pictures in docs/patterns/.
 
 What the companion makes of an example stands between two lines of the page, and is replaced as a
-whole: the formula, a plan, and the picture of its automata. The words around it are the page's own.
+whole: the formula, the picture of its automata, a plan, and the picture of a flight of two laps at
+most. The words around it are the page's own.
 
     <!-- pattern: past_avoidance(A, lit); with F at(A) & F at(B) -->
     <!-- end of pattern -->
 
-After `with` there may be another line of the task, for a plan that shows more, and after `while` an
-event that is true. Run it after a change of the page, or of translation or planning; a test
-compares.
+After `with` there may be another line of the task, for a plan that shows more, and after `alarm at`
+the second of the flight at which the alarm rises. Run it after a change of the page, or of
+translation, planning or flying; tests compare.
 
 Usage: python scripts/make_patterns.py
 """
@@ -19,9 +20,10 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from automaton_picture import picture
+import automaton_picture
+import flight_picture
 
-from companion import NoPlan, Planner, load_mission
+from companion import Mission, Planner, load_mission, simulate
 from companion.ltl.formula import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.patterns import PATTERNS
@@ -30,6 +32,7 @@ from companion.ltl.translate import translate
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE = DOCS / "patterns.md"
 PLACES = frozenset({"at(Home)", "at(A)", "at(B)"})
+ALARM, LIGHT = "MAV_CMD_USER_1", "MAV_CMD_USER_2"
 MISSION = {
     "version": 1,
     "name": "patterns",
@@ -45,7 +48,7 @@ MISSION = {
     },
     "sets": {"Place": ["Home", "A", "B"]},
     "components": {"lamp": 25},
-    "events": {"alarm": {"when": "COMMAND.MAV_CMD_USER_1"}},
+    "events": {"alarm": {"when": f"COMMAND.{ALARM}", "latch": True}},
     "skills": {
         "move": {
             "parameters": {"from": "Place", "to": "Place"},
@@ -56,25 +59,29 @@ MISSION = {
         "light": {
             "precondition": "!lit",
             "effect": "lit",
-            "execute": "command(lamp, MAV_CMD_USER_1)",
+            "execute": f"command(lamp, {LIGHT})",
         },
     },
     "initially": ["at(Home)"],
 }
 """The mission of the plans, which the page describes."""
+WORLD = {
+    "version": 1,
+    "payload": {"component": 25, "command": LIGHT, "otherwise": "ACCEPTED"},
+}
 BLOCK = re.compile(
     r"(?<=^<!-- pattern: )(?P<example>[^;\n]+?)(; with (?P<also>[^;\n]+?))?"
-    r"(; while (?P<event>\w+))? -->\n(?P<made>.*?)(?=^<!-- end of pattern -->$)",
+    r"(; alarm at (?P<alarm_s>\d+) s)? -->\n(?P<made>.*?)(?=^<!-- end of pattern -->$)",
     re.MULTILINE | re.DOTALL,
 )
 
 
 class Example(NamedTuple):
-    """A pattern with arguments, another line of the task, and an event that is true."""
+    """A pattern with arguments, another line of the task, and when the alarm rises."""
 
     text: str
     also: str | None
-    event: str | None
+    alarm_s: str | None
 
     @property
     def name(self) -> str:
@@ -82,27 +89,36 @@ class Example(NamedTuple):
         return self.text.partition("(")[0]
 
     @property
-    def picture(self) -> Path:
-        """The file with its automata."""
+    def automata(self) -> Path:
+        """The file with the picture of its automata."""
         return DOCS / "patterns" / f"{self.name}.svg"
+
+    @property
+    def flight(self) -> Path:
+        """The file with the picture of a flight."""
+        return DOCS / "patterns" / f"{self.name}_flight.svg"
+
+    @property
+    def mission(self) -> Mission:
+        """The mission with the task of the example."""
+        also = {"also": self.also} if self.also else {}
+        return load_mission(MISSION | {"task": {"pattern": self.text} | also})
 
 
 def examples(page: str) -> list[Example]:
     """The examples of a page."""
-    return [Example(*found.group("example", "also", "event")) for found in BLOCK.finditer(page)]
+    groups = "example", "also", "alarm_s"
+    return [Example(*found.group(*groups)) for found in BLOCK.finditer(page)]
 
 
 def plan(example: Example) -> str:
     """What the planner makes of an example, as a sentence."""
-    task = {"pattern": example.text} | ({"also": example.also} if example.also else {})
-    conditions = [f"with `{example.also}` beside it"] if example.also else []
-    conditions += [f"while `{example.event}` is true"] if example.event else []
-    facts = {example.event} if example.event else set()
-    try:
-        found = f"`{Planner(load_mission(MISSION | {'task': task})).plan(facts=facts)}`"
-    except NoPlan:
-        found = "none"
-    return f"{', '.join(['A plan', *conditions])}: {found}."
+    beside = f", with `{example.also}` beside it" if example.also else ""
+    before = f"`{Planner(example.mission).plan()}`"
+    if not example.alarm_s:
+        return f"A plan{beside}: {before}."
+    after = f"`{Planner(example.mission).plan(facts={'alarm'})}`"
+    return f"A plan{beside}: {before}; while `alarm` is true: {after}."
 
 
 def made(example: Example) -> str:
@@ -110,19 +126,21 @@ def made(example: Example) -> str:
     return (
         f"\n`{PATTERNS[example.name].signature}`; for example `{example.text}` is\n\n"
         f"```\n{parse(example.text)}\n```\n\n"
-        f"![The automata of {example.text}](patterns/{example.name}.svg)\n\n{plan(example)}\n\n"
+        f"![The automata of {example.text}](patterns/{example.automata.name})\n\n"
+        f"{plan(example)}\n\n"
+        f"![A flight of {example.text}](patterns/{example.flight.name})\n\n"
     )
 
 
 def files(page: str) -> dict[Path, str]:
-    """The page and its pictures as they should be."""
+    """The page and the pictures of automata as they should be."""
 
     def replaced(found: re.Match[str]) -> str:
         opening = found[0][: found.start("made") - found.start()]
-        return opening + made(Example(*found.group("example", "also", "event")))
+        return opening + made(Example(*found.group("example", "also", "alarm_s")))
 
     pictures = {
-        example.picture: picture(
+        example.automata: automaton_picture.picture(
             [translate(part, exclusive=PLACES) for part in conjuncts(parse(example.text))]
         )
         for example in examples(page)
@@ -130,7 +148,17 @@ def files(page: str) -> dict[Path, str]:
     return {PAGE: BLOCK.sub(replaced, page)} | pictures
 
 
+def flown(example: Example) -> str:
+    """The picture of a flight of an example, as it should be."""
+    alarm = {"at_s": int(example.alarm_s), "operator": ALARM} if example.alarm_s else None
+    world = WORLD | ({"happens": [alarm]} if alarm else {})
+    flight = simulate(example.mission, world, laps=2)
+    return flight_picture.picture(flight)
+
+
 if __name__ == "__main__":
-    for path, text in files(PAGE.read_text(encoding="utf-8")).items():
+    page = PAGE.read_text(encoding="utf-8")
+    flights = {example.flight: flown(example) for example in examples(page)}
+    for path, text in (files(page) | flights).items():
         path.write_text(text, encoding="utf-8")
     print(f"wrote {PAGE} and its pictures")
