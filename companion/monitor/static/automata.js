@@ -3,8 +3,9 @@
 // told, and read on.
 
 import { byId, html, svg } from "./dom.js";
+import { RADIUS, head, onCircle } from "./large_automata.js";
 
-const RADIUS = 12, MOST_DRAWN = 7, DOTS_GAP = 30;
+const MOST_IN_A_ROW = 7;
 const CHARACTER_PX = 6.7, MOST_CHARACTERS = 26; // of a label
 const LEAST_GAP_PX = 52, SIDE_PX = 26, LOOP_PX = 46, ARC_PX = 26;
 
@@ -22,6 +23,7 @@ export class TaskView {
     this.rows?.forEach((row, i) => {
       const here = state.states[i] ?? [], taken = (state.taken[i] ?? []).map(String);
       row.nodes.forEach((node, n) => node.toggleAttribute("data-here", here.includes(n)));
+      row.isAt(here, taken);
       for (const [edge, arrow] of row.arrows) arrow.toggleAttribute("data-taken", taken.includes(edge));
       row.element.toggleAttribute("data-violated", !here.length);
       row.element.toggleAttribute("data-dropped", state.dropped.has(row.conjunct));
@@ -31,32 +33,38 @@ export class TaskView {
 
 function drawDue({ due, ending, automata }) {
   const isOver = ending || !automata.length;
-  const nothing = ending ? "the flight is over" : automata.length ? "nothing at present" : "no task yet";
+  const nothing = ending ? "the flight is over" : automata.length ? "nothing at present" : "no task";
   byId("due").replaceChildren(...(isOver || !due.length
     ? [html("li", { class: "quiet" }, nothing)]
     : due.map(([line, words]) => html("li", {}, html("span", { class: "quiet" }, `${line} `), words))));
 }
 
-function drawn({ conjunct, formula, initial, accepting, arrows }) {
-  const plan = accepting.length <= MOST_DRAWN ? laidOut(accepting.length, arrows) : dots(accepting.length);
-  const { x, y, width, height } = plan;
+function drawn(automaton) {
+  const { conjunct, formula, accepting } = automaton;
+  const isRow = accepting.length <= MOST_IN_A_ROW;
+  const { width, height, nodes, arrows, drawn, list, isAt } = isRow ? inRow(automaton) : onCircle(automaton, words, short);
+  const drawing = svg("svg", {
+    viewBox: `0 0 ${width} ${height}`, width, height, class: isRow ? "automaton" : "automaton large", role: isRow ? "img" : "group",
+    "aria-label": `automaton of ${conjunct}, ${accepting.length} states`,
+  }, ...drawn, ...nodes);
+  const element = html("div", { class: "conjunct" },
+    html("strong", {}, conjunct),
+    html("span", { class: "verdict" }, " violated"), html("span", { class: "left-out" }, " dropped"),
+    html("code", {}, formula),
+    html("div", { class: "drawing", tabindex: "0", role: "group", "aria-label": `automaton of ${conjunct}` }, drawing), list);
+  return { element, nodes, conjunct, arrows, isAt };
+}
+
+function inRow({ initial, accepting, arrows }) {
+  const plan = laidOut(accepting.length, arrows), { x, y, width, height } = plan;
   const nodes = accepting.map((is, n) => svg("g", { class: "state", transform: `translate(${x[n]} ${y})` },
     svg("circle", { r: RADIUS }), ...(is ? [svg("circle", { r: RADIUS + 3, class: "ring" })] : []),
     svg("text", { y: 4 }, String(n)), svg("title", {}, is ? "accepting" : "not accepting")));
   const edges = plan.arrows.map(({ edge, d, label, at: [left, top] }) => [String(edge), svg("g", { class: "arrow" },
     svg("path", { d }), svg("text", { x: left, y: top }, short(label)), svg("title", {}, label))]);
   const entries = initial.map((n) => svg("g", { class: "arrow" }, svg("path", {
-    d: `M${x[n] - SIDE_PX} ${y - 16}L${x[n] - 11} ${y - 10}${head(x[n] - 11, y - 10, 0.93, 0.37)}` })));
-  const drawing = svg("svg", {
-    viewBox: `0 0 ${width} ${height}`, width, height, class: "automaton", role: "img",
-    "aria-label": `automaton of ${conjunct}, ${accepting.length} states`,
-  }, ...entries, ...edges.map(([, arrow]) => arrow), ...nodes);
-  const element = html("div", { class: "conjunct" },
-    html("strong", {}, conjunct),
-    html("span", { class: "verdict" }, " violated"), html("span", { class: "left-out" }, " dropped"),
-    html("code", {}, formula),
-    html("div", { class: "drawing", tabindex: "0", role: "group", "aria-label": `automaton of ${conjunct}` }, drawing));
-  return { element, nodes, conjunct, arrows: edges };
+    d: `M${x[n] - SIDE_PX} ${y - 16}L${x[n] - 11} ${y - 10}${head([x[n] - 11, y - 10], 0.93, 0.37)}` })));
+  return { width, height, nodes, arrows: edges, drawn: [...entries, ...edges.map(([, arrow]) => arrow)], list: "", isAt() {} };
 }
 
 // As people say it: at(A) is A.
@@ -66,11 +74,6 @@ const short = (label) => {
   return text.length > MOST_CHARACTERS ? `${text.slice(0, MOST_CHARACTERS - 1)}…` : text;
 };
 const wide = (label) => short(label).length * CHARACTER_PX;
-
-function dots(count) {
-  const x = Array.from({ length: count }, (_, n) => SIDE_PX + n * DOTS_GAP);
-  return { x, y: 30, width: x.at(-1) + SIDE_PX, height: 60, arrows: [] };
-}
 
 // States in a row. Onwards to the next one above the middle, back to the last one below it, to itself
 // a loop on top; further ones below, each at a depth of its own. Labels stand in a row for each.
@@ -101,7 +104,7 @@ function laidOut(count, arrows) {
   };
 }
 
-const looped = (x, top) => `M${x - 5} ${top + 1}c-10-24 20-24 10 0${head(x + 5, top + 1, -0.38, 0.92)}`;
+const looped = (x, top) => `M${x - 5} ${top + 1}c-10-24 20-24 10 0${head([x + 5, top + 1], -0.38, 0.92)}`;
 
 // From one state to another, above (-1) or below (1) the row; it ends in a small head.
 function arc(from, to, y, side, bend) {
@@ -109,10 +112,5 @@ function arc(from, to, y, side, bend) {
   const [a, b] = [from + towards * slant, to - towards * slant];
   const start = y + side * (RADIUS - 1), turn = y + side * (RADIUS + bend);
   const middle = (a + b) / 2, steep = Math.hypot(b - middle, start - turn) || 1;
-  return `M${a} ${start}Q${middle} ${turn} ${b} ${start}${head(b, start, (b - middle) / steep, (start - turn) / steep)}`;
-}
-
-function head(x, y, dx, dy) {
-  const [bx, by] = [x - 6 * dx, y - 6 * dy];
-  return `M${bx - 3 * dy} ${by + 3 * dx}L${x} ${y} ${bx + 3 * dy} ${by - 3 * dx}`;
+  return `M${a} ${start}Q${middle} ${turn} ${b} ${start}${head([b, start], (b - middle) / steep, (start - turn) / steep)}`;
 }
