@@ -26,7 +26,7 @@ from companion.plans.drawing import (
     safe_places_of,
     start_of,
 )
-from companion.plans.route_plan import Height, LatLon, metres_between
+from companion.plans.route_plan import SAME_M, Height, LatLon, metres_between
 
 STEP_M = 0.5
 """Of the flown way, points that are nearer to the one before are left out."""
@@ -40,17 +40,21 @@ def mission_drawing(mission: Mission, home: GlobalOrigin | None) -> Drawing:
 
     Args:
         mission: what to draw.
-        home: where north 0, east 0 lies on the earth, for a mission in metres.
+        home: where north 0, east 0 lies on the earth, for a mission in metres. In a mission in
+            degrees, which says that itself, its altitude counts alone.
 
     Raises:
-        CompanionError: it is in metres, and nobody says where.
+        CompanionError: it is in metres, and nobody says where; or it is in degrees, and begins
+            elsewhere.
     """
-    zero = home or mission.anchor
+    zero = mission.anchor or home
     if zero is None:
         raise CompanionError(
             f"{mission.name} is in metres from home, and a map needs to know where that is\n"
             "    say it: --home LAT,LON"
         )
+    if home is not None and mission.anchor is not None:
+        _check_home(mission, home, zero)
     told, plan = [], None
     try:
         plan = None if mission.tree else Planner(mission).plan().lasso.planned
@@ -60,9 +64,19 @@ def mission_drawing(mission: Mission, home: GlobalOrigin | None) -> Drawing:
         told.append("no plan is drawn: the mission has a tree of its own")
     drawing = drawing_of(mission, plan, zero)
     drawing.told.extend(told)
-    if home is not None and mission.anchor is None:
-        return replace(drawing, home_amsl_m=home.altitude_m or None)
-    return drawing
+    return replace(drawing, home_amsl_m=(home.altitude_m or None) if home else None)
+
+
+def _check_home(mission: Mission, home: GlobalOrigin, zero: GlobalOrigin) -> None:
+    """Whether a mission in degrees begins where its user says."""
+    start = zero.to_global((*mission.places[start_of(mission)].position[:2], 0.0))[:2]
+    away_m = metres_between(start, (home.latitude_deg, home.longitude_deg))
+    if away_m > SAME_M:
+        raise CompanionError(
+            f"{mission.name} is in degrees, and begins {away_m:.0f} m from the --home that it is "
+            "given\n"
+            f"    leave --home out, or say {start[0]:.7f},{start[1]:.7f}"
+        )
 
 
 def run_drawing(folder: Path) -> Drawing:

@@ -86,7 +86,9 @@ def export(
     ],
     home: Annotated[
         str | None,
-        typer.Option(metavar=HOME, help="Where a mission in metres has its home on the earth."),
+        typer.Option(
+            metavar=HOME, help="Where a mission in metres has its home on the earth, and how high."
+        ),
     ] = None,
 ) -> None:
     """Writes places, fence, plan and flown way for QGroundControl and for mapping tools.

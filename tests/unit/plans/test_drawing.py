@@ -15,6 +15,7 @@ from plan_files import HOME, RETURN, TAKE_OFF, imported, item, plan, polygon, sq
 
 from companion import load_mission
 from companion.api.drawings import mission_drawing
+from companion.errors import CompanionError
 from companion.geometry import GlobalOrigin, horizontal_distance
 from companion.plans.drawing import Drawing
 from companion.plans.geojson_writing import geojson_text
@@ -76,6 +77,19 @@ def test_positions_survive_the_way_to_a_mission_and_back_to_a_centimetre(
     assert mission.safe_places == ("Home", "R1", "R2")
     for before, point in zip(rally, back["rallyPoints"]["points"], strict=True):
         assert metres_between((before[0], before[1]), point[:2]) < 0.01 and point[2] == 0.0
+
+
+def test_a_mission_in_degrees_stays_where_it_is_whatever_home_is_said(tmp_path: Path) -> None:
+    text, _ = imported(tmp_path, plan(TAKE_OFF, waypoint(30, 0, 520.0) | {"frame": 0}, RETURN))
+    mission = load_mission(text)
+    drawn = mission_drawing(mission, GlobalOrigin(*HOME, 488.0))
+    begins = json.loads(plan_text(drawn))["mission"]["plannedHomePosition"]
+    assert begins == pytest.approx([*HOME, 488.0])
+    assert drawn.places == mission_drawing(mission, None).places
+    again, _ = imported(tmp_path, plan_text(drawn), "again.plan")
+    assert load_mission(again).places["W2"].amsl_m == 520.0
+    with pytest.raises(CompanionError, match=r"in degrees, and begins \d+ m from the --home"):
+        mission_drawing(mission, GlobalOrigin(10.0, 10.0, 488.0))
 
 
 def test_a_plan_has_takeoff_waypoints_holds_and_return(tmp_path: Path) -> None:
