@@ -181,4 +181,5 @@ class PlannedRoute:
             rally=rally,
             told=told + tuple(self.told),
             unaddressed=tuple(self.payload_items),
+            correction=LEAVE_OUT,
         )

@@ -93,6 +93,7 @@ class _Drafting:
         self.told += plan.told
         placed = self._placed
         check_points(len(plan.waypoints) + len(plan.rally) + len(plan.spare))
+        _all(partial(placed.with_height, waypoint) for waypoint in placed.of_known_height())
         placed.begin()
         _all(self._stops())
         end = placed.end
@@ -257,7 +258,7 @@ def _to_move(place: Waypoint) -> str:
     return f"{advice}, or {OTHER_HOME}" if place.name == HOME else advice
 
 
-def _all(steps: Iterable[Callable[[], None]]) -> None:
+def _all(steps: Iterable[Callable[[], object]]) -> None:
     """Takes some steps, and tells of all that are refused."""
     refused = []
     for step in steps:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from companion.geometry import FAR_M
-from companion.plans.commands import LEAVE_OUT
 from companion.plans.draft_task import HOME, RouteStop
 from companion.plans.route_plan import (
     SAME_M,
@@ -81,7 +81,7 @@ class Places:
             what = "says nothing of how high to fly"
             raise ItemRefused("", what, "say how high above home: --up-m 20")
         says_height = plan.takeoff_item if plan.takeoff else first.item if first else "home"
-        placed = self._with_height(Waypoint(says_height, HOME, home, height))
+        placed = self.with_height(Waypoint(says_height, HOME, home, height))
         self.places[HOME] = replace(placed, item="home")
         if plan.start_acts:
             self.stops.append(RouteStop(HOME, self._sent(plan.start_acts), "start"))
@@ -92,7 +92,7 @@ class Places:
         Raises:
             ItemRefused: it is too far away, too low, or above or below another place.
         """
-        waypoint = self._with_height(waypoint)
+        waypoint = self.with_height(waypoint)
         away_m = metres_between(self.places[HOME].position, waypoint.position)
         if away_m > FAR_M:
             what = f"is {away_m / 1000:.0f} km from home"
@@ -178,17 +178,29 @@ class Places:
             shown = ", ".join(self._again[:SHOWN])
             self.told.append(f"within a metre of a point before, so the same place: {shown}{more}")
         repeats_from = self.plan.repeats_from
-        if self.stops and self.stops[0][:2] == (HOME, ()) and repeats_from != 0:
-            del self.stops[0]
         if repeats_from is not None:
+            if repeats_from and self.stops[0][:2] == (HOME, ()):
+                del self.stops[0]
             return
-        before = [None, *(stop.place for stop in self.stops)]
+        before = [HOME, *(stop.place for stop in self.stops)]
         told_apart = zip(before, self.stops, strict=False)
         self.stops = [stop for last, stop in told_apart if stop.acts or stop.place != last]
         if self.stops and self.stops[-1][:2] == (HOME, ()):
             del self.stops[-1]
 
-    def _with_height(self, waypoint: Waypoint) -> Waypoint:
+    def of_known_height(self) -> Iterator[Waypoint]:
+        """The waypoints of which is known how high above home they are."""
+        for waypoint in self.plan.waypoints:
+            height = waypoint.height
+            if height is not None and not (height.is_amsl and self._home_amsl_m is None):
+                yield waypoint
+
+    def with_height(self, waypoint: Waypoint) -> Waypoint:
+        """A waypoint with its height, or the one that was given for what has none.
+
+        Raises:
+            ItemRefused: it has none, or is not above home.
+        """
         height = waypoint.height
         if height is None:
             if self.given.up_m is None:
@@ -202,10 +214,12 @@ class Places:
                 raise ItemRefused(waypoint.item, what, SAY_AMSL)
             if height.metres - home_amsl_m < 1.0:
                 what = f"is at {height.metres:g} m above the sea, and home at {home_amsl_m:g} m"
-                raise ItemRefused(waypoint.item, what, LEAVE_OUT)
+                hint = f"{self.plan.correction},\nor say how high home lies: --home LAT,LON,AMSL"
+                raise ItemRefused(waypoint.item, what, hint)
         elif height.metres < 1.0:
             what = f"is at {height.metres:g} m above home"
-            raise ItemRefused(waypoint.item, what, f"a vehicle flies at 1 m or higher: {LEAVE_OUT}")
+            hint = f"a vehicle flies at 1 m or higher: {self.plan.correction}"
+            raise ItemRefused(waypoint.item, what, hint)
         return waypoint
 
     def _heights_differ(self, place: Waypoint, other: Waypoint) -> bool:

@@ -31,8 +31,8 @@ from companion.plans.route_plan import (
 )
 
 CLIMB, DESCENT = dialect.SPEED_TYPE_CLIMB_SPEED, dialect.SPEED_TYPE_DESCENT_SPEED
-LAST_TO_FLY = dialect.MAV_CMD_NAV_LAST
-"""Commands up to this number lead the vehicle; the others are done on the way."""
+FLOWN = range(dialect.MAV_CMD_NAV_WAYPOINT, dialect.MAV_CMD_NAV_LAST + 1)
+"""Numbers of the commands that lead the vehicle; the others are done on the way."""
 
 
 class Meaning(Protocol):
@@ -236,7 +236,7 @@ def route_of(
             meaning_of(item).add(item, route)
         except ItemRefused as error:
             refused.append(error)
-            if item.command <= LAST_TO_FLY:  # so that what follows is not refused for it as well
+            if item.command in FLOWN:  # so that what follows is not refused for it as well
                 route.waypoints.append(Waypoint(item.item, "refused", (0.0, 0.0), Height(0.0)))
     if unknown := sorted(leave_out - numbers):
         raise not_an_item(unknown[0])

@@ -161,14 +161,15 @@ def _params(fields: JsonObject) -> tuple[float | None, ...]:
 def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[CommandItem]:
     """The points of a survey that QGC has worked out."""
     kind = fields.text("complexItemType")
+    leave_out = f"leave it out: --leave-out {index}"
     known = SURVEYS.get(kind)
     if known is None:
         what = f"{kind[:40]} is not flown point by point in the file"
-        raise ItemRefused(fields.item, what, "make waypoints of it, or leave it out")
+        raise ItemRefused(fields.item, what, f"make waypoints of it, or {leave_out}")
     version = fields.integer("version")
     if not 1 < version <= known:
         what = f"{kind} has version {version}, and up to {known} is known"
-        raise ItemRefused(fields.item, what, "open and save it in QGroundControl")
+        raise ItemRefused(fields.item, what, f"open and save it in QGroundControl, or {leave_out}")
     style = fields.object("TransectStyleComplexItem")
     flown = style.list("Items") if "Items" in style else []
     if flown:
@@ -178,7 +179,7 @@ def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[Command
     points = style.list("VisualTransectPoints") if "VisualTransectPoints" in style else []
     if not points:
         what = f"{kind} has no points: QGroundControl has not worked it out"
-        raise ItemRefused(fields.item, what, "open and save it in QGroundControl")
+        raise ItemRefused(fields.item, what, f"open and save it in QGroundControl, or {leave_out}")
     camera = style.object("CameraCalc")
     if not _is_above_home(style, camera):
         what = f"{kind} has no altitude above home: it is above the sea, or follows the terrain"

@@ -128,6 +128,7 @@ class RoutePlan:
         spare: other points that nothing flies to; so have they.
         told: what a reader of the mission has to know, a line each.
         unaddressed: the commands for payloads, as they are refused where nobody says who gets them.
+        correction: what to do about an item that cannot be meant.
     """
 
     kind: str
@@ -146,6 +147,7 @@ class RoutePlan:
     spare: tuple[Waypoint, ...] = ()
     told: tuple[str, ...] = ()
     unaddressed: tuple[ItemRefused, ...] = ()
+    correction: str = "correct it in the program that has drawn it"
 
 
 class ItemRefused(Exception):

@@ -135,6 +135,21 @@ def test_a_height_is_refused_by_the_item_that_says_it(tmp_path: Path) -> None:
     assert refusal(tmp_path, plan(take_off, *WAY[1:])).startswith("item 1: is at 0.2 m above home")
 
 
+def test_all_heights_that_are_none_are_told_at_once(tmp_path: Path) -> None:
+    sunk = [waypoint(30, east_m, 16.0) | {"frame": 0} for east_m in (0, 40)]
+    said = refusal(tmp_path, plan(*sunk, waypoint(0, 40, 0.0), RETURN))
+    assert [f"item {i}: is at" in said for i in (1, 2, 3)] == [True] * 3
+    assert "--leave-out 3,7,\n" in said and "say how high home lies: --home LAT,LON,AMSL" in said
+
+
+def test_of_a_drawn_map_nothing_is_told_to_be_left_out_by_number(tmp_path: Path) -> None:
+    low = {"type": "Feature", "properties": {"up_m": 0.2}}
+    low["geometry"] = {"type": "Point", "coordinates": [HOME[1], HOME[0]]}
+    said = refusal(tmp_path, low, UP, name="map.geojson")
+    assert said.startswith("feature 1: is at 0.2 m above home")
+    assert "correct it in the program" in said and "--leave-out" not in said
+
+
 def test_home_in_a_wrong_place_may_be_elsewhere(tmp_path: Path) -> None:
     beside = refusal(tmp_path, plan(polygons=[polygon(square(40, north_m=90))]), UP)
     zone = polygon(square(40, north_m=20), inclusion=False)
@@ -167,6 +182,16 @@ def test_a_polygon_without_an_area_is_refused(tmp_path: Path) -> None:
 
 
 # -- surveys ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("kind", "version"), [("StructureScan", 3), ("survey", 9), ("survey", 5)])
+def test_what_no_survey_can_be_is_left_out_by_its_number(
+    kind: str, version: int, tmp_path: Path
+) -> None:
+    scan = {"type": "ComplexItem", "complexItemType": kind, "version": version}
+    scan["TransectStyleComplexItem"] = {}
+    said = refusal(tmp_path, plan(*WAY[:2], scan, RETURN))
+    assert said.startswith(f"item 3: {kind} ") and said.endswith("leave it out: --leave-out 3")
 
 
 @pytest.mark.parametrize(

@@ -49,6 +49,12 @@ def test_a_first_item_above_home_is_a_waypoint_and_not_home(tmp_path: Path) -> N
     assert any("says nothing of home; it is put at item 1" in line for line in draft.told)
 
 
+def test_a_takeoff_after_an_unknown_item_is_the_first_one_still(tmp_path: Path) -> None:
+    text = wpl((0, 0), TAKE_OFF, way(30, 0), RETURN, home=False)
+    with pytest.raises(MissionError, match=r"field.txt: item 1: an unknown command \(0\) has no"):
+        imported(tmp_path, text, "field.txt")
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [
