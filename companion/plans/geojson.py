@@ -2,11 +2,13 @@
 
 Coordinates are [lon, lat]. A third one is metres above the ellipsoid, which is tens of metres from
 the sea and from home; it is not used. Heights are properties: `up_m` above home, `amsl_m` above the
-sea. Other properties: `name`, `kind` (shapes.py), `radius_m`.
+sea. Other properties: `name`, `kind` (shapes.py), `radius_m`. A MultiPoint, MultiLineString or
+MultiPolygon is its parts, one by one; mapping tools save single polygons as MultiPolygons.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from companion.plans.json_text import JsonObject, numbers, read_json
@@ -22,6 +24,7 @@ from companion.plans.shapes import Line, Point, Polygon, Shape, plan_of, word
 
 WGS84 = ("CRS84", "4326")
 SPLIT = "split it into features of one shape each"
+PARTS = {"MultiPoint": "Point", "MultiLineString": "LineString", "MultiPolygon": "Polygon"}
 
 
 def read_geojson(text: str) -> RoutePlan:
@@ -43,11 +46,13 @@ def read_geojson(text: str) -> RoutePlan:
     else:
         features = [{"type": "Feature", "properties": {}, "geometry": read_json(text)}]
     told: list[str] = []
-    shapes = [_shape(entry, index, told) for index, entry in enumerate(features, 1)]
+    entries = enumerate(features, 1)
+    shapes = [shape for index, entry in entries for shape in _shapes(entry, index, told)]
     return plan_of("GeoJSON", shapes, told)
 
 
-def _shape(entry: Any, index: int, told: list[str]) -> Shape:
+def _shapes(entry: Any, index: int, told: list[str]) -> Iterator[Shape]:
+    """The shapes of a feature."""
     feature = JsonObject(entry, f"feature {index}")
     if feature.text("type") != "Feature":
         raise ItemRefused(feature.item, "is no Feature", "save the file anew")
@@ -58,17 +63,34 @@ def _shape(entry: Any, index: int, told: list[str]) -> Shape:
     item = f"feature {index}" + (f" ({name})" if name else "")
     geometry = JsonObject(feature.object("geometry").data, item)
     what = geometry.text("type")
-    kind = properties.text("kind") if "kind" in properties else ""
-    height = _height(properties)
-    if what not in ("Point", "LineString", "Polygon"):
+    if what not in (*PARTS, *PARTS.values()):
         raise ItemRefused(item, f"is a {what[:40]}, not a Point, LineString or Polygon", SPLIT)
     coordinates = geometry.list("coordinates")
-    if height is None and _has_third(coordinates):
+    if _height(properties) is None and _has_third(coordinates):
         told.append(f"{item}: the third coordinate is above the ellipsoid, and is not used")
+    if what not in PARTS:
+        yield _shape(what, coordinates, JsonObject(properties.data, item), name, f"P{index}")
+        return
+    if not coordinates:
+        raise ItemRefused(item, f"is a {what} without parts", "draw it anew")
+    for number, part in enumerate(coordinates, 1):
+        one = item if len(coordinates) == 1 else f"part {number} of {item}"
+        end = "" if one == item else f"_{number}"
+        about = JsonObject(properties.data, one)
+        yield _shape(PARTS[what], _list(part, one), about, name and name + end, f"P{index}{end}")
+
+
+def _shape(
+    what: str, coordinates: list[Any], properties: JsonObject, name: str, point_name: str
+) -> Shape:
+    """One shape, by the name of its geometry in RFC 7946."""
+    item = properties.item
+    kind = properties.text("kind") if "kind" in properties else ""
+    height = _height(properties)
     if what == "Point":
         radius_m = properties.number("radius_m") if "radius_m" in properties else None
-        name = name or f"P{index}"
-        return Point(item, name, kind, _position(coordinates, item), height, radius_m)
+        position = _position(coordinates, item)
+        return Point(item, name or point_name, kind, position, height, radius_m)
     if what == "LineString":
         check_points(len(coordinates))
         corners = tuple((_position(each, item), height) for each in coordinates)
@@ -82,7 +104,7 @@ def _shape(entry: Any, index: int, told: list[str]) -> Shape:
 
 def _list(value: Any, item: str) -> list[Any]:
     if not isinstance(value, list):
-        raise ItemRefused(item, "has a ring that is no list", "save the file anew")
+        raise ItemRefused(item, "has coordinates that are no list", "save the file anew")
     return value
 
 

@@ -13,6 +13,7 @@ from companion.errors import MissionError
 from companion.plans.draft_places import Given
 
 UP = Given(home=HOME, up_m=20.0)
+BEND = ((0, 0), (0, 9), (9, 9), (0, 0))
 
 
 def feature(shape: str, coordinates: Any, **properties: Any) -> dict[str, Any]:
@@ -77,6 +78,30 @@ def test_polygons_say_what_they_are_unless_there_is_one(tmp_path: Path) -> None:
     assert said.startswith("feature 3: is one of several polygons")
 
 
+def test_shapes_of_many_parts_are_their_parts(tmp_path: Path) -> None:
+    """Mapping tools save a layer of polygons, even of one, as MultiPolygons."""
+    points = feature("MultiPoint", [lon_lat(30, 0), lon_lat(30, 40)], name="Tree")
+    fence = feature("MultiPolygon", [[ring(90)]], kind="fence")
+    ponds = [[[lon_lat(n + i, n + j) for i, j in BEND]] for n in (50, 70)]
+    ponds = feature("MultiPolygon", ponds, kind="keep_out")
+    mission = load_mission(
+        imported(tmp_path, collection(points, fence, ponds), "map.geojson", UP)[0]
+    )
+    assert list(mission.places) == ["Home", "Tree_1", "Tree_2"]
+    assert list(mission.limits.keep_out) == ["zone_2", "zone_3"]
+    assert max(north for north, _ in mission.limits.fence) == pytest.approx(90, abs=0.01)
+    line = feature("MultiLineString", [[lon_lat(30, 0), lon_lat(30, 40)]])
+    assert "W2" in imported(tmp_path, line, "map.geojson", UP)[0]
+    said = refusal(tmp_path, feature("MultiPolygon", [[ring(80)], [ring(90)]]))
+    assert said.startswith("part 2 of feature 1: is one of several polygons")
+
+
+def test_a_line_that_begins_at_home_leads_from_there(tmp_path: Path) -> None:
+    line = feature("LineString", [lon_lat(0, 0), lon_lat(0, 0.5), lon_lat(30, 0), lon_lat(30, 40)])
+    _, draft = imported(tmp_path, line, "map.geojson", UP)
+    assert draft.data["task"]["route"] == "ordered_visit(W3, W4)"
+
+
 def test_a_bare_geometry_is_read_too(tmp_path: Path) -> None:
     line = {"type": "LineString", "coordinates": [lon_lat(30, 0), lon_lat(30, 40)]}
     for content in (line, feature("LineString", line["coordinates"])):
@@ -98,7 +123,10 @@ def test_a_bare_geometry_is_read_too(tmp_path: Path) -> None:
         (collection(feature("Point", ["8", "47"])), "feature 1: a position is not a number"),
         ('{"type": "Point", "coordinates": [8.5, 1e400]}', "feature 1: a position is too large"),
         (collection(feature("Point", [8.5, 97.0])), "feature 1: latitude 97, longitude 8.5"),
-        (collection(feature("MultiPolygon", [])), "feature 1: is a MultiPolygon"),
+        (collection(feature("MultiPolygon", [])), "feature 1: is a MultiPolygon without parts"),
+        (collection(feature("MultiPoint", [[8.5]])), "feature 1: a position is not a list"),
+        (collection(feature("MultiPolygon", [7])), "feature 1: has coordinates that are no list"),
+        (collection(feature("GeometryCollection", [])), "feature 1: is a GeometryCollection, not"),
         (collection(feature("Polygon", [])), "feature 1: is a polygon without corners"),
         (collection(feature("Polygon", [[[8, 47], [8, 47]]])), "feature 1: a polygon of 1 corners"),
         (collection(feature("Point", [8, 47], name=3)), "feature 1: name is not a text"),
