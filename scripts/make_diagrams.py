@@ -25,6 +25,8 @@ from companion.ground import ftp_sessions, upload_states
 from companion.transitions import StateTransition
 
 DOCS = Path(__file__).parent.parent / "docs"
+MOST_IN_WORDS = 20
+"""Rows of a table whose arrows have events in words; those of a longer one have numbers."""
 Rows = Iterable[StateTransition[Any, Any]]
 
 
@@ -47,37 +49,46 @@ DIAGRAMS = (
 def mermaid(rows: Rows) -> str:
     """A Mermaid state diagram (https://mermaid.js.org/syntax/stateDiagram.html).
 
-    States without a row of their own are final. A table that has no rows for its beginning begins
-    in the state of its first row.
+    An arrow has its events, or in a diagram of a long table the numbers of their rows, as words
+    would cover it. States without a row of their own are final. A table that has no rows for its
+    beginning begins in the state of its first row.
     """
     rows = list(rows)
     begun = {row.state for row in rows}
     first = [] if None in begun else [_identifier(row.state.value) for row in rows[:1] if row.state]
     final = dict.fromkeys(row.then for row in rows if row.then not in begun)
     arrows: dict[tuple[str, str], list[str]] = {}
-    for row in rows:
+    is_long = len(rows) > MOST_IN_WORDS
+    for number, row in enumerate(rows, 1):
         before = "[*]" if row.state is None else _identifier(row.state.value)
-        arrows.setdefault((before, _identifier(row.then.value)), []).append(row.event.value)
+        label = str(number) if is_long else row.event.value
+        arrows.setdefault((before, _identifier(row.then.value)), []).append(label)
+    joint = ", " if is_long else "<br/>"
     names = dict.fromkeys(s for row in rows for s in (row.state, row.then) if s is not None)
     titles = [s.value for s in names if _identifier(s.value) != s.value]
     lines = [
         "stateDiagram-v2",
         *(f"    {_identifier(title)}: {title}" for title in titles),
         *(f"    [*] --> {title}" for title in first),
-        *(f"    {a} --> {b}: {'<br/>'.join(events)}" for (a, b), events in arrows.items()),
+        *(f"    {a} --> {b}: {joint.join(events)}" for (a, b), events in arrows.items()),
         *(f"    {_identifier(state.value)} --> [*]" for state in final),
     ]
     return "\n".join(["```mermaid", *lines, "```"])
 
 
 def table(rows: Rows) -> str:
-    """The rows as a table of Markdown."""
-    lines = [
-        f"| {row.state.value if row.state else 'none yet'} | {row.event.value} | {row.then.value} "
-        f"| {row.effect} |"
+    """The rows as a table of Markdown; those of a long one have numbers."""
+    rows = list(rows)
+    head = ["state", "event", "next state", "what happens"]
+    cells = [
+        [row.state.value if row.state else "none yet", row.event.value, row.then.value, row.effect]
         for row in rows
     ]
-    return "\n".join(["| state | event | next state | what happens |", "|---|---|---|---|", *lines])
+    if len(rows) > MOST_IN_WORDS:
+        head = ["", *head]
+        cells = [[str(number), *line] for number, line in enumerate(cells, 1)]
+    lines = [f"| {' | '.join(line)} |" for line in (head, *cells)]
+    return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
 
 
 def drawn(page: str, diagrams: Mapping[str, Rows]) -> str:

@@ -3,7 +3,8 @@
 The pages are those of the repository, and their links lead from file to file there. So they are
 collected into a folder of the same shape, with whatever they link to. A link to a file that is not
 there is an error here, and so is a page that docs/zensical.toml gives no place in the navigation;
-a link to a page or heading that is not there is one of Zensical's.
+a link to a page or heading that is not there is one of Zensical's. Diagrams in Mermaid become
+pictures, so that the site asks no other host for a program that draws them.
 
 Usage: scripts/docs
 """
@@ -19,11 +20,14 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import mmdr
+
 ROOT = Path(__file__).parent.parent
 CONFIGURATION, STYLE = "docs/zensical.toml", "docs/site.css"
 PAGES = ("README.md", "ARCHITECTURE.md", "CHANGELOG.md", "docs/*.md", "docs/decisions/*.md")
 BUILT = ROOT / "build" / "docs"
 _LINK = re.compile(r"\]\((?!https?:|mailto:)([^)#]+)(?:#[^)]*)?\)")
+_DIAGRAM = re.compile(r"^```mermaid\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 _CODE = re.compile(r"^```.*?^```$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 
 
@@ -52,6 +56,17 @@ def as_zensical_reads_it(text: str) -> str:
     return rows.sub(lambda row: code.sub(lambda c: c[0].replace(r"\|", "|"), row[0]), text)
 
 
+def with_pictures(text: str, page: Path) -> str:
+    """A page with its diagrams as pictures, which are written beside it and open by themselves."""
+
+    def picture(found: re.Match[str]) -> str:
+        name = f"{page.stem}-{text.count('```mermaid', 0, found.start()) + 1}.svg"
+        (page.parent / name).write_text(mmdr.render(found[1]).svg(), encoding="utf-8")
+        return f"[![State diagram]({name}){{ .diagram }}]({name})"
+
+    return _DIAGRAM.sub(picture, text)
+
+
 def collect(root: Path, folder: Path) -> None:
     """Copies the pages of a repository, and the files that they link to, into a folder.
 
@@ -69,7 +84,7 @@ def collect(root: Path, folder: Path) -> None:
             _copy(root, folder, linked.relative_to(root.resolve()))
     for page in known:
         (folder / page).parent.mkdir(parents=True, exist_ok=True)
-        text = (root / page).read_text(encoding="utf-8")
+        text = with_pictures((root / page).read_text(encoding="utf-8"), folder / page)
         (folder / page).write_text(as_zensical_reads_it(text), encoding="utf-8")
 
 

@@ -79,6 +79,15 @@ def test_a_table_without_a_row_for_its_beginning_begins_in_its_first_state() -> 
     ]
 
 
+def test_the_arrows_of_a_long_table_have_the_numbers_of_its_rows() -> None:
+    """Words would cover the picture."""
+    rows = [list(TABLE)[1]] * 21
+    numbers = ", ".join(map(str, range(1, 22)))
+    assert f"    off --> very_bright: {numbers}" in SCRIPT["mermaid"](rows).splitlines()
+    page = "<!-- diagram: lamp -->\n<!-- end of diagram: lamp -->\n"
+    assert "| 21 | off | pressed |" in SCRIPT["drawn"](page, {"lamp": rows})
+
+
 def test_a_page_without_a_place_for_a_diagram_is_an_error() -> None:
     with pytest.raises(ValueError, match="not one place for the diagram lamp"):
         SCRIPT["drawn"]("no place\n", {"lamp": TABLE})

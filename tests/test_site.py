@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from make_site import (
     collect,
     links,
     pages,
+    with_pictures,
 )
 
 HOME = "# Home\n\nTo [more](docs/more.md#below), and a ![picture](docs/picture.png).\n"
@@ -52,10 +54,26 @@ def test_a_bar_in_the_code_of_a_table_is_not_escaped() -> None:
     assert as_zensical_reads_it(page) == "| `a | b` | c \\| d |\n`e \\| f`\n"
 
 
+def test_a_diagram_becomes_a_picture_beside_its_page(tmp_path: Path) -> None:
+    diagram = "```mermaid\nstateDiagram-v2\n    [*] --> off: made\n```"
+    page = with_pictures(f"{diagram}\nand\n{diagram}\n", tmp_path / "lamp.md")
+    pictures = [f"[![State diagram](lamp-{i}.svg){{ .diagram }}](lamp-{i}.svg)" for i in (1, 2)]
+    assert page == f"{pictures[0]}\nand\n{pictures[1]}\n"
+    assert "made" in (tmp_path / "lamp-2.svg").read_text(encoding="utf-8")
+
+
 @pytest.mark.slow
-def test_the_site_is_built(tmp_path: Path) -> None:
+def test_the_site_is_built_and_asks_no_other_host_for_anything(tmp_path: Path) -> None:
+    """Links may lead elsewhere; what a page loads by itself is its own."""
     build(ROOT, tmp_path / "built")
-    assert "MAV companion" in (tmp_path / "built/site/index.html").read_text(encoding="utf-8")
+    site = tmp_path / "built" / "site"
+    assert "MAV companion" in (site / "index.html").read_text(encoding="utf-8")
+    loads = re.compile(
+        r"""<(?:script|img|iframe|source|link)\b[^>]*\b(?:src|href)=["']?(https?:[^"'\s>]*)"""
+    )
+    for page in site.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        assert loads.findall(text) == [] and 'class="mermaid"' not in text, page
 
 
 @pytest.mark.parametrize("link", ["docs/nothing.png", "docs", "../outside"])
