@@ -259,15 +259,15 @@ def _to_move(place: Waypoint) -> str:
 
 
 def _all(steps: Iterable[Callable[[], object]]) -> None:
-    """Takes some steps, and tells of all that are refused."""
-    refused = []
+    """Takes some steps, and tells of all that are refused, each once."""
+    refused: dict[tuple[str, str], ItemRefused] = {}
     for step in steps:
         try:
             step()
         except ItemRefused as error:
-            refused.append(error)
+            refused.setdefault((error.item, error.what), error)
     if refused:
-        raise ItemsRefused(refused)
+        raise ItemsRefused([*refused.values()])
 
 
 def _check_count(count: int, what: str, most: int) -> None:

@@ -189,10 +189,15 @@ class Places:
             del self.stops[-1]
 
     def of_known_height(self) -> Iterator[Waypoint]:
-        """The waypoints of which is known how high above home they are."""
+        """The waypoints of which is known how high above home they are.
+
+        A landing has the height of the waypoint before, and is not told for it.
+        """
         for waypoint in self.plan.waypoints:
             height = waypoint.height
-            if height is not None and not (height.is_amsl and self._home_amsl_m is None):
+            if height is None or waypoint is self._landing:
+                continue
+            if self._home_amsl_m is not None or not height.is_amsl:
                 yield waypoint
 
     def with_height(self, waypoint: Waypoint) -> Waypoint:

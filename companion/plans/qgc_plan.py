@@ -16,6 +16,7 @@ from companion.plans.commands import AMSL_FRAMES, CommandItem, PlannedRoute
 from companion.plans.json_text import JsonObject, number, numbers, read_json
 from companion.plans.meanings import route_of
 from companion.plans.route_plan import (
+    SAME_M,
     Height,
     ItemRefused,
     LatLon,
@@ -133,15 +134,25 @@ def _simple(fields: JsonObject, name: str, told: list[str]) -> CommandItem:
         jump_id = int(name.split(".")[0])
     item = CommandItem(name, fields.integer("command"), fields.integer("frame"), params, jump_id)
     if "AltitudeMode" in fields and item.position is not None:
-        mode = fields.integer("AltitudeMode")
-        is_amsl = item.frame in AMSL_FRAMES
-        if mode in (RELATIVE_MODE, ABOVE_SEA_MODE) and (mode == ABOVE_SEA_MODE) != is_amsl:
-            words = ["above home", "above the sea"][is_amsl]
-            told.append(
-                f"{item.item}: AltitudeMode {mode} and frame {item.frame} disagree; "
-                f"the frame counts, so the altitude is {words}"
-            )
+        told.extend(_doubts(fields, item))
     return item
+
+
+def _doubts(fields: JsonObject, item: CommandItem) -> Iterator[str]:
+    """Where the altitude that a person saw is not the one that an autopilot gets."""
+    mode, is_amsl = fields.integer("AltitudeMode"), item.frame in AMSL_FRAMES
+    if mode not in (RELATIVE_MODE, ABOVE_SEA_MODE):
+        return
+    words = ["above home", "above the sea"][is_amsl]
+    if (mode == ABOVE_SEA_MODE) != is_amsl:
+        yield (
+            f"{item.item}: AltitudeMode {mode} and frame {item.frame} disagree; "
+            f"the frame counts, so the altitude is {words}"
+        )
+    sent_m = item.param(7)
+    if "Altitude" in fields and abs(fields.number("Altitude") - sent_m) > SAME_M:
+        shown = f"Altitude {fields.number('Altitude'):g} and the seventh param {sent_m:g} disagree"
+        yield f"{item.item}: {shown}; the param counts, so it is {sent_m:g} m {words}"
 
 
 def _params(fields: JsonObject) -> tuple[float | None, ...]:

@@ -219,6 +219,11 @@ def test_altitudes_above_the_sea_stay_so(tmp_path: Path) -> None:
 def test_the_frame_counts_where_the_mode_disagrees(tmp_path: Path) -> None:
     way = waypoint(30, 0, 20.0, AltitudeMode=2)
     assert "item 2: AltitudeMode 2 and frame 3 disagree" in told(tmp_path, TAKE_OFF, way, RETURN)
+    way = waypoint(30, 0, 20.0, AltitudeMode=1, Altitude=120)
+    said = told(tmp_path, TAKE_OFF, way, RETURN)
+    assert "item 2: Altitude 120 and the seventh param 20 disagree; the param counts" in said
+    above_terrain = waypoint(30, 0, 508.0, AltitudeMode=3, Altitude=20) | {"frame": 0}
+    assert "disagree" not in told(tmp_path, TAKE_OFF, above_terrain, RETURN)
 
 
 def test_an_unknown_height_of_home_refuses_heights_above_the_sea(tmp_path: Path) -> None:

@@ -142,10 +142,20 @@ def test_all_heights_that_are_none_are_told_at_once(tmp_path: Path) -> None:
     assert "--leave-out 3,7,\n" in said and "say how high home lies: --home LAT,LON,AMSL" in said
 
 
+def test_a_landing_is_not_refused_for_the_waypoint_before_it(tmp_path: Path) -> None:
+    landing = item(21, 0, 0, 0, None, *at(9, 9), 0)
+    said = refusal(tmp_path, plan(TAKE_OFF, waypoint(30, 0, 0.0), landing))
+    assert said.startswith("item 2: is at 0 m above home")
+    text, _ = imported(tmp_path, plan(TAKE_OFF, waypoint(30, 0, 0.0), landing), "a.plan", UP, "2")
+    assert list(load_mission(text).places) == ["Home", "W3"]
+
+
 def test_of_a_drawn_map_nothing_is_told_to_be_left_out_by_number(tmp_path: Path) -> None:
     low = {"type": "Feature", "properties": {"up_m": 0.2}}
     low["geometry"] = {"type": "Point", "coordinates": [HOME[1], HOME[0]]}
-    said = refusal(tmp_path, low, UP, name="map.geojson")
+    line = {"type": "LineString", "coordinates": [[HOME[1], HOME[0]]] * 2}
+    both = {"type": "FeatureCollection", "features": [low, {"type": "Feature", "geometry": line}]}
+    said = refusal(tmp_path, both, UP, name="map.geojson")
     assert said.startswith("feature 1: is at 0.2 m above home")
     assert "correct it in the program" in said and "--leave-out" not in said
 
