@@ -206,7 +206,7 @@ def decode(frame: bytes) -> Message | None:
 def message_id(frame: bytes) -> int:
     """Returns the id of the message in a frame."""
     if frame[0] == _MAGIC_2:
-        return frame[7] | frame[8] << 8 | frame[9] << 16
+        return int.from_bytes(frame[7:10], "little")
     return frame[5]
 
 

@@ -56,6 +56,8 @@ class Sample:
 
     def slower(self, rate: float) -> Sample:
         """The same moment while the trajectory's time runs at a rate."""
+        if rate == 1.0:
+            return self
         velocity, acceleration = times(self.velocity, rate), times(self.acceleration, rate**2)
         return replace(self, velocity=velocity, acceleration=acceleration)
 
@@ -92,7 +94,7 @@ class Trajectory:
         course_rad = self._course(t_s)
         if t_s >= self.duration_s:
             return Sample(self._end, AT_REST, AT_REST, True, course_rad)
-        return replace(sample_at(self.path, *self.progress(t_s)), course_rad=course_rad)
+        return sample_at(self.path, *self.progress(t_s), course_rad=course_rad)
 
     def progress(self, t_s: float) -> tuple[float, Motion]:
         """The distance along the path at a time, and the motion there."""
@@ -151,14 +153,22 @@ class Stop:
         (along_m,), (mps,), (mps2,) = self._profile.at_time(min(t_s, self.duration_s))
         path, is_finished = self._trajectory.path, t_s >= self.duration_s
         motion = REST if is_finished else Motion(mps, mps2)
-        return replace(sample_at(path, self._begin_m + along_m, motion), is_finished=is_finished)
+        return sample_at(path, self._begin_m + along_m, motion, is_finished=is_finished)
 
 
-def sample_at(path: Path, along_m: float, motion: Motion) -> Sample:
+def sample_at(
+    path: Path,
+    along_m: float,
+    motion: Motion,
+    *,
+    is_finished: bool = False,
+    course_rad: float | None = None,
+) -> Sample:
     """The moment at which a vehicle passes a point of a path."""
     position, direction, curvature = path.at(along_m)
     change = motion.acceleration_mps2 * direction + motion.speed_mps**2 * curvature
-    return Sample(_ned(position), _ned(motion.speed_mps * direction), _ned(change), False)
+    velocity = motion.speed_mps * direction
+    return Sample(_ned(position), _ned(velocity), _ned(change), is_finished, course_rad)
 
 
 def motion_of(velocity: Ned, acceleration: Ned) -> Motion:

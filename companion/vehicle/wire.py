@@ -19,6 +19,8 @@ from companion.vehicle.time_answers import TIMESYNC, TimeAnswers
 
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
+_TIMESYNC_BYTE = bytes(TIMESYNC)
+"""Its id; most datagrams have no such byte, and so no such message."""
 
 
 class Wire:
@@ -80,7 +82,8 @@ class Wire:
         if not self.system:
             return []
         autopilot, leaving = (self.system, AUTOPILOT), []
-        for question in map(decode, choose(datagrams, TIMESYNC, frozenset())):
+        asking = [datagram for datagram in datagrams if _TIMESYNC_BYTE in datagram]
+        for question in map(decode, choose(asking, TIMESYNC, frozenset())):
             if question and (answer := self.time.answer(now_s, autopilot, question)):
                 leaving.append(self._codec.pack(answer))
         self._answered += leaving

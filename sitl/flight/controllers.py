@@ -27,9 +27,9 @@ GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901
 
 VERTICAL_P, CLIMB_P, CLIMB_I = 2.0, 6.0, 2.5  # 1/s, 1/s, 1/s^2
 ATTITUDE_P = (7.0, 7.0, 3.0)  # 1/s
-RATE_P = (0.35, 0.37, 0.25)  # N m per rad/s
-RATE_I = (0.5, 0.5, 0.15)  # N m per rad
-RATE_D = (0.006, 0.006, 0.0)  # N m per rad/s^2
+ROLL_P, PITCH_P, YAW_P = 0.35, 0.37, 0.25  # N m per rad/s
+ROLL_I, PITCH_I, YAW_I = 0.5, 0.5, 0.15  # N m per rad
+ROLL_D, PITCH_D, YAW_D = 0.006, 0.006, 0.0  # N m per rad/s^2
 
 POSITION_EVERY = 5  # steps
 BRAKING_SHARE = 0.5  # of the acceleration limit is used to brake before a far position
@@ -172,37 +172,37 @@ class RateLoop:
     """Rate PID: from body rate setpoints to torques in N m."""
 
     def __init__(self) -> None:
-        self._integral = [0.0, 0.0, 0.0]
+        self._integral: Vector = (0.0, 0.0, 0.0)
         self._last: Vector = (0.0, 0.0, 0.0)
 
     def reset(self) -> None:
         """Clears the integrals."""
-        self._integral = [0.0, 0.0, 0.0]
+        self._integral = (0.0, 0.0, 0.0)
 
     def step(self, rates: Vector, wanted: Vector, dt_s: float) -> Vector:
         """Torques about body x, y, z."""
-        p, q, r = rates
-        integral, last = self._integral, self._last
+        (p, q, r), (w_p, w_q, w_r) = rates, wanted
+        (i_p, i_q, i_r), (l_p, l_q, l_r) = self._integral, self._last
         self._last = rates
         return (
-            RATE_P[0] * (wanted[0] - p) + integral[0] - RATE_D[0] * (p - last[0]) / dt_s,
-            RATE_P[1] * (wanted[1] - q) + integral[1] - RATE_D[1] * (q - last[1]) / dt_s,
-            RATE_P[2] * (wanted[2] - r) + integral[2] - RATE_D[2] * (r - last[2]) / dt_s,
+            ROLL_P * (w_p - p) + i_p - ROLL_D * (p - l_p) / dt_s,
+            PITCH_P * (w_q - q) + i_q - PITCH_D * (q - l_q) / dt_s,
+            YAW_P * (w_r - r) + i_r - YAW_D * (r - l_r) / dt_s,
         )
 
     def integrate(
         self, rates: Vector, wanted: Vector, dt_s: float, *, is_tilting: bool, is_turning: bool
     ) -> None:
         """Integrates the errors, but for axes where the mixer is limited."""
-        integral, most = self._integral, MAX_RATE_INTEGRAL_NM
+        (p, q, r), (w_p, w_q, w_r) = rates, wanted
+        i_p, i_q, i_r = self._integral
+        most = MAX_RATE_INTEGRAL_NM
         if is_tilting:
-            roll = integral[0] + RATE_I[0] * (wanted[0] - rates[0]) * dt_s
-            pitch = integral[1] + RATE_I[1] * (wanted[1] - rates[1]) * dt_s
-            integral[0] = _clamp(roll, -most, most)
-            integral[1] = _clamp(pitch, -most, most)
+            i_p = _clamp(i_p + ROLL_I * (w_p - p) * dt_s, -most, most)
+            i_q = _clamp(i_q + PITCH_I * (w_q - q) * dt_s, -most, most)
         if is_turning:
-            yaw = integral[2] + RATE_I[2] * (wanted[2] - rates[2]) * dt_s
-            integral[2] = _clamp(yaw, -most, most)
+            i_r = _clamp(i_r + YAW_I * (w_r - r) * dt_s, -most, most)
+        self._integral = (i_p, i_q, i_r)
 
 
 class Cascade:

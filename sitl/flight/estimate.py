@@ -107,6 +107,7 @@ class Estimator:
     Attributes:
         gps: may be replaced in flight.
         error: of the estimated position, north and east.
+        fix_error: of the receiver's fix; while there is none, that of a fix.
         resets: how often the position was set elsewhere at once.
         time_since_fix_s: time since the last fix, 0 with one.
     """
@@ -122,17 +123,13 @@ class Estimator:
         self.resets = 0
         self._noise = (rng.gauss(0.0, gps.noise_m), rng.gauss(0.0, gps.noise_m))
         self._jumped: Ned = (0.0, 0.0, 0.0)
+        self.fix_error = self._noise
         self.error = self.fix_error
         self._rng = rng
         self._wandering = WanderingError(wander, rng) if wander else None
         self._wander_m = wander.position_m if wander else 0.0
         self._velocity_error = (0.0, 0.0)
         self._now_s: float | None = None
-
-    @property
-    def fix_error(self) -> tuple[float, float]:
-        """Of the receiver's fix, north and east; while there is none, that of a fix."""
-        return (self._noise[0] + self._jumped[0], self._noise[1] + self._jumped[1])
 
     @property
     def accuracy_m(self) -> float:
@@ -144,6 +141,7 @@ class Estimator:
         """The estimated position is elsewhere at once, and the receiver's fixes with it."""
         (north, east, down), (by_n, by_e, by_d) = self._jumped, by
         self._jumped = (north + by_n, east + by_e, down + by_d)
+        self._place_fix()
         self.error = (self.error[0] + by_n, self.error[1] + by_e)
         self.resets += 1
 
@@ -181,6 +179,10 @@ class Estimator:
         self._noise = (north * keep + gauss(0.0, kick), east * keep + gauss(0.0, kick))
         if noise_m == 0 and math.hypot(*self._noise) < NEGLIGIBLE_M:
             self._noise = (0.0, 0.0)
+        self._place_fix()
+
+    def _place_fix(self) -> None:
+        self.fix_error = (self._noise[0] + self._jumped[0], self._noise[1] + self._jumped[1])
 
     def _dead_reckon(self, dt_s: float) -> None:
         kick = VELOCITY_WALK * math.sqrt(dt_s)

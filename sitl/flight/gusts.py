@@ -69,6 +69,8 @@ class Gusts:
         self._deviation_mps = deviation_mps
         self._noise = Random(f"gusts {seed}").gauss
         self._along, self._across, self._down = 0.0, _Transverse(), _Transverse()
+        self._wind: Ned = (0.0, 0.0, 0.0)
+        self._ahead = (1.0, 0.0)
 
     def step(self, height_m: float, airspeed_mps: float, wind: Ned, dt_s: float) -> Ned:
         """The next gust.
@@ -81,14 +83,22 @@ class Gusts:
         """
         noise = self._noise
         level_m, upright_m, stronger = scale(height_m)
-        share = min(1.0, airspeed_mps * dt_s / level_m)
-        upright = min(1.0, airspeed_mps * dt_s / upright_m)
+        flown_m = airspeed_mps * dt_s
+        share = flown_m / level_m if flown_m < level_m else 1.0
+        upright = flown_m / upright_m if flown_m < upright_m else 1.0
         self._along += math.sqrt(2 * share) * noise() - share * self._along
         across = self._across.step(share, noise())
         down_mps = self._deviation_mps * self._down.step(upright, noise())
         level_mps = self._deviation_mps * stronger
-        speed_mps = math.hypot(wind[0], wind[1])
-        ahead = (wind[0] / speed_mps, wind[1] / speed_mps) if speed_mps else (1.0, 0.0)
-        north = level_mps * (ahead[0] * self._along - ahead[1] * across)
-        east = level_mps * (ahead[1] * self._along + ahead[0] * across)
+        if wind is not self._wind:
+            self._turn(wind)
+        ahead_n, ahead_e = self._ahead
+        north = level_mps * (ahead_n * self._along - ahead_e * across)
+        east = level_mps * (ahead_e * self._along + ahead_n * across)
         return north, east, down_mps
+
+    def _turn(self, wind: Ned) -> None:
+        """Another mean wind says what is along and across."""
+        speed_mps = math.hypot(wind[0], wind[1])
+        self._wind = wind
+        self._ahead = (wind[0] / speed_mps, wind[1] / speed_mps) if speed_mps else (1.0, 0.0)
