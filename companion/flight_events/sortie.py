@@ -212,6 +212,16 @@ class ChargeAwaited(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class ChargeCutShort(FlightEvent):
+    """An event has come that a line which is ready answers, so the vehicle takes off again."""
+
+    kind = "phase"
+    template = "charging ends at {percent} %, for an event that is answered"
+
+    percent: InText[int]
+
+
+@dataclass(frozen=True, slots=True)
 class ChargeSufficient(FlightEvent):
     """The battery has what its plan needs from here on, so the vehicle does not land to charge."""
 

@@ -79,6 +79,11 @@ class BoundClock:
     def _asks(self, letter: Letter) -> bool:
         return isinstance(self.bound, Response) and is_true(self.bound.trigger, letter)
 
+    @property
+    def is_called(self) -> bool:
+        """Whether an event asks for its goal, which no position has read yet."""
+        return self.since_ms is None and self.asked_ms is not None and self.met_ms is None
+
     def is_over(self, now_ms: int, unread: Letter | None) -> bool:
         """Whether it has run over by now, and had not before.
 

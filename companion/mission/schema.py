@@ -189,7 +189,8 @@ class MissionFile(DrawnModel):
         list[Name],
         Field(
             description="Lines of the task such as G (alarm -> F[<=90s] at(X)) that shall hold "
-            "whenever the event may come: plans stay so near that X is reached in time."
+            "whenever the event may come: plans stay so near that X is reached in time, "
+            "and keep the charge for it."
         ),
     ] = []
     goal: Annotated[

@@ -65,9 +65,12 @@ class Charge:
 
     Attributes:
         percent: None for as much as the plan says.
+        called_percent: with so much it ends as soon as the event of a line that is ready comes;
+            None where no event ends it.
     """
 
     percent: float | None
+    called_percent: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

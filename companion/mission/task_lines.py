@@ -82,7 +82,6 @@ def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) 
             raise MissionError(f"{name} is twice in ready", where, "remove one of the two")
         for is_wrong, what, hint in (
             (file.task[name].priority is not None, "may be dropped", "leave its priority out"),
-            (file.battery is not None, "stands beside a battery", "leave ready: out, or battery:"),
             (bool(file.tree), "stands beside a tree by hand", "leave ready: out, or tree:"),
         ):
             if is_wrong:

@@ -77,6 +77,12 @@ class BoundClocks:
         self._clocks |= over
         return [self._conjuncts[i] for i in over]
 
+    def are_called(self, lines: Collection[str]) -> bool:
+        """Whether an event asks for the goal of one of some lines, and no position has read it."""
+        return any(
+            clock.is_called for i, clock in self._clocks.items() if self._conjuncts[i].name in lines
+        )
+
     @property
     def late(self) -> tuple[Conjunct, ...]:
         """The conjuncts whose clock has run over."""

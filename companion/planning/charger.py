@@ -25,6 +25,9 @@ class Charger:
         take_off: what taking off takes.
         overhead_ms: of landing and taking off.
         times_ms: (full + 1,) time from empty to each level; convex.
+        called: the level on the ground with which the event of a line that is ready ends a charge;
+            None where no line is ready.
+        bare: the same without what lines that are ready keep there; None if no line is.
     """
 
     floor: int
@@ -32,6 +35,8 @@ class Charger:
     take_off: int
     overhead_ms: int
     times_ms: NDArray[np.int64]
+    called: int | None = None
+    bare: Charger | None = None
 
     @cached_property
     def figures(self) -> tuple[object, ...]:
@@ -43,6 +48,11 @@ class Charger:
     def highest(self) -> int:
         """The highest level after taking off."""
         return len(self.times_ms) - 1 - self.take_off
+
+    @property
+    def is_of_use(self) -> bool:
+        """Whether it charges more than what has to be there on the ground anyway."""
+        return self.floor - self.landing < len(self.times_ms) - 1
 
     def service_ms(self, arrival: int, departure: int) -> int:
         """Landing, charging and taking off.

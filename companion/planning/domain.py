@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
-from companion.mission.facts import ANYWHERE, HERE, Atom, Fact, at, spelled
+from companion.mission.facts import ANYWHERE, AT, HERE, Atom, Fact, at, spelled
 from companion.mission.model import Fly, PointOfInterest, Primitive, Wait
 from companion.mission.signals import Condition
 from companion.planning.charger import Charger
@@ -186,6 +186,16 @@ def is_named(action: Action, name: str) -> bool:
         written in (ANYWHERE, bound)
         for written, bound in zip(atom.arguments, action.arguments, strict=True)
     )
+
+
+def ends_of(action: Action) -> tuple[str | None, str | None]:
+    """The places where an action begins and ends; None for anywhere.
+
+    >>> ends_of(reach("North"))
+    (None, 'North')
+    """
+    begin = next((f.arguments[0] for f in action.requires if f.predicate == AT), None)
+    return begin, next((f.arguments[0] for f in action.adds if f.predicate == AT), begin)
 
 
 def destination(steps: tuple[Step, ...]) -> str | None:

@@ -11,8 +11,9 @@ from companion.planning.lasso import Energy, Lasso, Problem
 def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
     """What is wrong with the energy of a plan, in words; None if it lasts for ever.
 
-    Before each action there is what it takes to land at a safe place, above the reserve; some lap
-    ends with no less than it began with; and where the plan rests, the vehicle lands.
+    Before each action there is what it takes to land at a safe place, above the reserve, and what
+    lines that are ready keep; some lap ends with no less than it began with; and where the plan
+    rests, the vehicle lands.
 
     Args:
         problem: that the plan solves, with energy.
@@ -22,7 +23,7 @@ def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
     assert energy is not None
     level, facts = energy.level, problem.facts
     for action in lasso.prefix:
-        if wrong := _missing(energy, level, facts, action):
+        if wrong := _missing(energy, level, facts, action, in_loop=False):
             return wrong
         level, facts = level_after(energy, level, action), action.apply(facts)
     if lasso.ends_at_rest:
@@ -33,7 +34,7 @@ def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
     while level < begun:  # what there was at first is used up, until each lap is like the last
         begun = level
         for action in lasso.loop:
-            if wrong := _missing(energy, level, facts, action):
+            if wrong := _missing(energy, level, facts, action, in_loop=True):
                 return wrong
             level, facts = level_after(energy, level, action), action.apply(facts)
     return None
@@ -61,7 +62,8 @@ def required_levels(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> tup
         for action in lasso.loop[::-1]:  # what the next lap asks for at its beginning
             after = _before(energy, action, after, 0)
     for action, place in zip(actions[:kept][::-1], places[:kept][::-1], strict=True):
-        after = _before(energy, action, after, energy.floors.get(place, 0))
+        in_loop = len(levels) < len(lasso.loop)
+        after = _before(energy, action, after, energy.floor(place, in_loop) or 0)
         levels.append(after)
     rest = len(lasso.loop) if lasso.ends_at_rest else 0
     return (*levels[rest:][::-1], *levels[:rest])
@@ -73,14 +75,18 @@ def _before(energy: Energy, action: Action, after: int, floor: int) -> int:
     return max(floor, after + (energy.rest if action is WAIT else action.drain))
 
 
-def _missing(energy: Energy, level: int, facts: frozenset[Fact], action: Action) -> str | None:
+def _missing(
+    energy: Energy, level: int, facts: frozenset[Fact], action: Action, in_loop: bool
+) -> str | None:
     """What is missing before an action; None if nothing is."""
     place = place_of(facts)
-    floor = energy.floors.get(place)
-    if floor is None:
+    floor, needed = energy.floors.get(place), energy.floor(place, in_loop)
+    if floor is None or needed is None:
         return f"from {place or 'nowhere'} no safe place can be reached"
     if level < floor:
         return f"at {place} {_wh(floor - level)} are missing to land at a safe place"
+    if level < needed:
+        return f"at {place} {_wh(needed - level)} are missing to be ready"
     if action.charger is None:
         return None
     if action.charge_to is None or action.charge_to > action.charger.highest:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from companion.flight_events.plans import PlannedAction, PlannedLasso
@@ -63,7 +63,10 @@ class Energy:
         floors: by place, `here` among them: the reserve, and what it takes to land at a safe one.
         rests: by place, what has to be there where a plan comes to rest, which is to land.
         rest: what a step of rest takes in the air.
-        percent: by level, the charge of the battery.
+        percents: by level, the charge of the battery.
+        ready: by place, what has to be left there so that lines are ready; empty without any.
+        is_short: the way into a loop keeps the floors alone, for want of what lines that are ready
+            keep: it was used up, by an answer or by the wind.
     """
 
     level: int
@@ -71,6 +74,20 @@ class Energy:
     rests: Mapping[str, int]
     rest: int
     percents: Sequence[float]
+    ready: Mapping[str, int] = field(default_factory=dict)
+    is_short: bool = False
+
+    def floor(self, place: str, in_loop: bool = True) -> int | None:
+        """What has to be left at a place; None where no safe one can be reached.
+
+        Args:
+            place: where the vehicle is.
+            in_loop: in a loop, not on the way into it.
+        """
+        floor = self.floors.get(place)
+        if floor is None or (self.is_short and not in_loop):
+            return floor
+        return max(floor, self.ready.get(place, 0))
 
 
 @dataclass(frozen=True)

@@ -197,11 +197,12 @@ class Planner(Solver):
             actions = (*actions, *extra)
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
-        actions = self._readiness.allowed(actions, withdrawn)
-        problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
-        problem = replace(problem, clocks_ms=clocks_ms)
+        actions, energy = self._readiness.allowed(actions, withdrawn), None
         if self.energy is not None:
-            problem = replace(problem, energy=self.energy.now(is_en_route))
+            now = self.energy.now(is_en_route)
+            actions, energy = self._readiness.on_battery(actions, now, withdrawn)
+        problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
+        problem = replace(problem, clocks_ms=clocks_ms, energy=energy)
         return self._unread_rises.with_unread(problem, unread) if unread else problem
 
     def plan(

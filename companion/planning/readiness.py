@@ -7,6 +7,10 @@ every action on the shortest way keeps it by itself.
 
 Where the vehicle was driven to a place from which no action is allowed, those that lead to where
 the rule can be kept again are.
+
+On a battery each place also keeps what it takes to fly to that place, and on to a dock
+(`energy/ready_levels.py`). A charge ends when the event comes, so that it takes no longer than to
+land and to take off.
 """
 
 from __future__ import annotations
@@ -14,14 +18,17 @@ from __future__ import annotations
 import heapq
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from companion.ltl.time_bounds import Response
 from companion.ltl.timed_formula import parts
-from companion.mission.facts import AT, HERE, Fact, at
+from companion.mission.facts import HERE, Fact, at
 from companion.mission.model import Mission
-from companion.planning.domain import WAIT, Action, duration_ms
+from companion.planning.charger import UNITS_PER_WH
+from companion.planning.domain import WAIT, Action, duration_ms, ends_of
+from companion.planning.energy.ready_levels import Flight, Pad, kept_at, ready_levels
+from companion.planning.lasso import Energy
 from companion.slices import spent
 
 _ACTION_US = 3
@@ -55,13 +62,15 @@ class Readiness:
     """Which actions are allowed.
 
     Args:
-        mission: whose lines shall hold.
+        lines: that shall hold.
     """
 
-    def __init__(self, mission: Mission) -> None:
-        self.lines = ready_lines(mission)
+    def __init__(self, lines: Sequence[ReadyLine]) -> None:
+        self.lines = lines
         self._last: tuple[tuple[Action, ...], frozenset[Fact]] = ((), frozenset())
         self._kept: tuple[Action, ...] = ()
+        self._asked: tuple[tuple[Action, ...], frozenset[Fact], Mapping[str, int]] | None = None
+        self._on_battery: tuple[tuple[Action, ...], Mapping[str, int]] = ((), {})
 
     def allowed(
         self, actions: tuple[Action, ...], withdrawn: frozenset[Fact] = frozenset()
@@ -80,21 +89,68 @@ class Readiness:
                 self._kept = tuple(_allowed(line, self._kept, ways_ms))
         return self._kept if self.lines else actions
 
+    def on_battery(
+        self, actions: tuple[Action, ...], energy: Energy, withdrawn: frozenset[Fact] = frozenset()
+    ) -> tuple[tuple[Action, ...], Energy]:
+        """Actions and energy with what has to be left at places and docks.
+
+        Args:
+            actions: that are allowed.
+            energy: of a problem.
+            withdrawn: beliefs that were disproved: ways and docks that need them are none.
+        """
+        if not self.lines:
+            return actions, energy
+        asked = actions, withdrawn, energy.floors
+        if self._asked != asked:
+            self._asked, self._on_battery = asked, self._kept_on_battery(*asked[:2], energy)
+        kept, levels = self._on_battery
+        return kept, replace(energy, ready=levels)
+
+    def _kept_on_battery(
+        self, actions: tuple[Action, ...], withdrawn: frozenset[Fact], energy: Energy
+    ) -> tuple[tuple[Action, ...], Mapping[str, int]]:
+        spent(_ACTION_US * len(actions))
+        pads = dict(_pads(actions))
+        known = [a for a in actions if ends_of(a)[0] != HERE]  # no place to wait for an event
+        flights = list(_flights(known))
+        believed = list(_flights(a for a in known if not a.assumes & withdrawn))
+        open_ = [pad for n, pad in pads.items() if not actions[n].assumes & withdrawn]
+        answers = [line.place for line in self.lines]
+        levels = ready_levels(answers, believed, open_, energy)
+        kept = list(actions)
+        for number, pad in pads.items():
+            kept[number] = replace(kept[number], charger=kept_at(pad, flights, levels))
+        return tuple(kept), levels
+
+    def most_kept(self, energy: Energy) -> str:
+        """What lines that are ready keep of a battery where it is most, in words."""
+        more = {place: level - energy.floors[place] for place, level in energy.ready.items()}
+        place = max(more, key=lambda each: more[each])
+        names = dict.fromkeys(line.name for line in self.lines)
+        answers = dict.fromkeys(line.place for line in self.lines)
+        return (
+            f"without ready: there would be a plan; for {', '.join(names)} {place} keeps "
+            f"{more[place] / UNITS_PER_WH:.2f} Wh more than it takes to land at a safe place: for "
+            f"the way to {' or '.join(answers)}, and on to a dock"
+        )
+
     @property
     def too_far(self) -> tuple[str, ...]:
-        """The places that no action may lead to, in words, among those that were asked for last."""
+        """The places and docks that no action may lead to, in words, of those asked for last."""
         actions, _ = self._last
         found = []
         for line in self.lines:
             ways_ms = _ways_ms(actions, frozenset(), line.place)
-            nearest: dict[str, tuple[int, Action]] = {}
+            nearest: dict[tuple[str, bool], tuple[int, Action]] = {}
             for action in actions:
-                origin, end = _ends(action)
-                if end is not None and origin not in (end, HERE):
-                    way_ms = duration_ms(action) + ways_ms.get(end, math.inf)
-                    if math.isfinite(way_ms) and way_ms < nearest.get(end, (math.inf, action))[0]:
-                        nearest[end] = int(way_ms), action
-            for place, (way_ms, action) in nearest.items():
+                origin, end = ends_of(action)
+                charges = action.charger is not None
+                if end is not None and (origin != end or charges) and origin != HERE:
+                    way_ms, key = duration_ms(action) + ways_ms.get(end, math.inf), (end, charges)
+                    if math.isfinite(way_ms) and way_ms < nearest.get(key, (math.inf, action))[0]:
+                        nearest[key] = int(way_ms), action
+            for (place, _), (way_ms, action) in nearest.items():
                 if way_ms > line.bound.planned_ms:
                     found.append(
                         f"{place} is too far for {line.name} to be ready: {action.name} and the "
@@ -108,10 +164,10 @@ def _allowed(
     line: ReadyLine, actions: Sequence[Action], ways_ms: Mapping[str, int]
 ) -> Iterator[Action]:
     limit_ms = line.bound.planned_ms
-    departures = [action for action in actions if _ends(action)[0] == HERE]
+    departures = [action for action in actions if ends_of(action)[0] == HERE]
     can_depart = any(_is_in_time(action, ways_ms, limit_ms) for action in departures)
     for action in actions:
-        origin, end = _ends(action)
+        origin, end = ends_of(action)
         if action is WAIT:
             yield action
         elif end is None:  # done anywhere: not where the way is too long
@@ -124,22 +180,30 @@ def _allowed(
 
 
 def _is_in_time(action: Action, ways_ms: Mapping[str, int], limit_ms: int) -> bool:
-    return duration_ms(action) + ways_ms.get(_ends(action)[1] or "", math.inf) <= limit_ms
+    return duration_ms(action) + ways_ms.get(ends_of(action)[1] or "", math.inf) <= limit_ms
 
 
-def _ends(action: Action) -> tuple[str | None, str | None]:
-    """Where an action begins and ends; None for anywhere."""
-    begin = next((f.arguments[0] for f in action.requires if f.predicate == AT), None)
-    return begin, next((f.arguments[0] for f in action.adds if f.predicate == AT), begin)
+def _flights(actions: Iterable[Action]) -> Iterator[Flight]:
+    """The actions that lead from one place to another, but for those that charge."""
+    for action in actions:
+        origin, end = ends_of(action)
+        if origin and end and origin != end and action.charger is None:
+            yield Flight(origin, end, duration_ms(action), action.drain)
+
+
+def _pads(actions: Sequence[Action]) -> Iterator[tuple[int, Pad]]:
+    """The charges among some actions, by their numbers."""
+    for number, action in enumerate(actions):
+        origin, dock = ends_of(action)
+        if action.charger is not None and origin and dock:
+            yield number, Pad(origin, dock, action.charger)
 
 
 def _ways_ms(actions: Sequence[Action], withdrawn: frozenset[Fact], place: str) -> dict[str, int]:
     """From each place the least that actions take to another one; none where there is no way."""
     into: dict[str, list[tuple[str, int]]] = defaultdict(list)
-    for action in actions:
-        origin, end = _ends(action)
-        if origin and end and origin != end and not action.assumes & withdrawn:
-            into[end].append((origin, duration_ms(action)))
+    for origin, end, way_ms, _ in _flights(a for a in actions if not a.assumes & withdrawn):
+        into[end].append((origin, way_ms))
     found: dict[str, int] = {}
     pending = [(0, place)]
     while pending:

@@ -7,9 +7,9 @@ Every plan passes the independent check. Before a flight there is time for the b
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from companion.errors import CompanionError
+from companion.errors import CompanionError, SearchLimit
 from companion.mission.model import Mission
 from companion.planning import optional_lines
 from companion.planning.builtin.search import Search
@@ -18,16 +18,19 @@ from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.energy import search
 from companion.planning.energy.known_loops import KnownLoops
+from companion.planning.energy.ready_levels import is_cautious, without_ready
 from companion.planning.energy.shortage import shortages
 from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
-from companion.planning.readiness import Readiness
+from companion.planning.readiness import Readiness, ready_lines
 from companion.planning.time_check import time_fault
 from companion.planning.timed.known_laps import KnownLaps
 from companion.planning.timed.lateness import late_bounds
 from companion.planning.timed.search import TimedSearch
+
+NO_PROOF = "none was found, which is no proof; leave a line out of ready, or move its place"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +59,7 @@ class Solver:
         self._search = Search(actions)
         self._loops = KnownLoops()
         self._timed = TimedSearch(self._search, self._loops)
-        self._readiness = Readiness(mission)
+        self._readiness = Readiness(ready_lines(mission))
 
     @property
     def memory(self) -> SolverMemory:
@@ -108,13 +111,24 @@ class Solver:
     def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
         """The first lasso that is found: in flight an answer has to come at once.
 
-        None if there is none; `explain_soon` says why.
+        What lines that are ready keep of the battery may be used up, until a loop is reached. None
+        if there is no lasso; `explain_soon` says why.
 
         Raises:
             SearchLimit: the search was given up.
         """
-        first = next(self._checked(problem, histories, Objective.LAP, IN_FLIGHT), None)
-        return first.lasso if first else None
+        limit = None
+        for asked in _or_short(problem):
+            try:
+                first = next(self._checked(asked, histories, Objective.LAP, IN_FLIGHT), None)
+            except SearchLimit as reached:
+                limit = limit or reached
+                continue
+            if first is not None:
+                return first.lasso
+        if limit is not None:
+            raise limit
+        return None
 
     def explain_soon(self, problem: Problem) -> Explanation:
         """Why there is no plan, as far as searches in flight can tell."""
@@ -139,6 +153,17 @@ class Solver:
             yield solution
 
     def _found(self, problem: Problem, objective: Objective, effort: Effort) -> Iterator[Solution]:
+        found, is_proved = False, not is_cautious(problem)
+        for solution in self._searched(problem, objective, effort):
+            found = True
+            is_best = is_proved or solution.lasso.ends_at_rest
+            yield solution if is_best else replace(solution, bound_ms=0)
+        if not found and not is_proved:
+            raise SearchLimit("one level that docks keep for lines to be ready", NO_PROOF)
+
+    def _searched(
+        self, problem: Problem, objective: Objective, effort: Effort
+    ) -> Iterator[Solution]:
         if problem.energy is None and not problem.clocks_ms:
             return self._search.solutions(problem, objective, effort)
         if objective is not Objective.LAP:
@@ -196,18 +221,36 @@ class Solver:
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a plan; None if the search for one reaches its limit."""
         if problem.clocks_ms:
-            return self._timed.is_solvable(problem, effort)
-        if problem.energy is None:
-            return self._search.is_solvable(problem, effort)
-        return search.is_solvable(self._search, problem, effort, self._loops)
+            found = self._timed.is_solvable(problem, effort)
+        elif problem.energy is None:
+            found = self._search.is_solvable(problem, effort)
+        else:
+            found = search.is_solvable(self._search, problem, effort, self._loops)
+        return None if found is False and is_cautious(problem) else found
 
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
-        return self.is_solvable(problem, IN_FLIGHT)
+        answer: bool | None = False
+        for asked in _or_short(problem):
+            if found := self.is_solvable(asked, IN_FLIGHT):
+                return True
+            answer = None if found is None else answer
+        return answer
 
     def _shortages(self, problem: Problem) -> tuple[str, ...]:
-        return shortages(self._search, problem, BEFORE_FLIGHT)
+        short = shortages(self._search, problem, BEFORE_FLIGHT)
+        if problem.energy is None or not problem.energy.ready:
+            return short
+        is_why = self.is_solvable(without_ready(problem))
+        return (*short, self._readiness.most_kept(problem.energy)) if is_why else short
 
     def _late_bounds(self, problem: Problem) -> tuple[str, ...]:
         is_bounded = any(conjunct.bound for conjunct in problem.conjuncts)
         late = late_bounds(self._timed, problem, BEFORE_FLIGHT) if is_bounded else ()
         return *late, *self._readiness.too_far
+
+
+def _or_short(problem: Problem) -> tuple[Problem, ...]:
+    """A problem, and where lines are ready on a battery, one that keeps less until its loop."""
+    if problem.energy is None or not problem.energy.ready:
+        return (problem,)
+    return problem, replace(problem, energy=replace(problem.energy, is_short=True))

@@ -73,19 +73,16 @@ class TaskState:
         self.optional = frozenset(planner.mission.priorities)
         self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
         self._clocks = BoundClocks(planner.conjuncts)
-        self.now_s = self._left_s = 0.0
+        self.now_s = self._left_s = self._reached_s = 0.0
         self._is_read = False
         self._restarted: tuple[str, ...] = ()
-        self.facts: frozenset[Fact] = planner.mission.initially
-        self.risen: frozenset[Fact] = frozenset()
+        self.facts, self.risen = planner.mission.initially, frozenset[Fact]()
         self._beliefs = HeldBeliefs()
-        self.positions = self.laps = 0
-        self._reached_s, self.completed = 0.0, 0
+        self.positions = self.laps = self.completed = 0
         self.left: list[Position] = []
         self.running: Action | None = None
-        self.dropped: frozenset[str] = frozenset()
         self.may_take_up = False
-        self.barred: frozenset[str] = frozenset()
+        self.dropped = self.barred = frozenset[str]()
         self._interrupted: Action | None = None
         self._departed_from: frozenset[Fact] = frozenset()
 
@@ -332,6 +329,11 @@ class TaskState:
         """What is read next, as far as it is known: between places the vehicle is at none."""
         left = frozenset(f for f in self.facts if f.predicate == AT) if self._is_read else ()
         return self._letter(self.facts.difference(left))
+
+    @property
+    def is_called(self) -> bool:
+        """Whether the event of a line that is ready has come, and no position has read it."""
+        return self._clocks.are_called(self._planner.mission.ready)
 
     @property
     def last_position(self) -> int:

@@ -14,9 +14,14 @@ from companion.api.simulating import world_of
 from companion.flight_events.energy import EnergyUsed
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
-from companion.flight_events.skills import SkillCompleted
+from companion.flight_events.skills import PlaceReached, SkillCompleted
+from companion.flight_events.sortie import ChargeCutShort, VehicleLanded
 from companion.flight_events.word import ConjunctViolated
+from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
+
+ALARM_EVERY_S = 80
+"""Longer than it takes to charge again."""
 
 
 def fly(often_s: float, pads: list[dict[str, Any]] = PADS, **keys: Any) -> Lockstep:
@@ -75,3 +80,50 @@ def test_docks_too_slow_for_the_bound_end_the_task() -> None:
     least = lowest(flight, 400.0)
     assert violated(flight) == ["often"] and flight.exit_code in (3, 7), text(flight)
     assert least >= RESERVE and not flight.simulation.is_armed
+
+
+def ready(limit_s: float, current_a: float, **keys: Any) -> Lockstep:
+    """A patrol that answers an alarm at A, whenever it comes."""
+    task = {"patrol": "patrolling(A, B)", "answer": f"G (alarm -> F[<={limit_s}s] at(A))"}
+    data = two_docks(task=task, ready=["answer"], **keys)
+    data["events"] = {"alarm": {"when": "COMMAND.MAV_CMD_USER_1"}}
+    percent_per_s = 0.003 * current_a
+    data["skills"]["recharge"]["charge_rate"] = [[0, percent_per_s], [100, 0.1 * percent_per_s]]
+    mission = load_mission(data)
+    pads = [{**pad, "current_a": current_a} for pad in PADS]
+    world = world_of(mission, between_docks(charge=0.27, pads=pads))
+    return Lockstep(mission, world, seed=1, has_station=True)
+
+
+def alarm(flight: Lockstep) -> float:
+    """When it came."""
+    flight.station_commands(dialect.MAV_CMD_USER_1, component=191)
+    return flight.now_s
+
+
+def answered_s(flight: Lockstep, since_s: float) -> float:
+    """How long the answer took."""
+    flight.run(30.0)
+    reached = [s for s in flight.reports if isinstance(s.event, PlaceReached)]
+    return min(s.time_s for s in reached if s.event.place == "A" and s.time_s > since_s) - since_s
+
+
+@pytest.mark.long
+def test_an_alarm_ends_a_charge_and_is_answered_in_time() -> None:
+    flight = ready(26, current_a=4).until_reported(VehicleLanded)
+    flight.run(30.0)
+    assert answered_s(flight, alarm(flight)) < 20.0, text(flight)
+    assert len(flight.of(ChargeCutShort)) == 1
+    flight.until_reported(SkillCompleted, limit_s=400.0, action="move(A, B)")
+    assert not violated(flight) and not flight.of(NoPlanFound), text(flight)
+
+
+@pytest.mark.long
+def test_alarms_at_any_time_are_answered_in_time_with_the_reserve() -> None:
+    flight = ready(26, current_a=12)
+    flight.run(20.0)
+    for number in range(8):
+        assert answered_s(flight, alarm(flight)) < 26.0, text(flight)
+        assert lowest(flight, ALARM_EVERY_S - 30 + 7 * number % 20) >= RESERVE
+    assert flight.of(ChargeCutShort) and not violated(flight), text(flight)
+    assert not flight.of(NoPlanFound)

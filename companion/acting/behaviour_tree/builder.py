@@ -251,8 +251,8 @@ def _step(
             return LandOnMarker(flight, place)
         case TakeOff():
             return landing.TakeOffVehicle(flight, "take off")
-        case Charge(percent):
-            return landing.ChargeBattery(flight, 100.0 if percent is None else percent)
+        case Charge(percent, called):
+            return landing.ChargeBattery(flight, 100.0 if percent is None else percent, called)
         case Refinement():
             return _refinement(flight, step, limit_s, look_at)
 

@@ -18,6 +18,7 @@ from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     BatteryCharged,
     ChargeAwaited,
+    ChargeCutShort,
     ChargeSufficient,
     VehicleAirborne,
     VehicleLanded,
@@ -143,14 +144,15 @@ class ChargeBattery(Leaf):
     """Waits until the battery has so much.
 
     A dock is given up that gives no percent in two minutes, or twice in two minutes less than half
-    of what the mission says of it; where the vehicle cannot go to another one, it waits longer.
+    of what the mission says of it; where the vehicle cannot go to another one, it waits longer. The
+    event of a line that is ready ends it, once there is enough for the answer.
     """
 
     does = LeafType.CHARGE
 
-    def __init__(self, flight: Flight, percent: float) -> None:
+    def __init__(self, flight: Flight, percent: float, called_percent: int | None = None) -> None:
         super().__init__(flight, f"charge {percent:g} %")
-        self._percent = percent
+        self._percent, self._called_percent = percent, called_percent
 
     def initialise(self) -> None:
         """Starts to watch."""
@@ -167,6 +169,9 @@ class ChargeBattery(Leaf):
         if percent is not None and percent >= self._percent:
             flight.report(BatteryCharged(percent))
             return Status.SUCCESS
+        if percent is not None and self._is_called(percent):
+            flight.report(ChargeCutShort(percent))
+            return Status.SUCCESS
         if percent is not None and percent > self._most:
             self._most, self._since_s = percent, flight.now_s
         if flight.now_s - self._since_s > NO_CHARGE_S:
@@ -176,6 +181,11 @@ class ChargeBattery(Leaf):
         if self._slow_windows >= SLOW_WINDOWS and not flight.dock.patience_s:
             return self.fail(f"the battery charges too slowly, it is at {percent} %")
         return Status.RUNNING
+
+    def _is_called(self, percent: int) -> bool:
+        """Whether an event asks for an answer, for which there is enough."""
+        enough = self._called_percent
+        return enough is not None and percent >= enough and self._flight.task.is_called
 
     def _await_power(self, percent: int | None) -> Status:
         """A dock that gives nothing: FAILURE if another one is to be flown to, or in the end."""

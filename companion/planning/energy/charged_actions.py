@@ -27,15 +27,18 @@ def charged(action: Action, level: int, arrival: int | None, percents: Sequence[
     full = len(percents) - 1
     percent = min(100, math.ceil(percents[min(level + charger.take_off, full)]) + GAUGE_PERCENT)
     cost_ms = charger.service_ms(charger.floor if arrival is None else arrival, level)
-    steps = tuple(_charging(step, percent) for step in action.execute)
+    called = None
+    if charger.called is not None:
+        called = math.ceil(percents[min(charger.called, full)])
+    steps = tuple(_charging(step, Charge(percent, called)) for step in action.execute)
     enough = math.ceil(percents[min(level, full)]) + GAUGE_PERCENT
     stop = Refinement(f"charge to {percent} %", steps, 1, None, enough_percent=enough)
     return replace(action, execute=(stop,), cost_ms=cost_ms, charge_to=level)
 
 
-def _charging(step: Step, percent: int) -> Step:
+def _charging(step: Step, charge: Charge) -> Step:
     if isinstance(step, Charge) and step.percent is None:
-        return Charge(percent)
+        return charge
     if isinstance(step, Refinement):
-        return replace(step, steps=tuple(_charging(each, percent) for each in step.steps))
+        return replace(step, steps=tuple(_charging(each, charge) for each in step.steps))
     return step

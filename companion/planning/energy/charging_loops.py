@@ -61,7 +61,11 @@ def best_loops(graph: EnergyProduct, nodes: NDArray[np.intp]) -> Iterator[Chargi
         SearchLimit: it has too many marks.
     """
     inside = graph.inside(nodes)
-    docks = np.flatnonzero(inside & graph.is_charge).tolist()
+    docks = [
+        edge
+        for edge in np.flatnonzero(inside & graph.is_charge).tolist()
+        if graph.charger(edge).is_of_use
+    ]
     if not docks:
         return
     targets_of = essential_targets(graph.product, nodes)

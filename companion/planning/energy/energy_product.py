@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,8 +17,8 @@ from companion.planning.lasso import Energy, Problem
 from companion.slices import spent
 
 _EDGE_US, _NODE_US = 2.0, 2.0
-_NEVER = 1 << 60
-"""The floor where no safe place can be reached."""
+NEVER = 1 << 60
+"""A level that is never there: the floor where no safe place can be reached."""
 
 
 class EnergyProduct:
@@ -31,7 +33,7 @@ class EnergyProduct:
         chargers: by edge; None where it does not charge.
         is_charge: (edges,) whether it does.
         places: by node, where the vehicle is.
-        floors: by node, what must be left there.
+        floors: by node, what must be left there in a loop.
         graph: the same, as the search for a way into a loop sees it.
 
     Args:
@@ -54,14 +56,17 @@ class EnergyProduct:
         drains = [rest if action is WAIT else action.drain for action in self.actions]
         self.drains = np.array(drains, np.int64)
         self.places = self._place_of_each()
-        self.floors = [problem.energy.floors.get(place, _NEVER) for place in self.places]
+        self.floors = [self._floor(place, in_loop=True) for place in self.places]
         self._leg_edges: list[list[int]] = [[] for _ in range(product.nodes)]
         self._charge_edges: list[list[int]] = [[] for _ in range(product.nodes)]
         self.graph = self._graph()
 
-    def action(self, edge: int) -> Action:
-        """The action of an edge."""
-        return self.actions[edge]
+    def action(self, edge: int, in_loop: bool = True) -> Action:
+        """The action of an edge, in a loop or on the way into it."""
+        action = self.actions[edge]
+        if action.charger is None or in_loop or not self.energy.is_short:
+            return action
+        return replace(action, charger=action.charger.bare or action.charger)
 
     def end(self, edge: int) -> int:
         """The node to which an edge leads."""
@@ -99,6 +104,10 @@ class EnergyProduct:
             is_thrifty,
         )
 
+    def _floor(self, place: str, in_loop: bool) -> int:
+        floor = self.energy.floor(place, in_loop)
+        return NEVER if floor is None else floor
+
     def _place_of_each(self) -> list[str]:
         bits = {place: self.product.bit(at(place)) for place in self.energy.floors}
         facts = (self.product.facts(node) for node in range(self.product.nodes))
@@ -118,9 +127,12 @@ class EnergyProduct:
         )
         for number, (start, end, cost_ms, drain, charger) in enumerate(each):
             if charger is not None:
+                if self.energy.is_short:
+                    charger = charger.bare or charger
                 charges[start].append(ChargeLeg(end, charger))
                 self._charge_edges[start].append(number)
             else:
                 legs[start].append(FlightLeg(end, cost_ms, drain))
                 self._leg_edges[start].append(number)
-        return EnergyGraph(legs, charges, self.floors)
+        floors = [self._floor(place, in_loop=False) for place in self.places]
+        return EnergyGraph(legs, charges, floors)

@@ -4,7 +4,7 @@ A loop either rests, which is to land, or charges (`charging_loops.py`); one tha
 is not searched again while it is the best one (`known_loops.py`). The way into it takes the charge
 that there is, and charges where it needs more (`approach.py`); in flight a loop is entered where no
 part of it waits for ever (`fair_approach.py`). Each position keeps its floor: the reserve, and what
-it takes to land at a safe place.
+it takes to land at a safe place; and what lines keep that are ready (`ready_levels.py`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from companion.planning.effort import Effort
 from companion.planning.energy.approach import ApproachGoal, LoopApproach, approach, quickest_ways
 from companion.planning.energy.charged_actions import charged
 from companion.planning.energy.charging_loops import ChargingLoop, best_loops
-from companion.planning.energy.energy_product import EnergyProduct
+from companion.planning.energy.energy_product import NEVER, EnergyProduct
 from companion.planning.energy.fair_approach import FairEntry, fairest
 from companion.planning.energy.known_loops import KnownLoops
 from companion.planning.lasso import Lasso, Problem, Solution
@@ -159,8 +159,8 @@ class EnergySearch:
         """Where a loop is entered; None if it is not reached."""
         graph = self._graph
         goals = [
-            ApproachGoal(graph.start(edge), needed)
-            for edge, needed in zip(loop.edges, loop.required, strict=True)
+            ApproachGoal(graph.start(edge), needed if self._may_enter(level) else NEVER)
+            for edge, needed, level in zip(loop.edges, loop.required, loop.levels, strict=True)
         ]
         ways = quickest_ways(graph.graph, graph.product.initial, graph.energy.level, goals)
         lap = tuple(map(self._action, loop.edges, loop.levels))
@@ -170,6 +170,13 @@ class EnergySearch:
             [graph.end(edge) for edge in loop.edges],
             ((place, way, [action.cost_ms for action in self._prefix(way)]) for place, way in ways),
         )
+
+    def _may_enter(self, level: int | None) -> bool:
+        """Whether a loop may be entered before an edge that charges to a level, if it does.
+
+        A way into it that keeps less would charge at the same dock just before.
+        """
+        return level is None or not self._graph.energy.is_short
 
     def _approach(self, required: dict[int, int]) -> LoopApproach | None:
         level, starts = self._graph.energy.level, self._graph.product.initial
@@ -193,7 +200,7 @@ class EnergySearch:
 
     def _action(self, edge: int, departure: int | None, arrival: int | None = None) -> Action:
         """The action of an edge, which charges to a level from that on arrival, or the floor."""
-        action = self._graph.action(edge)
+        action = self._graph.action(edge, in_loop=arrival is None)
         if departure is None:
             return action
         return charged(action, departure, arrival, self._graph.energy.percents)

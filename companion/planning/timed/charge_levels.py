@@ -32,10 +32,11 @@ class ChargeLevels:
     Args:
         energy: of the problem.
         product: of it.
+        in_loop: in loops, not on the way into one.
     """
 
-    def __init__(self, energy: Energy, product: Product) -> None:
-        self._energy, self._product = energy, product
+    def __init__(self, energy: Energy, product: Product, in_loop: bool = True) -> None:
+        self._energy, self._product, self._in_loop = energy, product, in_loop
         self.full = len(energy.percents) - 1
         self.missing = self.full - energy.level
         self._bits = {place: product.bit(at(place)) for place in energy.floors}
@@ -57,7 +58,7 @@ class ChargeLevels:
         found = self._most.get(state)
         if found is None:
             place = self.place(state)
-            floor = self._energy.floors.get(place)
+            floor = self._energy.floor(place, self._in_loop)
             found = self._most[state] = _NEVER if floor is None else self.full - floor
         return found
 
@@ -94,9 +95,15 @@ class ChargeLevels:
         if charger is None:
             yield step._replace(drain=self._energy.rest if action is WAIT else action.drain)
             return
+        charger = self._charger(charger)
         for needs, leaves in _choices(charger):
             took_ms = charger.service_ms(needs, leaves)
             yield step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
+
+    def _charger(self, charger: Charger) -> Charger:
+        """A dock with what it keeps here."""
+        is_bare = self._energy.is_short and not self._in_loop
+        return charger.bare or charger if is_bare else charger
 
     def from_least(self, step: TimedStep, action: Action) -> TimedStep:
         """A step, which may begin with the least that its dock asks for if it charges."""
@@ -130,6 +137,35 @@ class ChargeLevels:
             needs = max(level, charger.floor)
             found[place] = charging(step, charger, needs, leaves[place])
             level = leaves[place]
+        return found
+
+    def trimmed_way(
+        self, steps: Sequence[TimedStep], latest: int, actions: Sequence[Action]
+    ) -> list[TimedStep]:
+        """A way into a lap that charges no further than it has to.
+
+        Args:
+            steps: of the way.
+            latest: what may be missing at most where it ends.
+            actions: of the problem.
+        """
+        leaves: dict[int, int] = {}
+        for place, step in reversed([*enumerate(steps)]):
+            if (charger := actions[step.action].charger) is not None and step.charge is not None:
+                leaves[place] = self.full - min(latest, self.most_missing(step.end))
+                step = step._replace(charge=(self._charger(charger).floor, leaves[place]))
+            latest = self.most_before(latest, step)
+        level, found = self.full - self.missing, list(steps)
+        for place, step in enumerate(steps):
+            if place not in leaves:
+                level -= step.drain
+                continue
+            charger = actions[step.action].charger
+            assert charger is not None
+            needs = max(level, self._charger(charger).floor)
+            least = needs - charger.landing - charger.take_off
+            level = max(least, leaves[place])
+            found[place] = charging(step, charger, needs, level)
         return found
 
 

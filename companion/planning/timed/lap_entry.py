@@ -109,6 +109,14 @@ class WaysIn:
                     best, age_ms = way, own_ms
         return best
 
+    def trimmed(self, entry: LapEntry) -> list[TimedStep]:
+        """The way into a lap, on which nothing is charged further than it has to be."""
+        charges = self._graph.charges
+        if charges is None:
+            return entry.prefix
+        latest = entry.lap.latest[entry.place][-1]
+        return charges.trimmed_way(entry.prefix, latest, self._graph.all_actions)
+
     def _worst_age_ms(self, way: LapEntry) -> int:
         """The age of a mark when a plan meets it first, of the one where that is the longest."""
         product = self._graph.product

@@ -12,6 +12,7 @@ until one can be entered with the clocks as they are (`lap_entry.py`). What is l
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import reduce
 from itertools import pairwise
 from operator import or_
@@ -51,6 +52,7 @@ class TimedLassos:
         parts: the strong components with a loop that meets every mark.
         effort: limits of the search.
         known: laps that were found before, and keeps those that are found now.
+        into: the product for ways into loops.
     """
 
     def __init__(
@@ -60,13 +62,14 @@ class TimedLassos:
         parts: Sequence[TimedComponent],
         effort: Effort,
         known: KnownLaps,
+        into: TimedProduct,
     ) -> None:
         self._problem, self._graph, self._effort = problem, graph, effort
         self._parts = [part for part in parts if not part.is_never_met()]
         self._known = known
         self._tours: dict[int, Loops] = {}
         self._budget = LabelBudget(effort.time_labels)
-        self._ways = WaysIn(graph, bool(problem.unread), LabelBudget(effort.time_labels))
+        self._ways = WaysIn(into, bool(problem.unread), LabelBudget(effort.time_labels))
 
     def solutions(self) -> Iterator[Solution]:
         """Each better than the one before.
@@ -240,7 +243,7 @@ class TimedLassos:
     def _solution(self, found: LapEntry, bound_ms: int) -> Solution:
         if not found.lap.is_rest:
             self._known.keep(self._problem, found.lap)
-        prefix = list(map(self._action, found.prefix))
+        prefix = [self._action(step, in_loop=False) for step in self._ways.trimmed(found)]
         loop = tuple(map(self._action, found.round))
         if loop == (WAIT,):
             while prefix and prefix[-1] is WAIT:  # a step of rest less is the same word
@@ -249,9 +252,11 @@ class TimedLassos:
         lasso = Lasso(tuple(prefix), loop)
         return Solution(lasso, Objective.LAP, found.lap.cost_ms, bound_ms, ENGINE)
 
-    def _action(self, step: TimedStep) -> Action:
+    def _action(self, step: TimedStep, in_loop: bool = True) -> Action:
         action, energy = self._problem.actions[step.action], self._problem.energy
-        if step.charge is None or energy is None:
+        if step.charge is None or energy is None or action.charger is None:
             return action
+        if energy.is_short and not in_loop:
+            action = replace(action, charger=action.charger.bare or action.charger)
         needs, leaves = step.charge
         return charged(action, leaves, needs, energy.percents)

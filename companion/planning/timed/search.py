@@ -114,8 +114,11 @@ class TimedSearch:
                 yield from self._without_bounds(problem, effort)
                 return
             parts = [TimedComponent(graph, nodes) for nodes in components]
+            into = graph
+            if problem.energy is not None and problem.energy.is_short:
+                into = TimedProduct(problem, product, is_late, in_loop=False)
             try:
-                lassos = TimedLassos(problem, graph, parts, effort, self.known)
+                lassos = TimedLassos(problem, graph, parts, effort, self.known, into)
                 for solution in lassos.solutions():
                     has_found = True
                     yield solution

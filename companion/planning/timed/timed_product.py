@@ -26,7 +26,7 @@ from companion.ltl.time_bounds import Response, Revisit, TimeBound
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.shortest_paths import cheapest_edges, whole
-from companion.planning.domain import duration_ms
+from companion.planning.domain import Action, duration_ms
 from companion.planning.effort import DIJKSTRA_STEP_US
 from companion.planning.lasso import Problem
 from companion.planning.timed.bound_readings import BoundReading, Letters, reading_of
@@ -57,9 +57,12 @@ class TimedProduct:
         problem: with bounds.
         product: of it.
         is_late: whether a clock that runs now may use up what plans keep in hand.
+        in_loop: for loops, not for the way into one.
     """
 
-    def __init__(self, problem: Problem, product: Product, is_late: bool = False) -> None:
+    def __init__(
+        self, problem: Problem, product: Product, is_late: bool = False, in_loop: bool = True
+    ) -> None:
         spent(_NODE_US * product.nodes + _EDGE_US * len(product.ends))
         self.product = product
         self._problem = problem
@@ -91,8 +94,9 @@ class TimedProduct:
         self.least = tuple(0 if isinstance(b, Revisit) else STANDS for b in self.bounds)
         self._goals = [np.flatnonzero(own == BoundReading.GOAL) for own in kinds]
         latest = [self._latest(i) for i in range(len(self.bounds))]
-        self.charges = None if problem.energy is None else ChargeLevels(problem.energy, product)
-        if self.charges is not None:
+        self.charges = None
+        if problem.energy is not None:
+            self.charges = ChargeLevels(problem.energy, product, in_loop)
             self.start = (*self.start, self.charges.missing)
             self.limits_ms = (*self.limits_ms, self.charges.full)
             self.least = (*self.least, 0)
@@ -135,6 +139,11 @@ class TimedProduct:
                 return None
             shown.append(missing)
         return tuple(shown)
+
+    @property
+    def all_actions(self) -> Sequence[Action]:
+        """Those of the problem."""
+        return self._problem.actions
 
     def can_begin(self, state: int) -> bool:
         """Whether no clock is late, or bound to be, where a plan begins."""

@@ -101,6 +101,7 @@ from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
     ChargeAwaited,
+    ChargeCutShort,
     ChargeSufficient,
     ControlRegained,
     ControlTakenBack,
@@ -305,6 +306,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "the battery does not charge, it is at 22 %: the vehicle waits on the ground, "
         "for 900 s at most",
     ),
+    (ChargeCutShort(41), "charging ends at 41 %, for an event that is answered"),
     (
         ChargeSufficient(88, enough=85),
         "not landed to charge: the battery has 88 %, 85 % are enough",

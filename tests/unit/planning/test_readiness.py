@@ -127,7 +127,6 @@ BASE: dict[str, Any] = {
             },
             "ready[0]: answer may be dropped, so no plan keeps it ready",
         ),
-        ({"battery": {"reserve": 20}}, "ready[0]: answer stands beside a battery"),
         ({"tree": ["stay(H)"]}, "ready[0]: answer stands beside a tree by hand"),
     ],
 )

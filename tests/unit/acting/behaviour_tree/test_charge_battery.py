@@ -11,7 +11,7 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S, ChargeBattery
 from companion.acting.flight import Flight
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.sortie import ChargeAwaited
+from companion.flight_events.sortie import BatteryCharged, ChargeAwaited, ChargeCutShort
 
 RATE = 0.1
 """Percent a second that the mission says; 120 s are 12 %."""
@@ -28,8 +28,9 @@ class Charging:
             report=self.reports.append,
             vehicle=SimpleNamespace(state=SimpleNamespace(battery_percent=20)),
             dock=self,
+            task=SimpleNamespace(is_called=False),
         )
-        self.leaf = ChargeBattery(cast(Flight, self.flight), 60)
+        self.leaf = ChargeBattery(cast(Flight, self.flight), 60, 30)
         self.leaf.initialise()
 
     def charging_s(self, before: float, after: float) -> float:
@@ -77,3 +78,21 @@ def test_where_there_is_no_other_one_it_stays_for_as_long_as_it_waits() -> None:
     assert charging.give(500, 0.04) is Status.RUNNING and not charging.reports
     assert charging.give(NO_CHARGE_S + 240, 0.0) is Status.RUNNING
     assert charging.give(100, 0.0) is Status.FAILURE
+
+
+def test_an_event_that_is_answered_ends_a_charge_with_enough_for_it() -> None:
+    charging = Charging()
+    charging.flight.task.is_called = True
+    assert charging.give(95, RATE) is Status.RUNNING  # 29 %
+    assert charging.give(10, RATE) is Status.SUCCESS
+    assert charging.reports == [ChargeCutShort(30)]
+    assert Charging().give(400, RATE) is Status.SUCCESS
+
+
+def test_without_a_line_that_is_ready_no_event_ends_it() -> None:
+    charging = Charging()
+    charging.leaf = ChargeBattery(cast(Flight, charging.flight), 60)
+    charging.leaf.initialise()
+    charging.flight.task.is_called = True
+    assert charging.give(400, RATE) is Status.SUCCESS
+    assert charging.reports == [BatteryCharged(60)]

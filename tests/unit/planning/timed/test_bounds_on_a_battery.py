@@ -8,6 +8,7 @@ from random import Random
 import pytest
 from energy_problems import energy_problem
 from problems import histories
+from ready_problems import by_definition, planned_for, ready_problem
 from reference_energy import EnergyReference, flown
 from reference_time import TimeReference
 from timed_problems import with_bounds
@@ -73,6 +74,23 @@ def test_a_plan_keeps_both(seed: int) -> None:
         return
     assert best_ms is not None
     assert solution.bound_ms <= best_ms <= solution.cost_ms
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [*range(30), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(30, 130))],
+)
+def test_a_plan_keeps_both_and_the_charge_for_an_answer(seed: int) -> None:
+    asked, (_, line) = bounded(seed, share=1.2), ready_problem(seed)
+    meant, problem = by_definition(asked, line), planned_for(asked, line)
+    try:
+        solution = planned(problem)
+    except SearchLimit as reached:
+        assert "no proof" in str(reached)
+        return
+    if solution is not None:
+        flown(meant, solution.lasso, LAPS)
+        assert (EnergyReference(meant).best_ms() or 0) <= solution.cost_ms
 
 
 def test_many_plans_are_found() -> None:

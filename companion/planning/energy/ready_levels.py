@@ -1,0 +1,130 @@
+"""What has to be left at each place, so that lines can be ready on a battery.
+
+Wherever the event of a line comes, the step under way is finished, and then the vehicle flies the
+quickest way to the place that the line asks for, and from there to a dock that charges. So each
+place keeps what both ways take; a dock also what it takes to land there and to take off again,
+since a charge ends when the event comes.
+
+The search for laps looks at what is left at docks alone. So a dock keeps so much that each place
+before it has what it keeps. Where the quickest way is the thriftiest, too, that is what the dock
+keeps for itself.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from companion.planning.charger import Charger
+from companion.planning.lasso import Energy, Problem
+from companion.slices import spent
+
+_FLIGHT_US = 1.0
+
+
+class Flight(NamedTuple):
+    """A way from one place to another."""
+
+    origin: str
+    goal: str
+    time_ms: int
+    drain: int
+
+
+class Pad(NamedTuple):
+    """A charge: where it begins, which is above the dock if it does not fly there, and the dock."""
+
+    origin: str
+    dock: str
+    charger: Charger
+
+
+def ready_levels(
+    answers: Sequence[str], flights: Sequence[Flight], pads: Sequence[Pad], energy: Energy
+) -> dict[str, int]:
+    """By place, the level with which it can be flown to each of some places, and on to a dock.
+
+    Without a dock on its way the vehicle lands at a safe place after its answer.
+
+    Args:
+        answers: the places that lines ask for.
+        flights: that are believed in.
+        pads: likewise.
+        energy: has the floors.
+    """
+    docks = {pad.origin: pad.charger.floor for pad in pads}
+    onward = _levels(docks, flights, energy.floors, by_time=False)
+    found: dict[str, int] = {}
+    for answer in answers:
+        least = onward.get(answer, energy.floors.get(answer))
+        begin = {} if least is None else {answer: least}
+        for place, level in _levels(begin, flights, energy.floors, by_time=True).items():
+            found[place] = max(level, found.get(place, 0))
+    return found
+
+
+def kept_at(pad: Pad, flights: Sequence[Flight], levels: Mapping[str, int]) -> Charger:
+    """A dock that keeps what is needed for lines to be ready.
+
+    Args:
+        pad: the dock.
+        flights: all that a plan may have.
+        levels: by place, what it keeps.
+    """
+    called = pad.charger.take_off + levels.get(pad.dock, 0)
+    charger = replace(pad.charger, called=called)
+    drains = _levels({pad.origin: 0}, flights, {}, by_time=False)
+    before = (levels[place] - drain for place, drain in drains.items() if place in levels)
+    floor = max(charger.floor, charger.landing + called, *before)
+    return replace(charger, floor=floor, bare=charger)
+
+
+def is_cautious(problem: Problem) -> bool:
+    """Whether some dock keeps more than it needs, for the sake of places before it."""
+    return any(
+        charger.floor > max(charger.bare.floor, charger.landing + charger.called)
+        for charger in (action.charger for action in problem.actions)
+        if charger is not None and charger.bare is not None and charger.called is not None
+    )
+
+
+def without_ready(problem: Problem) -> Problem:
+    """A problem in which no line is ready, as far as the battery has to last for it."""
+    assert problem.energy is not None
+    actions = (
+        a if a.charger is None else replace(a, charger=a.charger.bare or a.charger)
+        for a in problem.actions
+    )
+    return replace(problem, actions=tuple(actions), energy=replace(problem.energy, ready={}))
+
+
+def _levels(
+    begin: Mapping[str, int], flights: Sequence[Flight], floors: Mapping[str, int], by_time: bool
+) -> dict[str, int]:
+    """By place, the level with which one of some others is reached with what is asked for there.
+
+    Args:
+        begin: by place, the level that is asked for.
+        flights: ways.
+        floors: by place, what there has to be on the way.
+        by_time: along the quickest ways, not the thriftiest.
+    """
+    spent(_FLIGHT_US * len(flights))
+    into: dict[str, list[Flight]] = defaultdict(list)
+    for flight in flights:
+        into[flight.goal].append(flight)
+    pending = [(0, level, place) for place, level in begin.items()]
+    heapq.heapify(pending)
+    found: dict[str, int] = {}
+    while pending:
+        time_ms, level, place = heapq.heappop(pending)
+        if place in found:
+            continue
+        found[place] = level
+        for origin, _, leg_ms, drain in into[place]:
+            before = max(level + drain, floors.get(origin, 0))
+            heapq.heappush(pending, (time_ms + leg_ms if by_time else 0, before, origin))
+    return found
