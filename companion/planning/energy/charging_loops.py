@@ -20,6 +20,7 @@ from companion.planning.builtin.loops import essential_targets
 from companion.planning.charger import Charger
 from companion.planning.energy.charging_laps import ChargingLap, ChargingLaps
 from companion.planning.energy.energy_product import EnergyProduct
+from companion.planning.energy.lap_bound import lap_bound_ms
 from companion.planning.energy.paths import Paths
 from companion.planning.energy.sorties import WayTables, joined
 from companion.planning.energy.split import Splits, improved
@@ -50,12 +51,15 @@ class ChargingLoop:
     bound_ms: int
 
 
-def best_loops(graph: EnergyProduct, nodes: NDArray[np.intp]) -> Iterator[ChargingLoop]:
+def best_loops(
+    graph: EnergyProduct, nodes: NDArray[np.intp], with_bound: bool = False
+) -> Iterator[ChargingLoop]:
     """For docks of a component that reach each other, the best loop.
 
     Args:
         graph: the product.
         nodes: of a strong component with a loop that meets every mark.
+        with_bound: whether it is asked how far from the shortest it may be.
 
     Raises:
         SearchLimit: it has too many marks.
@@ -84,7 +88,7 @@ def best_loops(graph: EnergyProduct, nodes: NDArray[np.intp]) -> Iterator[Chargi
     ways = WayTables(quickest.table(ins), thriftiest.table(ins), marks, stops)
     chargers = {i: graph.charger(dock) for i, dock in enumerate(docks, len(targets))}
     for group in joined(ways.thriftiest, chargers):
-        found = _best_round(ways, group, len(targets_of))
+        found = _best_round(ways, group, len(targets_of), with_bound)
         if found is None:
             continue
         edges: list[int] = []
@@ -113,13 +117,16 @@ def required_before(
     return tuple(found[::-1])
 
 
-def _best_round(ways: WayTables, chargers: dict[int, Charger], marks: int) -> ChargingLap | None:
+def _best_round(
+    ways: WayTables, chargers: dict[int, Charger], marks: int, with_bound: bool
+) -> ChargingLap | None:
     """The shortest lap, or a good one where there are many marks or docks.
 
     Args:
         ways: between all stops.
         chargers: by stop, of docks that reach each other.
         marks: how many there are.
+        with_bound: whether it is asked how far from the shortest it may be.
     """
     served = ways.served(chargers)
     own = ways.marks[served]
@@ -137,5 +144,6 @@ def _best_round(ways: WayTables, chargers: dict[int, Charger], marks: int) -> Ch
         order, cost_ms = improved(splits, [targets[place] for place in tours.cycle()])
         if cost_ms < UNREACHABLE_MS:
             sorties = [replace(each, is_thrifty=is_thrifty) for each in splits.sorties(order)]
-            return ChargingLap(tuple(sorties), cost_ms, 0)
+            bound_ms = lap_bound_ms(ways, chargers, marks, sorties) if with_bound else 0
+            return ChargingLap(tuple(sorties), cost_ms, bound_ms)
     return None

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,15 +49,16 @@ def energy_solutions(
         SearchLimit: the product has too many states.
     """
     product = search.product(problem, effort, min_goals=sys.maxsize)
-    yield from EnergySearch(EnergyProduct(problem, product), known).solutions(
-        accepting_components(product)
-    )
+    graph = EnergyProduct(problem, product)
+    energy_search = EnergySearch(graph, known, effort.bounds_laps)
+    yield from energy_search.solutions(accepting_components(product))
 
 
 def is_solvable(
     search: Search, problem: Problem, effort: Effort, known: KnownLoops | None = None
 ) -> bool | None:
     """Whether there is a lasso that the battery lasts for; None if a search reaches its limit."""
+    effort = replace(effort, bounds_laps=False)
     try:
         return next(energy_solutions(search, problem, effort, known), None) is not None
     except SearchLimit:
@@ -69,10 +71,13 @@ class EnergySearch:
     Args:
         graph: the product.
         known: loops that were found before.
+        with_bound: whether it is asked how far from the shortest a lap may be.
     """
 
-    def __init__(self, graph: EnergyProduct, known: KnownLoops | None = None) -> None:
-        self._graph = graph
+    def __init__(
+        self, graph: EnergyProduct, known: KnownLoops | None = None, with_bound: bool = False
+    ) -> None:
+        self._graph, self._with_bound = graph, with_bound
         self._known = KnownLoops() if known is None else known
 
     def solutions(self, components: Sequence[NDArray[np.intp]]) -> Iterator[Solution]:
@@ -99,7 +104,7 @@ class EnergySearch:
             yield solution
 
     def _searched(self, nodes: NDArray[np.intp]) -> list[ChargingLoop]:
-        loops = list(best_loops(self._graph, nodes))
+        loops = list(best_loops(self._graph, nodes, self._with_bound))
         self._known.keep(self._graph, nodes, loops)
         return loops
 

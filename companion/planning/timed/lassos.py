@@ -5,7 +5,8 @@ looked for through few states of which each lap passes one, the shortest first (
 until one can be entered with the clocks as they are (`lap_entry.py`). What is looked for first:
 
 - a lap that is known: in flight nothing else is looked for if it still does;
-- then the tour without bounds, with visits to what has bounds put in where they are due;
+- then the tour without bounds, with more visits to what has bounds, changed until it is in time
+  (`lap_improvement.py`), or with visits put in where they are due;
 - then all laps. What is found first bounds what is looked for.
 """
 
@@ -31,6 +32,7 @@ from companion.planning.timed.component import TimedComponent
 from companion.planning.timed.known_laps import KnownLaps
 from companion.planning.timed.label_budget import LabelBudget
 from companion.planning.timed.lap_entry import LapEntry, WaysIn
+from companion.planning.timed.lap_improvement import LapImprovement
 from companion.planning.timed.lap_search import LapSearch
 from companion.planning.timed.laps import TimedLap, lap_of, latest_clocks, rest_of
 from companion.planning.timed.timed_product import TimedProduct
@@ -39,6 +41,8 @@ from companion.planning.timed.timed_step import TimedStep
 ENGINE = "built-in, time bounds"
 SHARES = 4
 """A search in a given order has this part of the budget."""
+LABELS_A_CHANGE = 10
+"""To try a change takes as long as so many labels."""
 FEW_MARKS = 3
 """Of so few that are not bounded every order is tried anyway."""
 
@@ -91,6 +95,8 @@ class TimedLassos:
             if best is None or found.lap.cost_ms < best.lap.cost_ms:
                 best = found
                 yield self._solution(best, 0)
+        for part in self._parts:
+            self._tours_of(part).improve()
         bound_ms, limit = UNREACHABLE_MS, None
         untimed_ms = min((self._tours_of(p).bound_ms for p in self._parts), default=0)
         if best is not None and best.lap.cost_ms <= untimed_ms:
@@ -200,6 +206,9 @@ class TimedLassos:
     def _good_laps(self) -> Iterator[LapEntry]:
         """Laps that are likely to be good, with ways into them."""
         for part in self._parts:
+            if (improved := self._improved(part)) is not None:
+                yield improved
+                continue
             for search in self._ordered(part):
                 try:
                     found = self._first_entered(search, UNREACHABLE_MS)
@@ -207,6 +216,17 @@ class TimedLassos:
                     continue
                 if found is not None:
                     yield found
+
+    def _improved(self, part: TimedComponent) -> LapEntry | None:
+        """The best lap that changes of the tour without bounds lead to."""
+        if self._graph.charges is not None or part.all.bit_count() <= FEW_MARKS:
+            return None
+        improvement = LapImprovement(self._graph, part)
+        if not improvement.is_possible:
+            return None
+        begin = [edge.end for edge in self._tours_of(part).loop_from(improvement.stops[0])]
+        steps = improvement.best(begin, self._effort.time_labels // LABELS_A_CHANGE)
+        return None if steps is None or not self._is_accepted(steps) else self._entered(steps)
 
     def _known_entry(self) -> LapEntry | None:
         """The way into the shortest lap that is known and can be entered; None if none can be."""

@@ -19,6 +19,8 @@ from companion.planning.timed.search import TimedSearch
 
 NO_LIMIT_MS = 1_000_000_000
 MOST_STOPS = 8
+SHARES = 10
+"""Each of the searches, a dozen for a bound, has this part of the effort."""
 
 
 def late_bounds(search: TimedSearch, problem: Problem, effort: Effort) -> tuple[str, ...]:
@@ -29,6 +31,7 @@ def late_bounds(search: TimedSearch, problem: Problem, effort: Effort) -> tuple[
         problem: without a plan.
         effort: limits of each search.
     """
+    effort = replace(effort, time_labels=effort.time_labels // SHARES)
     bounded = [n for n, each in enumerate(problem.conjuncts) if each.bound is not None]
     return tuple(line for number in bounded for line in _relaxed(search, problem, number, effort))
 

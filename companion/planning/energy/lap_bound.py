@@ -1,0 +1,112 @@
+"""A cost that no lap on a battery goes below, where laps are not proved to be the shortest.
+
+A lap with some number of charges is a tour over its marks and so many docks. No such tour takes
+less time, or less energy, than a 1-tree says; so much energy is charged, and charging is the slower
+the fuller the battery is, so it takes least if each charge gives the same. One charge more makes a
+tour no shorter, and lands once more.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.planning.builtin.costs import UNREACHABLE_MS, Marks
+from companion.planning.builtin.one_tree import lower_bound_ms
+from companion.planning.charger import Charger
+from companion.planning.energy.charging_laps import ChargedSortie
+from companion.planning.energy.sorties import WayTables
+
+_LOOKS = 3
+"""So often it is asked how many charges it takes: with more of them a tour takes more."""
+_MORE_CHARGES = 2
+"""With so many more than it takes, to charge less each time, a lap has landed too often."""
+_ROUNDED_MS = 1
+"""By so much a time to charge may be rounded up."""
+
+
+def lap_bound_ms(
+    ways: WayTables, chargers: Mapping[int, Charger], marks: int, lap: Sequence[ChargedSortie]
+) -> int:
+    """A cost that no lap goes below.
+
+    Args:
+        ways: between all stops.
+        chargers: by stop.
+        marks: how many there are.
+        lap: that is known.
+    """
+    return _LapBound(ways, chargers, marks, lap).least_ms()
+
+
+class _LapBound:
+    """Bounds for each number of charges."""
+
+    def __init__(
+        self,
+        ways: WayTables,
+        chargers: Mapping[int, Charger],
+        marks: int,
+        lap: Sequence[ChargedSortie],
+    ) -> None:
+        stops = [s for s in range(len(ways.marks)) if s in chargers or s not in ways.docks]
+        kept = np.ix_(stops, stops)
+        self._times_ms, self._drains = ways.quickest.times_ms[kept], ways.thriftiest.drains[kept]
+        own = ways.marks[stops]
+        self._marks: Marks = np.array([own >> mark & 1 for mark in range(marks)], np.bool_).T
+        self._is_dock = np.array([stop in chargers for stop in stops])
+        all_ = list(chargers.values())
+        self._room = max(c.highest for c in all_) - min(c.floor for c in all_)
+        self._landed = min(c.landing + c.take_off for c in all_)
+        self._overhead_ms = min(c.overhead_ms for c in all_)
+        self._begun = min(c.floor - c.landing for c in all_)
+        self._charging_ms = np.min([c.times_ms - c.times_ms[self._begun] for c in all_], axis=0)
+        self._rise_ms = min(_rise_ms(c.times_ms, self._begun) for c in all_)
+        self._lap_ms = sum(sortie.cost_ms for sortie in lap)
+        ends = [*lap[1:], lap[0]]
+        self._used = sum(
+            a.departure - chargers[b.dock].floor for a, b in zip(lap, ends, strict=True)
+        )
+
+    def least_ms(self) -> int:
+        """What no lap goes below, with any number of charges."""
+        charges = 1
+        for _ in range(_LOOKS):
+            charges = max(charges, math.ceil(self._drained(charges) / self._room))
+        found = [self._with(charges + more) for more in range(_MORE_CHARGES)]
+        return min(self._lap_ms, *found, self._linear_ms(charges + _MORE_CHARGES))
+
+    def _with(self, charges: int) -> int:
+        """What a lap with so many charges costs at least."""
+        each = self._drained(charges) / charges + self._landed
+        level = min(self._begun + math.floor(each), len(self._charging_ms) - 1)
+        charge_ms = int(self._charging_ms[level]) - _ROUNDED_MS + self._overhead_ms
+        flown_ms = self._tour(self._times_ms, charges, self._lap_ms - charges * charge_ms)
+        return max(self._linear_ms(charges), flown_ms + charges * charge_ms)
+
+    def _linear_ms(self, charges: int) -> int:
+        """The same, if all of the charge came as quickly as it comes anywhere."""
+        costs = np.floor(self._times_ms + self._rise_ms * self._drains).astype(np.int64)
+        landed_ms = self._overhead_ms + math.floor(self._rise_ms * self._landed) - _ROUNDED_MS
+        landings_ms = charges * landed_ms
+        return self._tour(costs, charges, self._lap_ms - landings_ms) + landings_ms
+
+    def _drained(self, charges: int) -> int:
+        return self._tour(self._drains, charges, self._used)
+
+    def _tour(self, costs: NDArray[np.int64], docks: int, known: int) -> int:
+        """What a tour over all marks and some docks costs at least; about as much as one does."""
+        marks = np.hstack([self._marks, np.repeat(self._is_dock[:, None], docks, axis=1)])
+        between = np.where(self._times_ms < UNREACHABLE_MS, costs, UNREACHABLE_MS)
+        return lower_bound_ms(between, marks, max(1, known))
+
+
+def _rise_ms(times_ms: NDArray[np.int64], level: int) -> float:
+    """The least time for a unit from a level on, as times are rounded up."""
+    if not level:
+        return float(times_ms[1] - times_ms[0] - _ROUNDED_MS)
+    before = np.arange(level)
+    return float(((times_ms[level] - _ROUNDED_MS - times_ms[before]) / (level - before)).max())
