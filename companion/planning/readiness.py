@@ -27,7 +27,7 @@ from companion.mission.facts import HERE, Fact, at
 from companion.mission.model import Mission
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import WAIT, Action, duration_ms, ends_of
-from companion.planning.energy.ready_levels import Flight, Pad, kept_at, ready_levels
+from companion.planning.energy.ready_levels import FlightBetween, Pad, kept_at, ready_levels
 from companion.planning.lasso import Energy
 from companion.slices import spent
 
@@ -183,12 +183,12 @@ def _is_in_time(action: Action, ways_ms: Mapping[str, int], limit_ms: int) -> bo
     return duration_ms(action) + ways_ms.get(ends_of(action)[1] or "", math.inf) <= limit_ms
 
 
-def _flights(actions: Iterable[Action]) -> Iterator[Flight]:
+def _flights(actions: Iterable[Action]) -> Iterator[FlightBetween]:
     """The actions that lead from one place to another, but for those that charge."""
     for action in actions:
         origin, end = ends_of(action)
         if origin and end and origin != end and action.charger is None:
-            yield Flight(origin, end, duration_ms(action), action.drain)
+            yield FlightBetween(origin, end, duration_ms(action), action.drain)
 
 
 def _pads(actions: Sequence[Action]) -> Iterator[tuple[int, Pad]]:

@@ -25,7 +25,7 @@ from companion.slices import spent
 _FLIGHT_US = 1.0
 
 
-class Flight(NamedTuple):
+class FlightBetween(NamedTuple):
     """A way from one place to another."""
 
     origin: str
@@ -43,7 +43,7 @@ class Pad(NamedTuple):
 
 
 def ready_levels(
-    answers: Sequence[str], flights: Sequence[Flight], pads: Sequence[Pad], energy: Energy
+    answers: Sequence[str], flights: Sequence[FlightBetween], pads: Sequence[Pad], energy: Energy
 ) -> dict[str, int]:
     """By place, the level with which it can be flown to each of some places, and on to a dock.
 
@@ -66,7 +66,7 @@ def ready_levels(
     return found
 
 
-def kept_at(pad: Pad, flights: Sequence[Flight], levels: Mapping[str, int]) -> Charger:
+def kept_at(pad: Pad, flights: Sequence[FlightBetween], levels: Mapping[str, int]) -> Charger:
     """A dock that keeps what is needed for lines to be ready.
 
     Args:
@@ -102,7 +102,10 @@ def without_ready(problem: Problem) -> Problem:
 
 
 def _levels(
-    begin: Mapping[str, int], flights: Sequence[Flight], floors: Mapping[str, int], by_time: bool
+    begin: Mapping[str, int],
+    flights: Sequence[FlightBetween],
+    floors: Mapping[str, int],
+    by_time: bool,
 ) -> dict[str, int]:
     """By place, the level with which one of some others is reached with what is asked for there.
 
@@ -113,7 +116,7 @@ def _levels(
         by_time: along the quickest ways, not the thriftiest.
     """
     spent(_FLIGHT_US * len(flights))
-    into: dict[str, list[Flight]] = defaultdict(list)
+    into: dict[str, list[FlightBetween]] = defaultdict(list)
     for flight in flights:
         into[flight.goal].append(flight)
     pending = [(0, level, place) for place, level in begin.items()]

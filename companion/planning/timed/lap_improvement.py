@@ -14,8 +14,7 @@ Cordeau, Laporte and Mercier, A unified tabu search heuristic for vehicle routin
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from random import Random
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -35,11 +34,12 @@ MOST_NODES = 2000
 _MOST_MOVED = 3
 ROUNDS = 8
 """Each begins with the best lap of the one before, warm again."""
-_WARM, _WARM_IN_TIME, _COLD = 0.15, 0.05, 0.002
+_WARM, _WARM_IN_TIME, _COLD = 0.3, 0.05, 0.002
 """Shares of a lap by which a change may make it worse, at first and in the end."""
 _REVIEWED = 100
 """Changes after which it is asked whether lateness costs enough."""
 _DEARER, _LEAST_PRICE, _MOST_PRICE = 1.3, 0.1, 5.0
+_DRAWN = 1000
 _STOP_US, _CHANGE_US = 0.4, 4.0
 
 
@@ -118,7 +118,7 @@ class LapImprovement:
                 out.
             changes: that are tried.
         """
-        chance, number = Random(0), {node: i for i, node in enumerate(self.stops)}
+        chance, number = _shares(), {node: i for i, node in enumerate(self.stops)}
         stops = [number[node] for node in begin if node in number]
         met = {need for stop in stops for need in self._needs[stop]}
         for stop, needs in enumerate(self._needs):
@@ -133,7 +133,9 @@ class LapImprovement:
             best, price = self._cooled(best, price, changes // ROUNDS, chance)
         return None if best.late_ms else self._lap(best.stops)
 
-    def _cooled(self, best: _Lap, price: float, changes: int, chance: Random) -> tuple[_Lap, float]:
+    def _cooled(
+        self, best: _Lap, price: float, changes: int, chance: Iterator[float]
+    ) -> tuple[_Lap, float]:
         """The best lap of one round that begins with one, and what lateness costs then."""
         now, in_time = best, 0
         warm = _WARM if best.late_ms else _WARM_IN_TIME
@@ -143,7 +145,7 @@ class LapImprovement:
             if stops is not None:
                 lap = _Lap(stops, *self._flown(stops))
                 worse = lap.cost_ms - now.cost_ms + price * (lap.late_ms - now.late_ms)
-                if worse <= 0 or chance.random() < math.exp(-worse / heat):
+                if worse <= 0 or next(chance) < math.exp(-worse / heat):
                     now = lap
                     if (lap.late_ms, lap.cost_ms) < (best.late_ms, best.cost_ms):
                         best = lap
@@ -153,13 +155,13 @@ class LapImprovement:
                 price, in_time = min(_MOST_PRICE, max(_LEAST_PRICE, price * dearer)), 0
         return best, price
 
-    def _changed(self, stops: list[int], chance: Random) -> list[int] | None:
+    def _changed(self, stops: list[int], chance: Iterator[float]) -> list[int] | None:
         """A lap with one change; None where that is none."""
         size = len(stops)
-        kind = chance.randrange(8)
-        first = chance.randrange(size)
+        kind = int(8 * next(chance))
+        first = int(size * next(chance))
         if kind == 0 and self._bounded:  # one more visit
-            stop = chance.choice(self._bounded)
+            stop = self._bounded[int(len(self._bounded) * next(chance))]
             other = [*stops[:first], stop, *stops[first:]]
         elif kind == 1:  # one less
             other = stops[:first] + stops[first + 1 :]
@@ -167,15 +169,15 @@ class LapImprovement:
             if len(met) < self._count:
                 return None
         elif kind <= 4:  # a part is turned round
-            last = chance.randrange(size)
+            last = int(size * next(chance))
             if abs(last - first) < 2:
                 return None
             first, last = min(first, last), max(first, last)
             other = stops[:first] + stops[first:last][::-1] + stops[last:]
         else:  # a part is moved
-            part = stops[first : first + chance.randint(1, _MOST_MOVED)]
+            part = stops[first : first + 1 + int(_MOST_MOVED * next(chance))]
             rest = stops[:first] + stops[first + len(part) :]
-            place = chance.randint(0, len(rest))
+            place = int((len(rest) + 1) * next(chance))
             other = rest[:place] + (part if kind == 5 else part[::-1]) + rest[place:]
         spent(_CHANGE_US)
         is_same = any(a == b for a, b in zip(other, other[1:] + other[:1], strict=True))
@@ -215,3 +217,10 @@ class LapImprovement:
                 here = before
             steps += way[::-1]
         return steps
+
+
+def _shares() -> Iterator[float]:
+    """Numbers from 0 to 1 at random, always the same ones."""
+    chance = np.random.default_rng(0)
+    while True:
+        yield from chance.random(_DRAWN).tolist()
