@@ -12,7 +12,7 @@ import typer
 
 from companion.cli.arguments import load
 from companion.cli.plan_files import HOME, origin_of
-from companion.errors import CompanionError, MissionError
+from companion.errors import MissionError
 from companion.plans.starter import PX4_HOME, SPACES, StarterSpace, starter
 from companion.plans.starter_tasks import TASKS, TaskName
 
@@ -55,7 +55,7 @@ def new(
     mission, world = Path(f"{name}.yaml"), Path(f"{name}.sim.yaml")
     for path in (mission, world):
         if path.exists():
-            raise CompanionError(f"{path} is there already\n    remove it, or choose another name")
+            raise MissionError(f"{path} is there already", hint="remove it, or choose another name")
     mission.write_text(made.mission, encoding="utf-8")
     world.write_text(made.world, encoding="utf-8")
     plan = Planner(load(mission)).plan()

@@ -22,6 +22,8 @@ Detail = Mapping[str, Any]
 
 _UNIT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*[A-Za-z%°/]+[A-Za-z0-9/²]*\s*")
 """A number with a unit behind it."""
+_OTHER_MINUS = re.compile(r"\s*[\u2010-\u2015\u2212](\d+(?:\.\d+)?)\s*")
+"""A number behind a dash, or behind the minus of books."""
 _SIMILAR = 0.6  # difflib's own cutoff for close matches
 
 
@@ -138,7 +140,9 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
         return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
     if name == "[key]":
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
-        return Diagnostic(f"{_short(keys[-1])} is not a name", keys, f"expected {expected}", True)
+        better = re.sub(r"\W+", "_", str(keys[-1]), flags=re.ASCII).strip("_")
+        hint = f"expected {expected}" + (f": write {better}" if better.isidentifier() else "")
+        return Diagnostic(f"{_short(keys[-1])} is not a name", keys, hint, True)
     return _wrong_value(details, keys, _schema_at(root, keys), _at(data, keys))
 
 
@@ -152,7 +156,10 @@ def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: objec
     )
     hint = _sentence(str(subject), schema.get("description", ""))
     number = _UNIT.fullmatch(value) if isinstance(value, str) else None
-    if number is not None and "a number" in expected:
+    minus = _OTHER_MINUS.fullmatch(value) if isinstance(value, str) else None
+    if minus is not None and "a number" in expected:
+        hint = f"write the minus of the keyboard: -{minus[1]}. {hint}".strip()
+    elif number is not None and "a number" in expected:
         hint = f"write the number alone: {number[1]}. {hint}"
     elif isinstance(value, str):
         words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
@@ -160,6 +167,12 @@ def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: objec
     what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"
     return Diagnostic(what, keys, hint, False)
 
+
+_TEXTS = {
+    r"^[A-Za-z_][A-Za-z0-9_]*$": "letters, digits and _, no digit first",
+    r"^[A-Za-z0-9][A-Za-z0-9_-]*$": "letters, digits, - and _",
+}
+"""Patterns of names, in words."""
 
 _RULES: dict[str, Callable[[Schema], str]] = {
     **dict.fromkeys(("string_type", "string_sub_type"), lambda c: "a text"),
@@ -179,7 +192,9 @@ _RULES: dict[str, Callable[[Schema], str]] = {
     "missing": lambda c: "more entries",
     "string_too_short": lambda c: f"at least {c['min_length']} characters",
     "string_too_long": lambda c: f"at most {c['max_length']} characters",
-    "string_pattern_mismatch": lambda c: f"a text that matches {c['pattern']}",
+    "string_pattern_mismatch": lambda c: _TEXTS.get(
+        c["pattern"], f"a text that matches {c['pattern']}"
+    ),
 }
 """Kind of pydantic's error -> what was expected."""
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from companion.documents.diagnostics import did_you_mean
 from companion.documents.yaml_tree import MAX_BYTES
 from companion.errors import MissionError
 
@@ -61,4 +62,8 @@ def _text(path: Path, kind: str) -> str:
             return stream.read(MAX_BYTES + 1).decode("utf-8", "surrogateescape")
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise MissionError(f"the {kind} {path} cannot be read: {reason}") from error
+        advice = f"{path} is a folder: name a file in it" if path.is_dir() else ""
+        if isinstance(error, FileNotFoundError):
+            near = [each.name for each in path.absolute().parent.glob("*.yaml")]
+            advice = did_you_mean(path.name, near)
+        raise MissionError(f"the {kind} {path} cannot be read: {reason}", hint=advice) from error

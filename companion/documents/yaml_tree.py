@@ -109,28 +109,51 @@ def read_tree(text: str, path: str) -> Node:
         ) from None
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
+        if "end of stream" in str(error.problem):
+            mark = error.context_mark or mark
         where = Location(path, mark.line + 1, mark.column + 1) if mark else Location(path, 1, 1)
         problem = str(error.problem or error.context or "not YAML")
-        raise MissionError(f"not YAML: {problem}", where, _syntax_hint(problem)) from None
+        hint = _hidden_fault(text, where.line) or _syntax_hint(problem, error)
+        raise MissionError(f"not YAML: {problem}", where, hint) from None
     except (ValueError, OverflowError):  # from chr() of the escape "\\U" with too large a number
         raise MissionError("an escape \\U gives no character", Location(path, 1, 1)) from None
 
 
 _SYNTAX_HINTS = (
-    ("',' or '}'", "inside { } and [ ] put quotes around a text that contains , [ ] { or }"),
-    ("',' or ']'", "inside { } and [ ] put quotes around a text that contains , [ ] { or }"),
+    ("',' or '}'", "inside { } put quotes around a text that contains , [ ] { or }"),
+    ("',' or ']'", "inside [ ] put quotes around a text that contains , [ ] { or }"),
     ("mapping values", "put quotes around a text that contains ': ', and check the indentation"),
     ("\\t", "indent with spaces: YAML allows no tabs"),
     ("cannot start any token", "put quotes around a text that begins with this character"),
-    ("end of stream", "a quote or bracket is opened and never closed"),
+    ("end of stream", "a quote or bracket is opened here and never closed"),
     ("simple key", "the ':' after the key is missing, or a key spans two lines"),
     ("<block end>", "check the indentation: keys of one mapping begin in the same column"),
 )
 """Part of ruamel's message -> what to do."""
 
 
-def _syntax_hint(problem: str) -> str:
-    return next((hint for part, hint in _SYNTAX_HINTS if part in problem), "")
+_NO_SPACE = re.compile(r"^\s*([A-Za-z_]\w*):([^\s/:].*?)\s*$")
+"""A key whose colon no space follows."""
+
+
+def _syntax_hint(problem: str, error: MarkedYAMLError) -> str:
+    hint = next((hint for part, hint in _SYNTAX_HINTS if part in problem), "")
+    begun, met = error.context_mark, error.problem_mark
+    if begun and met and begun.line < met.line and "or '" in problem:
+        return f"what is opened in line {begun.line + 1} is not closed, or {hint}"
+    return hint
+
+
+def _hidden_fault(text: str, number: int) -> str:
+    """What hardly can be seen in the line of an error, or in the one before it."""
+    lines = text.split("\n")
+    for n in (number - 1, number):
+        line = lines[n - 1] if 0 < n <= len(lines) else ""
+        if strange := [c for c in line if c.isspace() and c not in " \t\r"]:
+            return f"line {n} has a space that is none, U+{ord(strange[0]):04X}: write a plain one"
+        if found := _NO_SPACE.match(line):
+            return f"line {n} lacks a space after the colon: write {found[1]}: {found[2]}"
+    return ""
 
 
 class _TreeReader:

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping
 from companion.documents import did_you_mean
 from companion.errors import FormulaError
 from companion.ltl.parser import occurrences
+from companion.ltl.patterns import PATTERNS
 from companion.mission.facts import AT, Atom, spelled
 
 Domain = tuple[str, ...]
@@ -108,7 +109,9 @@ class Vocabulary:
         return spelled(name, tuple(domain[0] for domain in self._uses[name][0]))
 
     def _similar(self, atom: Atom) -> str:
-        """Returns the most similar fact, with one argument or the name replaced."""
+        """Returns the most similar fact or pattern, with one argument or the name replaced."""
+        if atom.predicate in self._places and not atom.arguments:
+            return f"Did you mean {spelled(AT, (atom.predicate,))}?"
         facts = [
             spelled(atom.predicate, (*atom.arguments[:i], place, *atom.arguments[i + 1 :]))
             for use in self._uses.get(atom.predicate, [])[:1]
@@ -122,6 +125,8 @@ class Vocabulary:
                 for name, uses in self._uses.items()
                 if len(uses[0]) == len(atom.arguments)
             ]
+            if atom.arguments:
+                facts += [spelled(name, atom.arguments) for name in PATTERNS]
         return did_you_mean(str(atom), facts)
 
     def _domain_listing(self, atom: Atom) -> str:

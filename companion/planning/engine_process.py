@@ -52,6 +52,12 @@ class EngineError(CompanionError):
     """A planner is missing, or gave no answer."""
 
 
+class EngineMissing(EngineError):
+    """There is no planner of that name here; the message says what to install, or which are."""
+
+    exit_code = 2
+
+
 class _TimeIsOver(Exception):
     """Raised by the alarm."""
 
@@ -136,6 +142,8 @@ def run(
         classical = question.compiled()
         planners.append(_planner(engine, classical))
         answer = _answer(planners[0], classical, engine)
+    except EngineMissing as error:
+        answer = error
     except CompanionError as error:
         answer = EngineError(str(error))
     except _TimeIsOver:
@@ -159,7 +167,7 @@ def _planner(engine: str, classical: ClassicalProblem) -> Any:
         return OneshotPlanner(name=engine, params=_parameters(engine, classical))
     except (UPException, ImportError, AssertionError) as error:
         line = next((text for name, text in INSTALL.items() if engine.startswith(name)), None)
-        raise EngineError(
+        raise EngineMissing(
             f"the engine {engine} is not installed; {line}"
             if line
             else f"there is no engine {engine}; installed are: {', '.join(sorted(known))}"

@@ -95,6 +95,11 @@ def parse_url(url: str) -> Endpoint:
         match = _DEVICE_AND_BAUD.fullmatch(rest)
         if match is not None and int(match["baud"]) > 0:
             return SerialPort(match["device"], int(match["baud"]))
+        device = rest.partition(":")[0] or "/dev/ttyTHS1"
+        raise LinkError(
+            f"cannot connect to {url}\n"
+            f"    write {SerialPort(device, 921600)}, with the speed of the port in baud"
+        )
     elif match := _HOST_AND_PORT.fullmatch(rest):
         host, port = match["host"], int(match["port"])
         here, there = UdpPort(host or "0.0.0.0", port), UdpPeer(host or "127.0.0.1", port)

@@ -79,7 +79,7 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("radius_m: 0.4", "radius_m: §0", "radius_m is 0, expected more than 0", "at(place)"),
     ("radius_m: 0.4", "§raduis_m: 0.4", "unknown key 'raduis_m' in places.no", "mean radius_m?"),
     ("  A: {east_m: 5, ", "  §A: {", "the key east_m is missing in places.A", "Metres east"),
-    ("  A: {", "  §A-1: {", "'A-1' is not a name", "matches"),
+    ("  A: {", "  §A-1: {", "'A-1' is not a name", "no digit first: write A_1"),
     ("latch: true", "latch: §yes", "latch is 'yes', expected true or false", "for ever"),
     ("for_s: 2", "for_s: §-1", "for_s is -1, expected at least 0", "Seconds"),
     ("tries: 3", "tries: §2.5", "tries is 2.5, expected a whole number", "How often"),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from ruamel.yaml import YAML
 
+from companion.documents import read_source
 from companion.errors import FormulaError, KeyPath, Location, MissionError
 from companion.mission.files import files_of
 from companion.mission.loader import load_mission
@@ -172,3 +173,11 @@ def test_a_mission_with_an_area_needs_no_other_file(text: str, tmp_path: Path) -
     path = tmp_path / "mission.yaml"
     path.write_text(text, encoding="utf-8")
     assert files_of(path, tmp_path) == (path,)
+
+
+def test_a_file_that_is_not_there_may_be_misspelt_and_a_folder_is_none(tmp_path: Path) -> None:
+    (tmp_path / "first.sim.yaml").touch()
+    with pytest.raises(MissionError, match=r"Did you mean first\.sim\.yaml\?"):
+        read_source(tmp_path / "frist.sim.yaml", "scenario")
+    with pytest.raises(MissionError, match="is a folder: name a file in it"):
+        read_source(tmp_path, "mission")

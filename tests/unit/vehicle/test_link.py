@@ -62,9 +62,6 @@ def test_the_spellings_of_a_url(url: str, expected: Endpoint) -> None:
         "udpin://host:65536",
         "udpin://host:-1",
         "tcpin://host:5760",
-        "serial:///dev/ttyACM0",
-        "serial://:57600",
-        "serial:///dev/ttyACM0:0",
         "UDPIN://host:14540",
         "udpin://host:14540/path",
         "udpin://host:14540\nudpin://host:14541",
@@ -75,6 +72,12 @@ def test_what_is_no_url_is_refused_with_what_to_write(url: str) -> None:
         parse_url(url)
     assert str(error.value).startswith(f"cannot connect to {url}\n")
     assert "udpin://0.0.0.0:14540" in str(error.value)
+
+
+@pytest.mark.parametrize("url", ["serial:///dev/ttyACM0", "serial:/dev/ttyACM0:0"])
+def test_a_serial_port_has_a_speed(url: str) -> None:
+    with pytest.raises(LinkError, match="write serial:///dev/ttyACM0:921600, with the speed"):
+        parse_url(url)
 
 
 @pytest.mark.parametrize("url", ["udp://:14540", "udp:14540"])
