@@ -207,7 +207,8 @@ class _Drafting:
         zones: dict[str, tuple[LatLon, ...]],
     ) -> str | None:
         """The place at a point, which may be new; None where the vehicle may not be."""
-        placed = replace(point, height=point.height or self.places[HOME].height)
+        height = point.height or self.places[HOME].height
+        placed = self._placed.with_height(replace(point, height=height))
         try:
             self._check_inside(placed, fence, zones)
         except ItemRefused as error:

@@ -46,7 +46,12 @@ class Meaning(Protocol):
         """
 
 
-def _required(item: CommandItem) -> LatLon:
+def required(item: CommandItem) -> LatLon:
+    """The position of an item that has to have one.
+
+    Raises:
+        ItemRefused: it has none.
+    """
     position = item.position
     if position is None:
         raise ItemRefused(item.item, f"{item.name} has no position", LEAVE_OUT)
@@ -73,7 +78,7 @@ class VisitItem:
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
         """A place, and a wait if the vehicle holds there."""
-        route.visit(item, _required(item))
+        route.visit(item, required(item))
         if item.param(1) > 0:
             route.do(Hold(item.param(1)))
         if self.told:
@@ -232,7 +237,7 @@ def route_of(
             continue
         try:
             if route.ends:
-                raise item.refused(f"is never reached: {route.ends} ends the plan")
+                raise item.refused(f"comes after {route.ends}, with which the mission ends")
             meaning_of(item).add(item, route)
         except ItemRefused as error:
             refused.append(error)

@@ -2,25 +2,50 @@
 
 A line of WPL is `seq current frame command p1 p2 p3 p4 lat lon alt autocontinue`, with tabs or
 blanks between; lines may be comments (#). Item 0 is home where it is a waypoint above the sea, as
-ArduPilot writes it. A fence file has `lat lon` in each line: where ArduPilot returns to, and then
-the corners.
+ArduPilot writes it. Fences and rally points that are saved as WPL are items too: each corner of a
+polygon says in p1 how many the polygon has, a circle its radius. An older fence file has `lat lon`
+in each line: where ArduPilot returns to, and then the corners.
 """
 
 from __future__ import annotations
 
 import re
+from itertools import takewhile
 
+from companion.mavlink.framing import dialect
+from companion.plans.areas import circle
 from companion.plans.commands import CommandItem
-from companion.plans.meanings import route_of
+from companion.plans.meanings import required, route_of
 from companion.plans.route_plan import (
     ItemRefused,
     LatLon,
     PlanArea,
     RoutePlan,
+    Waypoint,
     check_degrees,
     ring,
 )
 
+INCLUSIONS = frozenset(
+    {
+        dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+        dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+    }
+)
+POLYGONS = frozenset(
+    {
+        dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+        dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+    }
+)
+CIRCLES = frozenset(
+    {
+        dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+        dialect.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
+    }
+)
+DRAWN = POLYGONS | CIRCLES | {dialect.MAV_CMD_NAV_RALLY_POINT}
+"""Commands of fences and rally points; the others are flown."""
 HEADER = re.compile(r"QGC WPL (\d+)\s*$")
 COLUMNS = 12
 MAX_LINES = 5000
@@ -45,8 +70,47 @@ def read_wpl(text: str, leave_out: frozenset[str]) -> RoutePlan:
     if items and items[0].number == "0" and items[0].command == 16 and items[0].frame == 0:
         home, home_amsl_m = items[0].position, items[0].params[6]
         items = items[1:]
-    route = route_of(items, leave_out)
-    return route.plan("a file of waypoints (QGC WPL 110)", home, home_amsl_m, tuple(told))
+    flown, drawn = list[CommandItem](), list[CommandItem]()
+    for item in items:
+        (drawn if item.command in DRAWN else flown).append(item)
+    route = route_of(flown, leave_out, (item.number for item in drawn))
+    left_out = [item for item in drawn if item.number in leave_out]
+    told += [f"{item.item}: {item.name} left out, as asked" for item in left_out]
+    areas, rally = _drawn([item for item in drawn if item not in left_out])
+    kind = "a file of waypoints (QGC WPL 110)"
+    return route.plan(kind, home, home_amsl_m, tuple(told), areas, rally)
+
+
+def _drawn(items: list[CommandItem]) -> tuple[tuple[PlanArea, ...], tuple[Waypoint, ...]]:
+    """The areas and the rally points of which these are the corners, circles and points."""
+    areas, rally = list[PlanArea](), list[Waypoint]()
+    while items:
+        first = items[0]
+        is_inclusion, radius_m = first.command in INCLUSIONS, first.param(1)
+        shape, number = [first], len(areas) + 1
+        if first.command == dialect.MAV_CMD_NAV_RALLY_POINT:
+            name, height = f"R{len(rally) + 1}", first.height if first.param(7) > 0 else None
+            rally.append(Waypoint(first.item, name, required(first), height))
+        elif first.command in POLYGONS:
+            shape = _polygon(items)
+            item = f"items {first.number} to {shape[-1].number}"
+            corners = ring(item, map(required, shape))
+            areas.append(PlanArea(item, f"polygon_{number}", corners, is_inclusion))
+        else:
+            corners = circle(first.item, required(first), radius_m, is_inclusion)
+            areas.append(PlanArea(first.item, f"circle_{number}", corners, is_inclusion))
+        items = items[len(shape) :]
+    return tuple(areas), tuple(rally)
+
+
+def _polygon(items: list[CommandItem]) -> list[CommandItem]:
+    """The corners of the polygon with which some items begin, as many as its first one says."""
+    first, count = items[0], int(items[0].param(1))
+    same = list(takewhile(lambda item: item.command == first.command, items))
+    if not 0 < count <= len(same):
+        what = f"says that its polygon has {count} corners, and {len(same)} are there"
+        raise ItemRefused(first.item, what, "save the fence anew")
+    return same[:count]
 
 
 def _item(row: list[str]) -> CommandItem:

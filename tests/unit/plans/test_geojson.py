@@ -63,6 +63,16 @@ def test_heights_above_the_ellipsoid_are_not_used(tmp_path: Path) -> None:
     assert "no altitude" in refusal(tmp_path, drawn, Given(home=HOME))
 
 
+@pytest.mark.parametrize("kind", ["rally", "place"])
+def test_points_that_nothing_flies_to_have_a_known_height_too(kind: str, tmp_path: Path) -> None:
+    line = feature("LineString", [lon_lat(0, 0), lon_lat(30, 0)])
+    drawn = collection(line, feature("Point", lon_lat(0, 30), amsl_m=510, kind=kind))
+    said = refusal(tmp_path, drawn, UP)
+    assert said.startswith("feature 2: its altitude is above the sea, and nothing says how high")
+    known = Given(home=HOME, home_amsl_m=488.0, up_m=20.0)
+    assert load_mission(imported(tmp_path, drawn, "map.geojson", known)[0])
+
+
 def test_polygons_say_what_they_are_unless_there_is_one(tmp_path: Path) -> None:
     point = feature("Point", lon_lat(30, 0))
     limits = load_mission(

@@ -76,6 +76,48 @@ def test_what_cannot_be_meant_is_refused(text: str, what: str, tmp_path: Path) -
     assert what in str(error.value)
 
 
+AREA = ((-90, -90), (-90, 90), (90, 90), (90, -90))
+POND = ((50, 50), (50, 60), (60, 60))
+
+
+def corners(command: int, *points: tuple[float, float], said: int | None = None) -> list[Row]:
+    count = len(points) if said is None else said
+    return [(0, command, count, 0, 0, 0, *at(*point), 0) for point in points]
+
+
+def test_fence_and_rally_points_may_be_items(tmp_path: Path) -> None:
+    circles = [(3, 5003, 100, 0, 0, 0, *HOME, 0), (3, 5004, 9, 0, 0, 0, *at(-50, 0), 0)]
+    rally = [(3, 5100, 0, 0, 0, 0, *at(0, 30), 25), (3, 5100, 0, 0, 0, 0, *at(0, -30), 0)]
+    drawn = [*corners(5001, *AREA), *corners(5002, *POND), *circles, *rally]
+    mission = load_mission(
+        imported(tmp_path, wpl(TAKE_OFF, way(30, 0), RETURN, *drawn), "field.txt")[0]
+    )
+    assert max(north for north, _ in mission.limits.fence) == pytest.approx(90, abs=0.5)
+    assert list(mission.limits.keep_out) == ["polygon_2", "circle_4"]
+    assert mission.safe_places == ("Home", "R1", "R2")
+    assert [-mission.places[each].position[2] for each in ("R1", "R2")] == pytest.approx([25, 20])
+    text, draft = imported(tmp_path, wpl(TAKE_OFF, *drawn), "field.txt", Given(), "10", "11")
+    assert list(load_mission(text).limits.keep_out) == ["polygon_2"]
+    assert "item 10: NAV_FENCE_CIRCLE_EXCLUSION (5004) left out, as asked" in draft.told
+
+
+@pytest.mark.parametrize(
+    ("rows", "what"),
+    [
+        (corners(5001, *AREA, said=5), "item 1: says that its polygon has 5 corners, and 4"),
+        (corners(5001, *AREA, said=0), "item 1: says that its polygon has 0 corners, and 4"),
+        (corners(5002, *POND[:2]), "items 1 to 2: a polygon of 2 corners has no area"),
+        ([(0, 5003, 9)], "item 1: NAV_FENCE_CIRCLE_INCLUSION (5003) has no position"),
+        ([(0, 5003, 0, 0, 0, 0, *HOME)], "item 1: a circle of 0 m"),
+        ([(10, 5100, 0, 0, 0, 0, *HOME, 9)], "item 1: its altitude is above the terrain"),
+    ],
+)
+def test_a_fence_that_is_none_is_refused(rows: list[Row], what: str, tmp_path: Path) -> None:
+    with pytest.raises(MissionError) as error:
+        imported(tmp_path, wpl(*rows), "fence.waypoints", Given(up_m=20.0))
+    assert what in str(error.value)
+
+
 FENCE = [at(0, 0), at(-50, -50), at(-50, 50), at(50, 50), at(50, -50), at(-50, -50)]
 
 
