@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from random import Random
 from statistics import median
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import psutil
@@ -36,7 +36,7 @@ from companion.planning.flight_times import route_map
 from companion.vehicle.run_clocks import ClockReading
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.mixer import Motors
-from sitl.flight.physics import Physics
+from sitl.flight.physics import FlightState, Physics
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, LOCAL_PORTS
 from sitl.simulation import DT_S
@@ -156,35 +156,40 @@ def simulating(runs: int) -> Iterator[Row]:
         position=(3.0, 4.0, -2.0), velocity=(None, None, None), yaw_rad=0.0
     )
 
-    def speed(command: Callable[[Physics, Cascade], Motors]) -> float:
-        physics, cascade = Physics(dt_s=DT_S, origin=PX4_HOME), Cascade()
-        start_s = perf_counter()
-        for _ in range(steps):
-            physics.step(command(physics, cascade))
-        return steps * DT_S / (perf_counter() - start_s)
-
-    hover = (0.5, 0.5, 0.5, 0.5)
-    peer = speed(lambda physics, cascade: hover)
-    ours = speed(lambda physics, cascade: cascade.step(physics.state, setpoint, DT_S))
+    cascade = Cascade()
+    peer = physics_speed(steps)
+    ours = physics_speed(steps, lambda state: cascade.step(state, setpoint, DT_S))
     yield Row("physics and control", ours, "x real time", "physics alone", peer)
 
 
-def flying(runs: int) -> Iterator[Row]:
-    """The whole mission in lockstep, replanning included, the first plan not; then MAVLink.
+def physics_speed(
+    steps: int, command: Callable[[FlightState], Motors] = lambda state: (0.5, 0.5, 0.5, 0.5)
+) -> float:
+    """How many times real time the physics fly, with these motor commands; of CPU time."""
+    physics = Physics(dt_s=DT_S, origin=PX4_HOME)
+    start_s = process_time()
+    for _ in range(steps):
+        physics.step(command(physics.state))
+    return steps * DT_S / (process_time() - start_s)
 
-    MAVLink is measured on the autopilot's frames of that flight.
+
+def flying(runs: int) -> Iterator[Row]:
+    """The whole mission in lockstep, planning included; the peer is the physics alone.
+
+    Then MAVLink, on the autopilot's frames of that flight.
     """
     speeds, seen = [], Flight()
     for _ in range(max(1, runs // 10)):
         mission = load_mission(MISSION)
         seen = Flight()
         flight = lockstep(mission, world_of(mission), seen)
-        start_s = perf_counter()
+        start_s = process_time()
         flight.fly()
-        speeds.append(seen.end_s / (perf_counter() - start_s))
+        speeds.append(seen.end_s / (process_time() - start_s))
         if flight.companion.failure is not None:
             raise flight.companion.failure
-    yield Row("simulator and companion in lockstep", median(speeds), "x real time")
+    about = "simulator and companion in lockstep", median(speeds), "x real time"
+    yield Row(*about, "physics alone", physics_speed(round(seen.end_s / DT_S)))
     frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
     yield from signed([f for f in frames if f[6] == AUTOPILOT], runs)
