@@ -90,3 +90,13 @@ def test_without_runs_it_says_how_to_make_one(companion: Companion, tmp_path: Pa
     ended = companion("runs", "--log-dir", tmp_path / "none")
     assert ended.code == 1
     assert "companion sim surveillance makes one" in ended.err
+
+
+def test_a_run_folder_that_cannot_be_made(companion: Companion, tmp_path: Path) -> None:
+    """It is told before anything is flown, in words."""
+    (tmp_path / "file").write_text("in the way")
+    folder = tmp_path / "file" / "runs"
+    ended = companion("sim", "surveillance", "--speed", "max", "--log-dir", folder)
+    assert ended.code == 1
+    assert f"the run folder {folder}" in ended.err and "Not a directory" in ended.err
+    assert "--log-dir DIR makes run folders in another place" in ended.err

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from commands import Companion
 
 from companion import load_mission
 from companion.errors import MissionError
@@ -128,3 +129,17 @@ def test_many_mistakes_are_told_by_the_first_ones(tmp_path: Path) -> None:
     with pytest.raises(MissionError) as error:
         load_mission(tmp_path / "first.yaml")
     assert str(error.value).count("unknown key") == 10
+
+
+def test_lines_that_contradict_each_other_are_told_with_their_lines(
+    companion: Companion, tmp_path: Path
+) -> None:
+    path = tmp_path / "first.yaml"
+    path.write_text(RIGHT.replace(TASK, "  home: G at(Home)\n  out: F at(A)"), encoding="utf-8")
+    lines = path.read_text(encoding="utf-8").splitlines()
+    for command in ("check", "plan"):
+        ended = companion(command, path)
+        assert ended.code == 3
+        told = re.findall(r"^  (\w+): .*  \(line (\d+)\)$", ended.err, re.MULTILINE)
+        assert len(told) == 2
+        assert all(lines[int(number) - 1].startswith(f"  {name}:") for name, number in told)

@@ -61,6 +61,8 @@ def check(
     turns out otherwise.
     """
     from companion.cli.checked_mission import check_mission
+    from companion.cli.task_places import placed
+    from companion.planning.explain import NoPlan
 
     if not contingencies and (picture or jobs):
         option = "--picture" if picture else "--jobs"
@@ -69,9 +71,10 @@ def check(
         checked = check_mission(mission, within)
         table = _contingencies(mission, picture, jobs) if contingencies else None
     except CompanionError as error:
+        refusal = placed(error, mission) if isinstance(error, NoPlan) else error
         if as_json:
-            typer.echo(json.dumps(refusal_as_json(error)))
-        raise
+            typer.echo(json.dumps(refusal_as_json(refusal)))
+        raise refusal from error
     if as_json:
         told = {} if table is None else {"contingencies": table.as_json()}
         about = {"version": FORMAT_VERSION, "ok": True}

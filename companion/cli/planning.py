@@ -14,6 +14,7 @@ import typer
 from companion.cli.arguments import MissionFile, load
 from companion.cli.engine_options import BUILT_IN, EncodingOption, EngineOption
 from companion.cli.log_lines import Verbose
+from companion.cli.task_places import placed
 from companion.errors import CompanionError
 from companion.planning.objective import Encoding, Objective
 
@@ -94,7 +95,7 @@ def plan(
             nothing = dict.fromkeys(("prefix", "loop", "dropped"))
             asked = _as_json(planner, problem, time.perf_counter() - start_s)
             typer.echo(json.dumps(asked | nothing | {"reason": reason.explanation.as_json()}))
-        raise
+        raise placed(reason, mission) from reason
     if as_json:
         asked = _as_json(planner, problem, time.perf_counter() - start_s)
         typer.echo(json.dumps(asked | _solution_as_json(planner, problem, solution), indent=2))

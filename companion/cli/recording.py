@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from companion.cli.resuming import CutOffRun, mark_latest
 from companion.cli.terminal import Terminal
+from companion.errors import CompanionError
 
 if TYPE_CHECKING:
     from companion.flight_events.event import Stamped
@@ -48,7 +49,11 @@ def open_run(
     keeps_journal: bool,
     cut_off: CutOffRun | None,
 ) -> RunFolder:
-    """The folder of a run that begins, or of one that was cut off."""
+    """The folder of a run that begins, or of one that was cut off.
+
+    Raises:
+        CompanionError: nothing can be written there.
+    """
     from companion.record.drawing import draw_here, draw_in_child
     from companion.record.run_folder import RunFolder
 
@@ -61,7 +66,13 @@ def open_run(
         path, start_s = _new_path(mission.name, log_dir, now_s), now_s
     cut_off_at = cut_off.journalled.positions if cut_off is not None else None
     draw = draw_in_child if keeps_journal else draw_here
-    folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off_at, draw)
+    try:
+        folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off_at, draw)
+    except OSError as error:
+        raise CompanionError(
+            f"the run folder {path} cannot be written: {error.strerror}\n"
+            "    --log-dir DIR makes run folders in another place"
+        ) from error
     if keeps_journal:
         mark_latest(path)
     terminal.say(f"run        {path}")

@@ -115,23 +115,29 @@ class Explanation:
     late: tuple[str, ...] = ()
 
     def __str__(self) -> str:
+        return self.told({})
+
+    def told(self, lines: Mapping[str, int]) -> str:
+        """In words; with the lines of a file in which parts of the task stand, by their names."""
         names = list(dict.fromkeys(conjunct.name for conjunct in self.conflict))
         together = " together" if len(self.conflict) > 1 else ""
-        lines = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
+        words = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
         if not names:  # there is always rest, but for the energy that it takes
-            lines = ["no plan: the charge lasts for nothing from here, the reserve left."]
-        lines += [f"  {conjunct.name}: {conjunct.text}" for conjunct in self.conflict]
-        lines += [f"  {unreachable}" for unreachable in self.unreachable]
-        lines += [f"  no route leads to {place} on the map" for place in self.no_route]
-        lines += [f"  {reason}" for reason in (*self.shortages, *self.late)]
+            words = ["no plan: the charge lasts for nothing from here, the reserve left."]
+        for conjunct in self.conflict:
+            place = f"  (line {lines[conjunct.name]})" if conjunct.name in lines else ""
+            words.append(f"  {conjunct.name}: {conjunct.text}{place}")
+        words += [f"  {unreachable}" for unreachable in self.unreachable]
+        words += [f"  no route leads to {place} on the map" for place in self.no_route]
+        words += [f"  {reason}" for reason in (*self.shortages, *self.late)]
         if self.events:
             values = ", ".join(f"{e} is {str(holds).lower()}" for e, holds in self.events.items())
-            lines.append(f"  a plan takes events as they are now: {values}")
+            words.append(f"  a plan takes events as they are now: {values}")
         if self.withdrawn:
-            lines.append(f"  withdrawn: {', '.join(self.withdrawn)}")
+            words.append(f"  withdrawn: {', '.join(self.withdrawn)}")
         if self.restoring:
-            lines.append(f"  with {' or '.join(self.restoring)} there would be a plan")
-        return "\n".join(lines)
+            words.append(f"  with {' or '.join(self.restoring)} there would be a plan")
+        return "\n".join(words)
 
     def as_json(self) -> dict[str, object]:
         """The explanation as JSON values."""
@@ -151,11 +157,11 @@ class Explanation:
 
 
 class NoPlan(NoPlanError):
-    """There is no plan, with the explanation."""
+    """There is no plan, with the explanation; lines of the mission's file may be told, too."""
 
-    def __init__(self, explanation: Explanation) -> None:
+    def __init__(self, explanation: Explanation, lines: Mapping[str, int] | None = None) -> None:
         self.explanation = explanation
-        super().__init__(str(explanation))
+        super().__init__(explanation.told(lines or {}))
 
 
 def why_no_plan(

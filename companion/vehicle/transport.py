@@ -5,6 +5,7 @@ A door: sockets, serial ports and the wall clock. What is done with the datagram
 
 from __future__ import annotations
 
+import errno
 import os
 import select
 import socket
@@ -27,6 +28,13 @@ LEAST_IN_BUFFER = 256
 READ_AT_ONCE = 1 << 14
 """Bytes of a stream in a step: more than a line of 921,600 baud brings in a tenth of a second."""
 TRY_AGAIN_S = 1.0
+_LISTENING = {
+    errno.EADDRINUSE: "\n    another program has the port; only one can, and QGroundControl needs "
+    "14550\n    companion doctor says which",
+    errno.EACCES: "\n    ports below 1024 are the system's: choose a higher one",
+    errno.EADDRNOTAVAIL: "\n    this machine has no such address; 0.0.0.0 stands for all it has",
+}
+"""What to do where a port cannot be had, by the number of the error."""
 
 
 class Transport(Protocol):
@@ -84,10 +92,8 @@ class Udp:
                 self.peer = (address_of(endpoint.host), endpoint.port)
         except OSError as error:
             self._socket.close()
-            raise LinkError(
-                f"cannot listen on {endpoint}: {error.strerror}\n"
-                "    another program has the port; only one can, and QGroundControl needs 14550"
-            ) from error
+            advice = _LISTENING.get(error.errno or 0, "")
+            raise LinkError(f"cannot listen on {endpoint}: {error.strerror}{advice}") from error
         except LinkError:
             self._socket.close()
             raise

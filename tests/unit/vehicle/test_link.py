@@ -74,6 +74,11 @@ def test_what_is_no_url_is_refused_with_what_to_write(url: str) -> None:
     assert "udpin://0.0.0.0:14540" in str(error.value)
 
 
+def test_an_address_of_another_machine_is_not_listened_on() -> None:
+    with pytest.raises(LinkError, match="this machine has no such address"):
+        Link(UdpPort("192.0.2.1", 14540))
+
+
 @pytest.mark.parametrize("url", ["serial:///dev/ttyACM0", "serial:/dev/ttyACM0:0"])
 def test_a_serial_port_has_a_speed(url: str) -> None:
     with pytest.raises(LinkError, match="write serial:///dev/ttyACM0:921600, with the speed"):
