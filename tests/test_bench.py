@@ -41,6 +41,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
                 "cost-to-go of a place",
                 "cost-to-go repaired",
                 "physics and control",
+                "simulator and companion in lockstep",
                 "event to setpoint of the new plan",
                 "pack MAVLink",
                 "parse MAVLink",
