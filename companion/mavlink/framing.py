@@ -69,12 +69,15 @@ class MavlinkCodec:
     Args:
         system: own system id.
         component: own component id.
+
+    Attributes:
+        sequence: number of the next frame, 0 to 255.
     """
 
     def __init__(self, system: int, component: int) -> None:
         self.system = system
         self.component = component
-        self._sequence = 0
+        self.sequence = 0
 
     def pack(self, message: Message) -> bytes:
         """Returns the frame of a message, from this component, with the next sequence number."""
@@ -87,9 +90,9 @@ class MavlinkCodec:
         if missing := layout.length - len(fields):
             fields += layout.extensions[-missing:]
         whole = layout.pack(
-            self._sequence, self.system, self.component, *layout.number, *layout.values(fields)
+            self.sequence, self.system, self.component, *layout.number, *layout.values(fields)
         )
-        self._sequence = (self._sequence + 1) % 256
+        self.sequence = (self.sequence + 1) % 256
         body = whole.rstrip(b"\0")
         if len(body) < _LEAST_SIZE:
             body = whole[:_LEAST_SIZE]

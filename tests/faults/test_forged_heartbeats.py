@@ -40,7 +40,7 @@ class Forger:
             return datagrams
         self._times_s.pop(0)
         self.sent_s.append(now_s)
-        self._codec._mavlink.seq = numbers[-1]
+        self._codec.sequence = numbers[-1]
         status = dialect.MAV_STATE_ACTIVE
         forged = dialect.MAVLink_heartbeat_message(2, 12, 1, self._mode, status, 3)
         return [*datagrams, self._codec.pack(forged)]
