@@ -44,7 +44,13 @@ class KnownLaps:
 
     def keep(self, problem: Problem, lap: TimedLap) -> None:
         """A lap in a product of a problem is known."""
-        steps = tuple((problem.actions[s.action].name, s.charge) for s in lap.steps)
+        self._keep(tuple((problem.actions[s.action].name, s.charge) for s in lap.steps))
+
+    def keep_loop(self, loop: Sequence[Action]) -> None:
+        """The loop of a plan for the battery alone is known, which charges from floors on."""
+        self._keep(tuple((action.name, _charge_of(action)) for action in loop))
+
+    def _keep(self, steps: _KnownLap) -> None:
         others = [other for other in self._known if other != steps]
         self._known = [steps, *others][:MOST_KNOWN]
 
@@ -63,6 +69,12 @@ class KnownLaps:
                     steps = [(numbers[name], charge) for name, charge in known]
                     found += _found_again(graph, by_action, problem.actions, steps, part.all)
         return sorted(found, key=lambda lap: lap.cost_ms)
+
+
+def _charge_of(action: Action) -> _Charge:
+    if action.charger is None or action.charge_to is None:
+        return None
+    return action.charger.floor, action.charge_to
 
 
 def _found_again(

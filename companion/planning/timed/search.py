@@ -95,6 +95,7 @@ class TimedSearch:
             yield best
             return
         has_found = False
+        self.known.keep_loop(best.lasso.loop)  # its levels are none of the few
         for solution in self._searched(problem, effort):
             has_found = True
             yield replace(solution, bound_ms=min(best.bound_ms, solution.cost_ms))

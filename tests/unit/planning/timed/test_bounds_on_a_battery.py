@@ -12,15 +12,18 @@ from ready_problems import by_definition, planned_for, ready_problem
 from reference_energy import EnergyReference, flown
 from reference_time import TimeReference
 from timed_problems import with_bounds
+from two_docks import two_docks
 
 from companion.errors import SearchLimit
 from companion.ltl.parser import parse
 from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
+from companion.mission.loader import load_mission
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Problem, Solution
+from companion.planning.planner import Planner
 from companion.planning.time_check import time_fault
 from companion.planning.timed.search import TimedSearch
 
@@ -101,3 +104,17 @@ def test_many_plans_are_found() -> None:
         except SearchLimit:
             continue
     assert found >= 12
+
+
+def test_the_lap_of_the_battery_alone_is_entered_where_the_bounds_allow_it() -> None:
+    """Its charges are none of the few that are tried; begun with one it comes too late to C."""
+    task = {"patrol": "patrolling(A, B, C)", "often": "revisit(W) <= 26 s", "c": "F[<=35s] at(C)"}
+    data = two_docks(task=task)
+    spots = {"A": (16, 23), "B": (22, 25), "C": (33, 0), "W": (15, 20), "E": (3, 28)}
+    for name, (east_m, north_m) in spots.items():
+        up_m = 2 if name in data["sets"]["Pad"] else 3
+        data["places"][name] = {"east_m": east_m, "north_m": north_m, "up_m": up_m}
+    data["sets"]["Place"] = list(data["places"])
+    plan = Planner(load_mission(data)).plan()
+    assert [action.name for action in plan.loop].count("recharge(W)") == 1
+    assert plan.is_optimal or plan.bound_ms == plan.cost_ms
