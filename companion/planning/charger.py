@@ -57,11 +57,14 @@ class Charger:
     def service_ms(self, arrival: int, departure: int) -> int:
         """Landing, charging and taking off.
 
+        Levels that there cannot be, as in a plan whose flights take more by now, are the nearest.
+
         Args:
             arrival: level above the dock, on arrival.
             departure: the same after taking off, at most the highest; where it is less than there
                 is anyway, nothing is charged.
         """
-        begin = arrival - self.landing
-        end = max(begin, departure + self.take_off)
+        full = len(self.times_ms) - 1
+        begin = min(max(0, arrival - self.landing), full)
+        end = min(max(begin, departure + self.take_off), full)
         return self.overhead_ms + int(self.times_ms[end] - self.times_ms[begin])

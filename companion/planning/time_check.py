@@ -139,7 +139,8 @@ def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
                     passed[number] = (place,)
                 clocks[number] = shown
         is_late = any(bound.is_late(clocks[number]) for number, bound in bounded.items())
-        now = clocks, 0 if lasso.ends_at_rest else level
+        charges = any(action.charge_to is not None for action in lasso.loop)
+        now = clocks, level if charges else 0  # else it falls for ever, and nothing depends on it
         if now == before or (is_late and before is not None):
             return
         before = dict(clocks), now[1]

@@ -13,7 +13,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import FLAPPING_S, Assumptions
@@ -23,6 +23,7 @@ from companion.acting.replanning.reachability import Reachability
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
 from companion.flight_events.plans import EngineFailed
+from companion.planning.domain import Action
 from companion.planning.engine_port import Engine, EngineFailure
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
@@ -252,13 +253,8 @@ class Replanner:
         self.follow_map()
         task = self._flight.task
         problem, histories = without_lines(task.dropped, *task.problem())
-        now = {action.name: action for action in problem.actions}
         rest = lasso.rest(self._flight.progress.completed)
-        prefix, loop = (
-            tuple(now.get(action.name, action) for action in part)
-            for part in (rest.prefix, rest.loop)
-        )
-        fault = time_fault(problem, Lasso(prefix, loop))
+        fault = time_fault(problem, as_flown_now(problem, rest))
         if fault is None:
             return None
         new = self._search(problem, histories)
@@ -304,6 +300,23 @@ class Replanner:
         completed = self._flight.task.completed
         self._idle_replans = 0 if completed > self._completed else self._idle_replans + 1
         self._completed = completed
+
+
+def as_flown_now(problem: Problem, lasso: Lasso) -> Lasso:
+    """A plan with what its actions take now, which charge as far as it says.
+
+    >>> from companion.planning.domain import WAIT
+    >>> rest = Lasso((), (WAIT,))
+    >>> as_flown_now(Problem((WAIT,), (), frozenset(), ()), rest).ends_at_rest
+    True
+    """
+    now = {action.name: action for action in problem.actions}
+
+    def flown(action: Action) -> Action:
+        level, own = action.charge_to, now.get(action.name, action)
+        return own if level is None else replace(own, charge_to=level)
+
+    return Lasso(*(tuple(map(flown, part)) for part in (lasso.prefix, lasso.loop)))
 
 
 def _what_decides(problem: Problem) -> tuple[object, ...]:
