@@ -152,9 +152,10 @@ class PlannedRoute:
         Args:
             home_amsl_m: 0 is what ground stations write where they do not know it.
         """
+        home_note = ""
         if home is None and self.takeoff_at is not None:
             home = self.takeoff_at
-            told = (*told, "home is where the plan takes off: it says nothing else of home")
+            home_note = "home is where the plan takes off: it says nothing else of home"
         acts = {index: tuple(acts) for index, acts in self.acts.items()}
         waypoints = tuple(
             replace(waypoint, acts=acts.get(index, ()))
@@ -170,6 +171,7 @@ class PlannedRoute:
             kind=kind,
             home=home,
             home_amsl_m=home_amsl_m or None,
+            home_note=home_note,
             takeoff=self.takeoff,
             takeoff_item=self.takeoff_item,
             start_acts=start,

@@ -70,6 +70,8 @@ class Places:
         """
         plan, first = self.plan, next(iter(self.plan.waypoints), None)
         home = self.given.home or plan.home
+        if self.given.home is None and plan.home_note:
+            self.told.append(plan.home_note)
         if home is None and first is not None:
             home = first.position
             self.told.append(f"{plan.kind} says nothing of home; it is put at {first.item}")

@@ -115,6 +115,7 @@ class RoutePlan:
         kind: of the file, in words.
         home: where the flight begins; None if the file does not say it.
         home_amsl_m: how high that lies above the sea.
+        home_note: what the reader of a mission that begins there has to know.
         takeoff: the height of the first hover.
         takeoff_item: that says it.
         start_acts: what is done before the first waypoint.
@@ -134,6 +135,7 @@ class RoutePlan:
     kind: str
     home: LatLon | None = None
     home_amsl_m: float | None = None
+    home_note: str = ""
     takeoff: Height | None = None
     takeoff_item: str = ""
     start_acts: tuple[Act, ...] = ()

@@ -49,6 +49,14 @@ def test_a_first_item_above_home_is_a_waypoint_and_not_home(tmp_path: Path) -> N
     assert any("says nothing of home; it is put at item 1" in line for line in draft.told)
 
 
+def test_home_is_where_the_plan_takes_off_unless_it_is_given(tmp_path: Path) -> None:
+    text = wpl((3, 22, 0, 0, 0, 0, *HOME, 20), way(30, 0), home=False)
+    note = "home is where the plan takes off: it says nothing else of home"
+    assert note in imported(tmp_path, text, "field.txt")[1].told
+    given = Given(home=at(0, 20))
+    assert note not in imported(tmp_path, text, "field.txt", given)[1].told
+
+
 def test_a_takeoff_after_an_unknown_item_is_the_first_one_still(tmp_path: Path) -> None:
     text = wpl((0, 0), TAKE_OFF, way(30, 0), RETURN, home=False)
     with pytest.raises(MissionError, match=r"field.txt: item 1: an unknown command \(0\) has no"):
