@@ -11,26 +11,54 @@ from dataclasses import dataclass
 
 import pytest
 
+from companion.acting.behaviour_tree import builder
 from companion.api.simulating import varied_world_of
 from companion.campaigns.kit import Kit
+from companion.mavlink import commands
+from companion.mavlink.commands import CommandSender, Parameters
 from companion.mission.loader import load_mission
 from companion.vehicle_profile import VehicleProfile
 
 LIMIT_S = 90.0
-AROUND_A_CORNER = """
-version: 1
-name: around_a_corner
-map: {east_m: [-3, 14], north_m: [-6, 6], walls: [{east_m: [4, 5], north_m: [-6, 2]}]}
-limits: {speed_mps: 8, up_m: [0.5, 4], fence: [[-2, -5], [13, -5], [13, 5], [-2, 5]]}
-places:
-  Home: {east_m: 0, north_m: 0, up_m: 1}
-  Far: {east_m: 9, north_m: 0, up_m: 1}
+FLYING = """
 sets: {Place: [Home, Far]}
 skills:
   move: {parameters: {from: Place, to: Place}, precondition: at(from),
          assumes: "trans_ok(from, to)", effect: at(to) & !at(from), execute: fly(to)}
 initially: [at(Home)]
 goal: at(Far)
+"""
+AROUND_A_CORNER = f"""
+version: 1
+name: around_a_corner
+map: {{east_m: [-3, 14], north_m: [-6, 6], walls: [{{east_m: [4, 5], north_m: [-6, 2]}}]}}
+limits: {{speed_mps: 8, up_m: [0.5, 4], fence: [[-2, -5], [13, -5], [13, 5], [-2, 5]]}}
+places:
+  Home: {{east_m: 0, north_m: 0, up_m: 1}}
+  Far: {{east_m: 9, north_m: 0, up_m: 1}}
+{FLYING}"""
+AN_ANSWER_THAT_TAKES_TIME = """
+version: 1
+name: an_answer_that_takes_time
+limits: {speed_mps: 3, up_m: [0.5, 4], fence: [[-2, -3], [14, -3], [14, 3], [-2, 3]]}
+places:
+  Home: {east_m: 0, north_m: 0, up_m: 2.5}
+components: {payload: 25}
+skills:
+  send: {parameters: {}, assumes: canSend, effect: sent,
+         execute: "command(payload, MAV_CMD_USER_1)", timeout_s: 6}
+initially: [at(Home)]
+goal: sent
+"""
+WINDS = """
+version: 1
+wind: {east_mps: 0, north_mps: 0, turbulence_mps: 0}
+vary:
+  wind.east_mps: [-9, 9]
+  wind.north_mps: [-9, 9]
+  wind.turbulence_mps: [0, 0.4]
+  start.heading_deg: [0, 360]
+  battery.charge: [0.5, 1]
 """
 
 
@@ -60,20 +88,85 @@ def _keep_the_radius_alone(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(VehicleProfile, "clearance_m", property(lambda vehicle: vehicle.radius_m))
 
 
+def _try_once(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(builder, "_tried", lambda child, tries: child)
+
+
+def _say_it_once(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(commands, "RESEND_S", 60.0)
+
+
+def _wait_less_for_the_answer(patch: pytest.MonkeyPatch) -> None:
+    start = CommandSender.start
+
+    def start_hastily(
+        sender: CommandSender,
+        now_s: float,
+        target: tuple[int, int],
+        command: int,
+        parameters: Parameters,
+        timeout_s: float | None = None,
+    ) -> int:
+        waited_s = None if timeout_s is None else timeout_s - 0.5
+        return start(sender, now_s, target, command, parameters, waited_s)
+
+    patch.setattr(CommandSender, "start", start_hastily)
+
+
 DEFECTS = (
     Defect(
         "routes keep the vehicle's radius alone, and nothing for its deviation",
         AROUND_A_CORNER,
+        WINDS,
+        _keep_the_radius_alone,
+    ),
+    Defect(
+        "a skill is tried once, whatever its mission says",
+        AN_ANSWER_THAT_TAKES_TIME.replace("timeout_s: 6", "timeout_s: 6, tries: 2"),
         """
 version: 1
+payload: {component: 25, command: MAV_CMD_USER_1, otherwise: ACCEPTED,
+          answers: [{east_m: 0, north_m: 0, radius_m: 5, result: ACCEPTED, after_s: 0.5}]}
+happens: [{command: MAV_CMD_USER_1, after_s: 0.3, payload: {result: ACCEPTED}}]
 wind: {east_mps: 0, north_mps: 0, turbulence_mps: 0}
 vary:
-  wind.east_mps: [-9, 9]
-  wind.north_mps: [-9, 9]
-  wind.turbulence_mps: [0, 0.4]
+  payload.answers.0.result: {choice: [ACCEPTED, FAILED], weights: [30, 1]}
+  wind.east_mps: [-5, 5]
+  wind.north_mps: [-5, 5]
   start.heading_deg: [0, 360]
-  battery.charge: [0.5, 1]
 """,
-        _keep_the_radius_alone,
+        _try_once,
+    ),
+    Defect(
+        "a command that is not answered is not sent again",
+        AN_ANSWER_THAT_TAKES_TIME,
+        """
+version: 1
+payload: {component: 25, command: MAV_CMD_USER_1, otherwise: ACCEPTED}
+happens: [{at_s: 0, link: {port: companion, loss: 0}}]
+wind: {east_mps: 0, north_mps: 0, turbulence_mps: 0}
+vary:
+  happens.0.link.loss: [0, 0.02]
+  wind.east_mps: [-5, 5]
+  wind.north_mps: [-5, 5]
+  start.heading_deg: [0, 360]
+""",
+        _say_it_once,
+    ),
+    Defect(
+        "half a second less is waited for the final answer",
+        AN_ANSWER_THAT_TAKES_TIME,
+        """
+version: 1
+payload: {component: 25, command: MAV_CMD_USER_1,
+          answers: [{east_m: 0, north_m: 0, radius_m: 5, result: ACCEPTED, after_s: 1}]}
+wind: {east_mps: 0, north_mps: 0, turbulence_mps: 0}
+vary:
+  payload.answers.0.after_s: [0.2, 5.7]
+  wind.east_mps: [-5, 5]
+  wind.north_mps: [-5, 5]
+  start.heading_deg: [0, 360]
+""",
+        _wait_less_for_the_answer,
     ),
 )
