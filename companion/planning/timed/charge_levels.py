@@ -33,10 +33,18 @@ class ChargeLevels:
         energy: of the problem.
         product: of it.
         in_loop: in loops, not on the way into one.
+        more: levels to charge to besides.
     """
 
-    def __init__(self, energy: Energy, product: Product, in_loop: bool = True) -> None:
+    def __init__(
+        self,
+        energy: Energy,
+        product: Product,
+        in_loop: bool = True,
+        more: frozenset[int] = frozenset(),
+    ) -> None:
         self._energy, self._product, self._in_loop = energy, product, in_loop
+        self._more = more
         self.full = len(energy.percents) - 1
         self.missing = self.full - energy.level
         self._bits = {place: product.bit(at(place)) for place in energy.floors}
@@ -96,7 +104,7 @@ class ChargeLevels:
             yield step._replace(drain=self._energy.rest if action is WAIT else action.drain)
             return
         charger = self._charger(charger)
-        for needs, leaves in _choices(charger):
+        for needs, leaves in _choices(charger, self._more):
             took_ms = charger.service_ms(needs, leaves)
             yield step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
 
@@ -175,11 +183,12 @@ def charging(step: TimedStep, charger: Charger, needs: int, leaves: int) -> Time
     return step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
 
 
-def _choices(charger: Charger) -> Iterator[tuple[int, int]]:
+def _choices(charger: Charger, more: frozenset[int]) -> Iterator[tuple[int, int]]:
     room = charger.highest - charger.floor
     if room <= 0:
         return
     levels = sorted({charger.floor + room * part // LEVELS for part in range(LEVELS + 1)})
-    for number, needs in enumerate(levels):
-        for leaves in levels[number + 1 :]:
-            yield needs, leaves
+    for needs in levels:
+        for leaves in sorted(more.union(levels)):
+            if needs < leaves <= charger.highest:
+                yield needs, leaves

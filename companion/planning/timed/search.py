@@ -5,7 +5,7 @@ search is exact, by generalized acceptance and with clocks as labels (`lassos.py
 long, so there is a budget of labels.
 
 On a battery the best plan without bounds is taken if it keeps them. Else the charge is one more
-label, with a few levels to charge to (`charge_levels.py`).
+label, with a few levels to charge to (`charge_levels.py`), those of that plan among them.
 
 Where the budget ends before a lap is found it is not known whether there is one, and where it ends
 after, how far from the shortest it may be.
@@ -96,28 +96,38 @@ class TimedSearch:
             return
         has_found = False
         self.known.keep_loop(best.lasso.loop)  # its levels are none of the few
-        for solution in self._searched(problem, effort):
+        actions = (*best.lasso.prefix, *best.lasso.loop)
+        levels = frozenset(a.charge_to for a in actions if a.charge_to is not None)
+        for solution in self._searched(problem, effort, levels):
             has_found = True
             yield replace(solution, bound_ms=min(best.bound_ms, solution.cost_ms))
         if not has_found and self.is_solvable(replace(problem, energy=None), effort) is not False:
             raise SearchLimit(f"{LEVELS} levels of charge, with bounds in time", ADVICE)
 
-    def _searched(self, problem: Problem, effort: Effort) -> Iterator[Solution]:
-        """By label setting."""
+    def _searched(
+        self, problem: Problem, effort: Effort, levels: frozenset[int] = frozenset()
+    ) -> Iterator[Solution]:
+        """By label setting.
+
+        Args:
+            problem: with bounds.
+            effort: limits of the search.
+            levels: to charge to, besides a few.
+        """
         product = self._search.product(problem, effort, min_goals=sys.maxsize)
         components = accepting_components(product)
         if not components:
             return
         has_found, limit = False, None
         for is_late in (False, True) if any(problem.clocks_ms) else (False,):
-            graph = TimedProduct(problem, product, is_late)
+            graph = TimedProduct(problem, product, is_late, levels=levels)
             if not graph.bounds:
                 yield from self._without_bounds(problem, effort)
                 return
             parts = [TimedComponent(graph, nodes) for nodes in components]
             into = graph
             if problem.energy is not None and problem.energy.is_short:
-                into = TimedProduct(problem, product, is_late, in_loop=False)
+                into = TimedProduct(problem, product, is_late, in_loop=False, levels=levels)
             try:
                 lassos = TimedLassos(problem, graph, parts, effort, self.known, into)
                 for solution in lassos.solutions():

@@ -58,10 +58,16 @@ class TimedProduct:
         product: of it.
         is_late: whether a clock that runs now may use up what plans keep in hand.
         in_loop: for loops, not for the way into one.
+        levels: to charge to, besides a few.
     """
 
     def __init__(
-        self, problem: Problem, product: Product, is_late: bool = False, in_loop: bool = True
+        self,
+        problem: Problem,
+        product: Product,
+        is_late: bool = False,
+        in_loop: bool = True,
+        levels: frozenset[int] = frozenset(),
     ) -> None:
         spent(_NODE_US * product.nodes + _EDGE_US * len(product.ends))
         self.product = product
@@ -96,7 +102,7 @@ class TimedProduct:
         latest = [self._latest(i) for i in range(len(self.bounds))]
         self.charges = None
         if problem.energy is not None:
-            self.charges = ChargeLevels(problem.energy, product, in_loop)
+            self.charges = ChargeLevels(problem.energy, product, in_loop, levels)
             self.start = (*self.start, self.charges.missing)
             self.limits_ms = (*self.limits_ms, self.charges.full)
             self.least = (*self.least, 0)

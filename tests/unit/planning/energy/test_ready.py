@@ -101,3 +101,19 @@ def test_a_dock_from_which_the_answer_is_too_far_is_told() -> None:
         "W is too far for answer to be ready: recharge(W) and the way to A take 18.3 s, a plan has "
         "18 s"
     ) in none.value.explanation.late
+
+
+def test_after_an_answer_it_is_charged_no_further_than_other_bounds_leave_time_for() -> None:
+    """To a fifth of the battery, as the levels are that are tried, it would take two minutes."""
+    task = {
+        "patrol": "patrolling(A, B)",
+        "answer": "G (alarm -> F[<=30s] at(A))",
+        "often": "revisit(B) <= 75 s",
+    }
+    data = two_docks(task=task, ready=["answer"], events={"alarm": {"when": "EVENT[alarm] > 0"}})
+    data["skills"]["recharge"]["charge_rate"] = [[0, 0.14], [80, 0.12], [100, 0.01]]
+    planner = Planner(load_mission(data))
+    answered, letters = at_level(planner, "A", 1600)
+    clocks_ms = tuple(15_000 if c.name == "often" else None for c in answered.conjuncts)
+    lasso = planner.replan(replace(answered, clocks_ms=clocks_ms), letters)
+    assert lasso is not None and any(action.charger is not None for action in lasso.prefix)
