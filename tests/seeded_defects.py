@@ -8,15 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 
 from companion.acting.behaviour_tree import builder
+from companion.acting.event_detector import EventDetector
 from companion.api.simulating import varied_world_of
 from companion.campaigns.kit import Kit
 from companion.mavlink import commands
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mission.loader import load_mission
+from companion.mission.model import Event
 from companion.vehicle_profile import VehicleProfile
 
 LIMIT_S = 90.0
@@ -37,6 +40,17 @@ places:
   Home: {{east_m: 0, north_m: 0, up_m: 1}}
   Far: {{east_m: 9, north_m: 0, up_m: 1}}
 {FLYING}"""
+WHILE_A_GATE_IS_OPEN = f"""
+version: 1
+name: while_a_gate_is_open
+limits: {{speed_mps: 3, up_m: [0.5, 4], fence: [[-2, -3], [14, -3], [14, 3], [-2, 3]]}}
+places:
+  Home: {{east_m: 0, north_m: 0, up_m: 1}}
+  Far: {{east_m: 8, north_m: 0, up_m: 1}}
+events:
+  shut: {{when: "EVENT[gate] > 0.8", until: "EVENT[gate] < 0.2"}}
+patience_s: 14
+{FLYING.replace("goal: at(Far)", "goal: at(Far) & !shut")}"""
 AN_ANSWER_THAT_TAKES_TIME = """
 version: 1
 name: an_answer_that_takes_time
@@ -113,6 +127,16 @@ def _wait_less_for_the_answer(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(CommandSender, "start", start_hastily)
 
 
+def _forget_until(patch: pytest.MonkeyPatch) -> None:
+    wants = EventDetector._wants_to_change
+
+    def wants_to_change(detector: EventDetector, event: Event, *about: Any) -> bool:
+        is_kept = detector._holds[event.name] and event.until
+        return not is_kept and wants(detector, event, *about)
+
+    patch.setattr(EventDetector, "_wants_to_change", wants_to_change)
+
+
 DEFECTS = (
     Defect(
         "routes keep the vehicle's radius alone, and nothing for its deviation",
@@ -168,5 +192,22 @@ vary:
   start.heading_deg: [0, 360]
 """,
         _wait_less_for_the_answer,
+    ),
+    Defect(
+        "the condition that ends an event is never looked at",
+        WHILE_A_GATE_IS_OPEN,
+        """
+version: 1
+happens:
+  - {at_s: 1, report: {gate: 0}}
+  - {at_s: 16, report: {gate: 0}}
+wind: {east_mps: 0, north_mps: 0, turbulence_mps: 0}
+vary:
+  happens.0.report.gate: [0, 1]
+  happens.0.at_s: [5, 15]
+  wind.east_mps: [-5, 5]
+  start.heading_deg: [0, 360]
+""",
+        _forget_until,
     ),
 )
