@@ -173,10 +173,11 @@ def _values(kind: Any) -> Callable[[Fields], Sequence[Any]]:
 
 
 def _fields_of(kind: Any) -> Callable[[tuple[Any, ...]], Sequence[Any]]:
+    order = [kind.ordered_fieldnames.index(name) for name in kind.fieldnames]
     if sum(kind.lengths) == len(kind.lengths) and "char" not in kind.fieldtypes:
-        return itemgetter(*kind.orders) if len(kind.orders) > 1 else tuple
+        return itemgetter(*order) if len(order) > 1 else tuple
     ends = list(accumulate(kind.lengths))
-    places = [(ends[i] - kind.lengths[i], kind.lengths[i]) for i in kind.orders]
+    places = [(ends[i] - kind.lengths[i], kind.lengths[i]) for i in order]
 
     def fields_of(values: tuple[Any, ...]) -> list[Any]:
         fields = [

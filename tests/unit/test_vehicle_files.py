@@ -100,7 +100,7 @@ def test_a_profile_elsewhere_is_not_uploaded(folder: Path) -> None:
     ("vehicle", "place", "part"),
     [
         ("quad_36cm", "13:10", "there is no vehicle profile quad_36cm"),
-        ("../quad_35cm", "13:10", "expected a text that matches"),
+        ("../quad_35cm", "13:10", "expected letters, digits, - and _"),
         ("7", "13:10", "vehicle is 7, expected keys with values"),
         ("{radius_m: 0}", "13:21", "radius_m is 0, expected more than 0"),
         ("{radius_m: }", "13:11", "radius_m: has no value"),

@@ -75,7 +75,7 @@ def test_the_command_writes_two_files_and_the_plan(
     assert "shoot(A)" in ended.out and "companion sim harbour.yaml" in ended.out
     assert companion("check", "harbour.yaml").code == 0
     again = companion("new", "harbour", "--space", "field", "--task", "patrol")
-    assert again.code == 1
+    assert again.code == 2
     assert "harbour.yaml is there already" in again.err
     assert "frame: wgs84" in (tmp_path / "harbour.yaml").read_text()
 
