@@ -25,7 +25,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
     ("group", "count", "with_peer"),
     [
         ("translating", 28, set()),  # Spot comes with the tests alone
-        (
+        pytest.param(
             "planning",
             37,
             {
@@ -33,6 +33,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
                 "replan en route, target found, median",
                 "replan at r1, refused, median",
             },
+            marks=pytest.mark.long,  # what it calls is tested by itself
         ),
         (
             "flying",
