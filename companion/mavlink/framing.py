@@ -202,7 +202,7 @@ def decode(frame: bytes) -> Message | None:
     values = layout.unpack(payload[: layout.size].ljust(layout.size, b"\0"))
     message = kind(*layout.fields_of(values))
     message._header = dialect.MAVLink_header(kind.id, *flags, length, *sender)
-    message._msgbuf, message._payload = frame, payload
+    message._msgbuf = frame
     (message._crc,) = _CHECKSUM.unpack_from(frame, begin + length)
     return message
 

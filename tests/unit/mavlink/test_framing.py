@@ -103,7 +103,11 @@ def test_every_message_is_decoded_as_pymavlink_decodes_it(number: int) -> None:
         if kind.id < 256:
             frames.append(bytes(message.pack(theirs, force_mavlink1=True)))
         for packed in frames:
-            assert decode(packed) == theirs.decode(bytearray(packed)), kind.msgname
+            heard, expected = decode(packed), theirs.decode(bytearray(packed))
+            assert heard is not None
+            assert heard == expected, kind.msgname
+            assert heard.get_msgbuf() == packed
+            assert vars(heard.get_header()) == vars(expected.get_header())
 
 
 def test_extensions_that_are_left_out_are_what_pymavlink_makes_of_them() -> None:
