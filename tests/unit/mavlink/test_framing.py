@@ -96,7 +96,7 @@ def test_every_message_has_the_bytes_of_pymavlink(number: int) -> None:
 
 @pytest.mark.parametrize("number", [0, 1, 100])
 def test_every_message_is_decoded_as_pymavlink_decodes_it(number: int) -> None:
-    codec, theirs = MavlinkCodec(1, 191), dialect.MAVLink(None)
+    codec, theirs = MavlinkCodec(1, 191), dialect.MAVLink(None, srcSystem=1, srcComponent=191)
     for kind in dialect.mavlink_map.values():
         message = example(kind, number)
         frames = [codec.pack(message)]
