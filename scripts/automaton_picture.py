@@ -13,6 +13,8 @@ from html import escape
 from itertools import pairwise
 from typing import NamedTuple
 
+from svg_picture import svg_picture
+
 from companion.ltl.automaton import BuchiAutomaton
 
 RADIUS, GAP, CHARACTER, LINE = 16, 60, 7.3, 16
@@ -45,13 +47,7 @@ def picture(automata: list[BuchiAutomaton]) -> str:
         row = _row(automaton)
         parts.append(f'<g transform="translate(0 {height:.0f})">{row.body}</g>')
         width, height = max(width, row.width), height + row.height
-    size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size}><style>{STYLE}</style>'
-        f'<defs>{ARROW}</defs><rect width="100%" height="100%" fill="#fff"/>\n'
-        + "\n".join(parts)
-        + "\n</svg>\n"
-    )
+    return svg_picture(parts, width, height, style=STYLE, definitions=ARROW)
 
 
 def _row(automaton: BuchiAutomaton) -> Row:

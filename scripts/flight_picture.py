@@ -14,6 +14,8 @@ from itertools import pairwise
 from math import dist
 from typing import NamedTuple
 
+from svg_picture import svg_picture
+
 from companion import FlightResult
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import PlanMade, PlanReplaced
@@ -66,13 +68,7 @@ def picture(flight: FlightResult) -> str:
     parts += _table(rows, left, len(positions) - loop_of(flight))
     width = left + CHARACTER * (11 + max(len(row.text) for row in rows))
     height = max(1.6 * MARGIN + (north - min(norths)) * SCALE, TOP + LINE * len(rows))
-    size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
-    return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size}><style>{STYLE}</style>'
-        f'<defs>{ARROW}</defs><rect width="100%" height="100%" fill="#fff"/>\n'
-        + "\n".join(parts)
-        + "\n</svg>\n"
-    )
+    return svg_picture(parts, width, height, style=STYLE, definitions=ARROW)
 
 
 def loop_of(flight: FlightResult) -> int:

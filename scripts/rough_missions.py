@@ -3,7 +3,7 @@
 
 To a mission's own world come wind with gusts, noise of GPS and lidar, an old battery, a link that
 loses, answers of payloads that are lost, and moments that come earlier or later. After 400 s an
-operator calls the vehicle home, as many missions have no end. docs/campaigns.md: what that showed.
+operator calls the vehicle home, as many missions have no end.
 
 Usage: .venv/bin/python scripts/rough_missions.py DIR [--rows N] [--seed S] [--only NAME ...]
 
