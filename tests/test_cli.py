@@ -249,6 +249,7 @@ def test_no_vehicle(companion: Companion, free_port: int) -> None:
     ended = companion("run", SURVEILLANCE, "--connect", url, "--timeout", 1)
     assert ended.code == 4
     assert f"no vehicle on {url} after 1 s: nothing arrived" in ended.err
+    assert f"4  no vehicle on {url}" in companion("runs").out
     assert "PX4 SITL" in ended.err
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from companion.cli.resuming import CutOffRun, mark_latest
 from companion.cli.terminal import Terminal
-from companion.errors import CompanionError
+from companion.errors import CompanionError, LinkError
 
 if TYPE_CHECKING:
     from companion.flight_events.event import Stamped
@@ -26,8 +26,12 @@ def recorded(
     keeps_journal: bool = False,
     cut_off: CutOffRun | None = None,
 ) -> Iterator[RunFolder]:
-    """A run folder, announced at the start and at the end."""
+    """A run folder, announced at the start and at the end.
 
+    A flight that no vehicle was found for has ended, too.
+    """
+
+    from companion.flight_events.event import Stamped
     from companion.flight_events.sortie import RunFailed
 
     def tell(stamped: Stamped) -> None:
@@ -35,8 +39,14 @@ def recorded(
             terminal.say(line(stamped))
 
     folder = open_run(mission, log_dir, tell, terminal, keeps_journal, cut_off)
+    begun_s = time.monotonic()
     try:
         yield folder
+    except LinkError as error:
+        if cut_off is None and not folder.has_ended:
+            ending = RunFailed(str(error), error.exit_code)
+            folder.report(Stamped(time.monotonic() - begun_s, ending))
+        raise
     finally:
         close_run(folder, terminal)
 

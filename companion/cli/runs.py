@@ -60,7 +60,11 @@ def runs(
 
 def _line(run: RunSummary) -> str:
     minutes, seconds = divmod(int(run.length_s), 60)
-    ended = f"{run.ending.exit_code}  {run.ending.text}" if run.ending else "-  no end yet"
+    ended = (
+        f"{run.ending.exit_code}  {run.ending.text}"
+        if run.ending
+        else "-  no end: cut off, or still flown"
+    )
     first = ended.splitlines()[0]
     return (
         f"{run.folder.name:<44} {minutes:4d}:{seconds:02d} {run.size_bytes / MB:6.1f} MB  {first}"

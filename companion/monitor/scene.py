@@ -22,6 +22,7 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import SpeedLimits
 from companion.motion.region import Area, Disc, Region
 from companion.motion.routes import PlaceRegion
+from companion.record.events import no_run_folder
 from companion.vehicle_profile import VehicleProfile
 
 SCENE = "scene.json"
@@ -67,10 +68,7 @@ def read_scene(folder: Path) -> Scene:
     try:
         data = json.loads(path.read_bytes())
     except OSError as error:
-        raise MissionError(
-            f"{folder} cannot be shown: {SCENE} cannot be read: {error.strerror}",
-            hint="companion sim and companion run print the folder of each run",
-        ) from error
+        raise no_run_folder(folder, SCENE, error) from error
     except (ValueError, RecursionError) as error:
         raise MissionError(f"{path}: this is not JSON") from error
     try:

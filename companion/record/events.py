@@ -66,16 +66,32 @@ def read_events(folder: Path) -> RunRecord:
     try:
         *whole, rest = path.read_bytes().split(b"\n")
     except OSError as error:
-        raise MissionError(
-            f"{folder} is no run folder: {EVENTS_FILE} cannot be read: {error.strerror}",
-            hint="companion sim and companion run print the folder of each run",
-        ) from error
+        raise no_run_folder(folder, EVENTS_FILE, error) from error
     is_torn = bool(rest) and not _is_json(rest)
     if rest and not is_torn:
         whole.append(rest)
     places = [Location(str(path), number, 1) for number in range(1, len(whole) + 1)]
     events = [read_line(line, where) for line, where in zip(whole, places, strict=True)]
     return _record(zip(events, places, strict=True), str(path), is_torn)
+
+
+def no_run_folder(folder: Path, file: str, error: OSError) -> MissionError:
+    """What is wrong with what was given for a run folder, and what to give."""
+    holds = f"a run folder holds {EVENTS_FILE} and what else was recorded of a flight"
+    lists = "companion runs lists them; companion sim and companion run print theirs"
+    if (folder.parent / EVENTS_FILE).is_file():
+        return MissionError(
+            f"{folder} is a file of a run", hint=f"give its folder: {folder.parent}"
+        )
+    if folder.is_file():
+        return MissionError(f"{folder} is a file, and no run folder", hint=f"{holds}\n{lists}")
+    if not folder.exists():
+        return MissionError(f"there is no run folder {folder}", hint=lists)
+    if inner := sorted(path.parent for path in folder.glob(f"*/{EVENTS_FILE}")):
+        hint = f"give one of them, e.g. {inner[-1]}"
+        return MissionError(f"{folder} holds {len(inner)} run folders", hint=hint)
+    what = f"{folder} is no run folder: {file} cannot be read: {error.strerror}"
+    return MissionError(what, hint=f"{holds}\n{lists}")
 
 
 def record_of(events: Iterable[Stamped]) -> RunRecord:

@@ -27,6 +27,7 @@ from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import RecordingFailed
 from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.reading import read_line
+from companion.flight_events.sortie import RunEnded
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
@@ -60,6 +61,7 @@ class RunFolder:
     Attributes:
         journal: of the run.
         trail: where the vehicle was, by plan, and its charge.
+        has_ended: whether its end was reported.
     """
 
     def __init__(
@@ -81,6 +83,7 @@ class RunFolder:
         self._draw = draw
         self._tell = tell
         self.trail = Trail()
+        self.has_ended = False
         self._is_failing = False
         self._flushed_s = 0.0
         events = folder / EVENTS_FILE
@@ -105,6 +108,7 @@ class RunFolder:
         """Appends a line to events.jsonl, at once; a plan also becomes a file."""
         if stamped.event in self._told:
             return  # the run that was cut off has told it
+        self.has_ended |= isinstance(stamped.event, RunEnded)
         self.trail.take(stamped)
         if stamped.event.is_told:
             self._tell(stamped)
