@@ -178,7 +178,8 @@ def _wall(entry: WallEntry, read: ReadCorner, number: int) -> Wall:
         return Wall(polygon(corners, "a wall of the map"), entry.up_m)
     for first, last in spans:
         if not first < last:
-            raise MissionError(f"a wall of the map: {first:g} to {last:g} is no range")
+            what = f"a wall of the map: {first:g} to {last:g} is no range"
+            raise MissionError(what, hint=f"write [{last:g}, {first:g}]: from, to")
     (west, east), (south, north) = spans
     return Wall(((south, west), (south, east), (north, east), (north, west)), entry.up_m)
 
@@ -248,7 +249,8 @@ def _cells(key: str, span: tuple[float, float] | None, cell_m: float) -> tuple[f
         raise MissionError(f"the map has no {key}", hint=hint)
     first, last = span
     if not first < last:
-        raise MissionError(f"{key} of the map: {first:g} to {last:g} is no range")
+        hint = f"write [{last:g}, {first:g}]: from, to"
+        raise MissionError(f"{key} of the map: {first:g} to {last:g} is no range", hint=hint)
     needed = (last - first) / cell_m - _ROUNDING
     if needed > MAX_EDGE_CELLS:
         hint = f"At most {MAX_EDGE_CELLS} cells along an edge; use a larger cell_m."

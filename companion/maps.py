@@ -30,6 +30,11 @@ MANY = 1e9
 """Cells beyond which it does not matter how many there would be."""
 MAX_YAML_BYTES = 64 * 1024  # a map's YAML has seven lines; more is another file
 
+_NO_MAP = (
+    "name the YAML file beside the map's image; names are relative to the file that names it\n"
+    "without a map file draw the walls, map: {east_m: [0, 9], north_m: [0, 9], walls: []}, or "
+    "leave map: out"
+)
 _GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")  # Pillow's names of images with 8 bits or less
 
 
@@ -134,8 +139,12 @@ def _yaml_mapping(path: Path) -> CommentedMap:
         if path.stat().st_size > MAX_YAML_BYTES:
             raise MissionError(f"{path} is too large for a map's YAML file")
         values = YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise MissionError(f"the map {path} cannot be read: {error}") from error
+    except UnicodeDecodeError as error:
+        hint = "name the YAML file beside the image, which says how large its cells are"
+        raise MissionError(f"the map {path} is no text", hint=hint) from error
+    except OSError as error:
+        reason = error.strerror or error
+        raise MissionError(f"the map {path} cannot be read: {reason}", hint=_NO_MAP) from error
     except MarkedYAMLError as error:
         mark = error.problem_mark
         where = Location(str(path), mark.line + 1, mark.column + 1) if mark else None

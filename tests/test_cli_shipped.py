@@ -34,8 +34,8 @@ def test_a_file_that_is_there_comes_before_a_name(
 
 def test_what_is_neither_is_refused_with_the_names_there_are() -> None:
     with pytest.raises(MissionError) as error:
-        mission_file("missions/survaillance.yaml")
-    assert "there is no file missions/survaillance.yaml" in str(error.value)
+        mission_file("nowhere/survaillance.yaml")
+    assert "there is no file nowhere/survaillance.yaml" in str(error.value)
     assert "did you mean surveillance?" in str(error.value)
     assert ", ".join(names()) in str(error.value)
 

@@ -1,105 +1,117 @@
-"""Mistakes that people make in their first missions: each answer names the place and a remedy."""
+"""Mistakes of strangers (mistakes.py): each answer names the place and a remedy."""
 
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 from commands import Companion
+from mistakes import FIELD, IN_WORDS, MISSIONS, WORLD, WORLDS, Mistake
 
 from companion import load_mission
 from companion.errors import MissionError
-from companion.plans.starter import StarterSpace, starter
-from companion.plans.starter_tasks import TaskName
+from sitl.world.scenario import read_scenario
 
-RIGHT = starter("first", StarterSpace.FIELD, TaskName.INSPECTION).mission
-TASK = "  home: F G at(Home)"
-MISTAKES = {  # what is replaced, by what, the line that is named, words of the answer
-    "or": (TASK, "  home: F at(A) or F at(B)", "home:", "write |"),
-    "AND": (TASK, "  home: F at(A) AND F at(B)", "home:", "write &"),
-    "not": (TASK, "  home: G not at(B)", "home:", "write !"),
-    "two equal signs": (TASK, "  home: at(A) == at(B)", "home:", "write <->"),
-    "an arrow of programs": (TASK, "  home: G (at(A) => F at(B))", "home:", "write ->"),
-    "an arrow of books": (TASK, "  home: G (at(A) → F at(B))", "home:", "write ->"),
-    "a box": (TASK, "  home: □ at(Home)", "home:", "write G"),
-    "a diamond": (TASK, "  home: ◇ at(Home)", "home:", "write F"),
-    "a box of ASCII": (TASK, "  home: '[] at(Home)'", "home:", "write G"),
-    "a diamond of ASCII": (TASK, "  home: '<> at(Home)'", "home:", "write F"),
-    "a word for F": (TASK, "  home: eventually at(Home)", "home:", "write F"),
-    "a word for G": (TASK, "  home: always at(Home)", "home:", "write G"),
-    "operators glued": (TASK, "  home: GF at(Home)", "home:", "did you mean 'G F'?"),
-    "a bracket too few": (TASK, "  home: F (at(Home)", "home:", "ends too early"),
-    "a place misspelt": (TASK, "  home: F at(Hmoe)", "home:", "Did you mean at(Home)?"),
-    "an unknown fact": (TASK, "  home: F landed", "home:", "unknown fact landed"),
-    "a unit": ("speed_mps: 5", "speed_mps: 5 m/s", "speed_mps", "write the number alone: 5."),
-    "a number in quotes": ("speed_mps: 5", "speed_mps: '5'", "speed_mps", "expected a number"),
-    "a key misspelt": ("speed_mps: 5", "sped_mps: 5", "sped_mps", "Did you mean speed_mps?"),
-    "no version": ("version: 1\n", "", None, "the key version is missing"),
-    "a fence of two corners": (
-        "[[-20, -20], [60, -20], [60, 50], [-20, 50]]",
-        "[[-20, -20], [60, 50]]",
-        "fence:",
-        "expected at least 3 entries",
-    ),
-    "a place outside the fence": ("A: {east_m: 40", "A: {east_m: 400", "A:", "outside"),
-    "a place without its height": (", up_m: 6}", "}", "Home:", "up_m"),
-    "a tab": ("  speed_mps", "\tspeed_mps", "\tspeed_mps", "indent with spaces"),
-    "a minus of books": (
-        "[[-20, -20]",
-        "[[\u221220, -20]",
-        "fence:",
-        "write the minus of the keyboard: -20.",
-    ),
-    "no space after a colon": (
-        "  speed_mps: 5",
-        "  speed_mps:5",
-        "up_m:",
-        "line 13 lacks a space after the colon: write speed_mps: 5",
-    ),
-    "a space that cannot be broken": (
-        "  speed_mps",
-        "\u00a0 speed_mps",
-        "up_m:",
-        "line 13 has a space that is none, U+00A0",
-    ),
-    "a brace that is not closed": (
-        "north_m: 0, up_m: 6}",
-        "north_m: 0, up_m: 6",
-        "A:",
-        "what is opened in line 19 is not closed",
-    ),
-    "a quote that is not closed": ("name: first", "name: 'first", "name:", "never closed"),
-    "quotes of books": (TASK, "  home: \u201cF at(Home)\u201d", "home:", "is made of names"),
-    "a pattern misspelt": (TASK, "  home: patroling(A, B)", "home:", "mean patrolling(A, B)?"),
-    "a place without at": (TASK, "  home: F G Home", "home:", "Did you mean at(Home)?"),
-    "a name of two words": ("  A: {", "  Site A: {", "Site A:", "no digit first: write Site_A"),
-    "an unknown component": ("photo(camera)", "photo(kamera)", "execute:", "kamera"),
-    "an unknown command": (
-        "photo(camera)",
-        "command(camera, MAV_CMD_TAKE_PHOTO)",
-        "execute:",
-        "MAV_CMD_TAKE_PHOTO",
-    ),
-}  # fmt: skip
+HOME = "  home: F G at(Home)"
+IN_FILES = [
+    pytest.param(right, mistake, id=f"{kind}: {name}")
+    for kind, (right, table) in MISSIONS.items()
+    for name, mistake in table.items()
+]
 
 
-@pytest.mark.parametrize("mistake", MISTAKES)
-def test_the_answer_names_the_place_and_a_remedy(mistake: str, tmp_path: Path) -> None:
-    right, wrong, place, words = MISTAKES[mistake]
-    assert right in RIGHT
-    text = RIGHT.replace(right, wrong, 1)
-    path = tmp_path / "first.yaml"
+def written(right: str, mistake: Mistake, path: Path) -> str:
+    """The file with the mistake, which is written there."""
+    assert mistake.right in right
+    text = right.replace(mistake.right, mistake.wrong, 1)
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(MissionError) as error:
-        load_mission(path)
-    answer = str(error.value)
-    assert words in answer
-    assert answer.count("\n") >= 1, "a remedy"
-    named = re.match(rf"{re.escape(str(path))}:(\d+):\d+: ", answer)
+    return text
+
+
+def check(answer: str, text: str, mistake: Mistake, path: Path) -> None:
+    """It names the line, and what to do."""
+    assert mistake.words in answer
+    named = re.match(rf"{re.escape(str(path))}:(\d+):\d+: .*\n +\S", answer)
     assert named, answer
-    if place is not None:
-        assert place in text.splitlines()[int(named[1]) - 1]
+    line = text.splitlines()[int(named[1]) - 1]
+    assert line.startswith(mistake.line) if mistake.line else named[1] in ("1", "8"), answer
+
+
+@pytest.mark.parametrize(("right", "mistake"), IN_FILES)
+def test_the_answer_names_the_place_and_a_remedy(
+    right: str, mistake: Mistake, tmp_path: Path
+) -> None:
+    text = written(right, mistake, tmp_path / "first.yaml")
+    with pytest.raises(MissionError) as error:
+        load_mission(tmp_path / "first.yaml")
+    check(str(error.value), text, mistake, tmp_path / "first.yaml")
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_so_do_the_answers_about_worlds(name: str, tmp_path: Path) -> None:
+    text = written(WORLD, WORLDS[name], tmp_path / "first.sim.yaml")
+    with pytest.raises(MissionError) as error:
+        read_scenario(tmp_path / "first.sim.yaml")
+    check(str(error.value), text, WORLDS[name], tmp_path / "first.sim.yaml")
+
+
+@pytest.mark.parametrize("name", IN_WORDS)
+def test_a_line_that_never_holds_is_told_with_what_to_write(
+    name: str, companion: Companion, tmp_path: Path
+) -> None:
+    text = written(FIELD, IN_WORDS[name], tmp_path / "first.yaml")
+    ended = companion("check", tmp_path / "first.yaml")
+    assert ended.code == 3
+    line = text.splitlines().index(IN_WORDS[name].wrong) + 1
+    assert f"(line {line})" in ended.err and IN_WORDS[name].words in ended.err
+
+
+COMMANDS = {
+    "check frist.yaml": "did you mean first.yaml?",
+    "check surveilance": "did you mean surveillance?",
+    "check first.sim.yaml": "companion sim first.yaml flies",
+    "check .": "is a folder: name a file in it",
+    "check": "Missing argument 'MISSION'",
+    "chek first.yaml": "Did you mean 'check'?",
+    "sim first.yaml --speed fast": "not a positive number or max",
+    "sim first.yaml --instance 300": "less than or equal to",
+    "sim first.yaml --scenario first.yaml --speed max": "MISSION.sim.yaml",
+    "run first.yaml --connect /dev/ttyUSB0": "write serial:///dev/ttyUSB0:57600",
+    "run first.yaml --connect 14540": "write udpin://0.0.0.0:14540",
+    "run first.yaml --connect udp://10.0.0.2:14540": "write udpin://10.0.0.2:14540",
+    "plan first.yaml --at Hmoe": "Did you mean Home?",
+    "plan first.yaml --objective fastest": "is not one of 'lap'",
+    "audit first.yaml": "a run folder holds events.jsonl",
+    "audit runs": "give one of them, e.g. runs/2026-11-21T101500-first",
+    "replay runs/2026-11-21T101500-first/events.jsonl": "give its folder: runs/2026",
+    "figure nowhere": "companion runs lists them",
+    "new first": "is there already",
+    "new 2nd": "letters, digits and _, a letter first",
+    "new other --space indoor --task patrol": "is not one of 'hall'",
+    "import field.plan": "Missing option '--output'",
+    "export first.yaml -o first.txt": "neither .plan nor .geojson",
+    "runs --log-dir nowhere": "companion sim surveillance makes one",
+}
+"""Command -> what its answer has to say. Each is exit code 2 but for runs, and links."""
+
+
+def test_commands_that_are_mistaken_are_answered_with_what_to_give(
+    companion: Companion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "first.yaml").write_text(FIELD)
+    (tmp_path / "first.sim.yaml").write_text(WORLD)
+    (tmp_path / "runs" / "2026-11-21T101500-first").mkdir(parents=True)
+    (tmp_path / "runs" / "2026-11-21T101500-first" / "events.jsonl").touch()
+    for command, words in COMMANDS.items():
+        ended = companion(*command.split())
+        told = " ".join(ended.err.replace("│", " ").split())
+        assert words in told, f"{command}\n{ended.err}"
+        expected = 4 if "--connect" in command else 1 if "--log-dir" in command else 2
+        assert ended.code == expected, command
+    shutil.rmtree(tmp_path / "runs")
 
 
 def test_an_empty_file(tmp_path: Path) -> None:
@@ -109,7 +121,7 @@ def test_an_empty_file(tmp_path: Path) -> None:
 
 
 def test_all_that_is_wrong_with_the_keys_is_told_at_once(tmp_path: Path) -> None:
-    text = RIGHT.replace("speed_mps: 5", "speed_mps: fast").replace("tries: 2", "trys: 2")
+    text = FIELD.replace("speed_mps: 5", "speed_mps: fast").replace("tries: 2", "trys: 2")
     text = text.replace("A: {east_m", "A: {east", 1).replace("version: 1\n", "")
     (tmp_path / "first.yaml").write_text(text)
     with pytest.raises(MissionError) as error:
@@ -125,7 +137,7 @@ def test_all_that_is_wrong_with_the_keys_is_told_at_once(tmp_path: Path) -> None
 
 def test_many_mistakes_are_told_by_the_first_ones(tmp_path: Path) -> None:
     unknown = "".join(f"extra_{number}: 1\n" for number in range(50))
-    (tmp_path / "first.yaml").write_text(RIGHT + unknown)
+    (tmp_path / "first.yaml").write_text(FIELD + unknown)
     with pytest.raises(MissionError) as error:
         load_mission(tmp_path / "first.yaml")
     assert str(error.value).count("unknown key") == 10
@@ -135,7 +147,7 @@ def test_lines_that_contradict_each_other_are_told_with_their_lines(
     companion: Companion, tmp_path: Path
 ) -> None:
     path = tmp_path / "first.yaml"
-    path.write_text(RIGHT.replace(TASK, "  home: G at(Home)\n  out: F at(A)"), encoding="utf-8")
+    path.write_text(FIELD.replace(HOME, "  home: G at(Home)\n  out: F at(A)"), encoding="utf-8")
     lines = path.read_text(encoding="utf-8").splitlines()
     for command in ("check", "plan"):
         ended = companion(command, path)

@@ -36,7 +36,8 @@ LogDir = Annotated[
     ),
 ]
 Instance = Annotated[
-    int, typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0)
+    int,
+    typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0, max=253),
 ]
 GroundPort = Annotated[
     int, typer.Option(help="UDP port of the ground station, for all instances.", min=1, max=65535)

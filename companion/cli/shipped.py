@@ -60,7 +60,8 @@ def mission_file(text: str) -> Path:
     shipped = names()
     if text in shipped:
         return lies_in / f"{text}.yaml"
-    near = get_close_matches(path.name.removesuffix(".yaml"), shipped, n=1)
+    files = [str(file) for file in path.parent.glob("*.yaml") if not file.match(f"*{SCENARIO}")]
+    near = get_close_matches(text, files, n=1) or get_close_matches(path.stem, shipped, n=1)
     meant = f"did you mean {near[0]}? " if near else ""
-    advice = f"{meant}these are shipped: {', '.join(shipped)}"
+    advice = f"{meant}companion new NAME writes one; these are shipped: {', '.join(shipped)}"
     raise MissionError(f"there is no file {text}", hint=advice)

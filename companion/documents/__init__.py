@@ -1,6 +1,6 @@
 """YAML and data from outside: validated, with the place of every key, errors in plain words."""
 
-from companion.documents.diagnostics import did_you_mean
+from companion.documents.diagnostics import did_you_mean, most_similar
 from companion.documents.document import Document, TextDocument, validate
 from companion.documents.sources import Given, Source, read_source
 
@@ -10,6 +10,7 @@ __all__ = [
     "Source",
     "TextDocument",
     "did_you_mean",
+    "most_similar",
     "read_source",
     "validate",
 ]

@@ -24,7 +24,24 @@ _UNIT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*[A-Za-z%°/]+[A-Za-z0-9/²]*\s*")
 """A number with a unit behind it."""
 _OTHER_MINUS = re.compile(r"\s*[\u2010-\u2015\u2212](\d+(?:\.\d+)?)\s*")
 """A number behind a dash, or behind the minus of books."""
+_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)\s*")
+"""A number with a decimal comma."""
 _SIMILAR = 0.6  # difflib's own cutoff for close matches
+_ELSEWHERE = {
+    **dict.fromkeys(("x", "east", "easting"), ("east_m", "east_mps")),
+    **dict.fromkeys(("y", "north", "northing"), ("north_m", "north_mps")),
+    **dict.fromkeys(("z", "alt", "altitude", "height", "down"), ("up_m", "altitude_m")),
+    **dict.fromkeys(("lat", "latitude"), ("lat_deg", "latitude_deg")),
+    **dict.fromkeys(("lon", "lng", "longitude"), ("lon_deg", "longitude_deg")),
+    **dict.fromkeys(("yaw", "heading"), ("heading_deg",)),
+    **dict.fromkeys(("percent", "level", "soc"), ("charge",)),
+    "event": ("report",),
+    "velocity": ("speed_mps",),
+    "geofence": ("fence",),
+    "waypoints": ("places",),
+    "actions": ("skills",),
+}
+"""What other programs call a key -> ours."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,18 +61,28 @@ class Diagnostic:
     is_about_key: bool
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Returns a question with the most similar known word; empty if none is similar.
+def most_similar(word: str, known: Iterable[str]) -> str:
+    """Returns the most similar known word; empty if none is similar.
 
-    >>> did_you_mean("palces", ["places", "sets"])
-    'Did you mean places?'
+    >>> most_similar("palces", ["places", "sets"])
+    'places'
     """
 
     def similarity(name: str) -> float:
         return difflib.SequenceMatcher(None, word[:80].lower(), name.lower()).ratio()
 
     best = max(known, key=similarity, default="")  # the first of equals
-    return f"Did you mean {best}?" if similarity(best) >= _SIMILAR else ""
+    return best if similarity(best) >= _SIMILAR else ""
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Returns a question with the most similar known word; empty if none is similar.
+
+    >>> did_you_mean("palces", ["places", "sets"])
+    'Did you mean places?'
+    """
+    best = most_similar(word, known)
+    return f"Did you mean {best}?" if best else ""
 
 
 MOST = 10
@@ -136,17 +163,38 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
         return Diagnostic(f"the key {name} is missing{_of(keys)}", keys, hint, True)
     if kind == "extra_forbidden":
         known = list(_schema_at(root, keys[:-1]).get("properties", ()))
-        hint = f"known keys are {', '.join(known)}. {did_you_mean(str(keys[-1]), known)}".strip()
+        hint = f"known keys are {', '.join(known)}. {_meant_key(str(keys[-1]), known)}".strip()
         return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
     if name == "[key]":
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
         better = re.sub(r"\W+", "_", str(keys[-1]), flags=re.ASCII).strip("_")
         hint = f"expected {expected}" + (f": write {better}" if better.isidentifier() else "")
         return Diagnostic(f"{_short(keys[-1])} is not a name", keys, hint, True)
-    return _wrong_value(details, keys, _schema_at(root, keys), _at(data, keys))
+    explained, keys_there = _explanation(root, keys), _schema_at(root, keys).get("properties", ())
+    if keys_there:
+        explained = f"{explained.rstrip('.')}. keys are {', '.join(keys_there)}."
+    return _wrong_value(details, keys, explained, _at(data, keys))
 
 
-def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: object) -> Diagnostic:
+def _meant_key(word: str, known: Sequence[str]) -> str:
+    """A question for the key that was perhaps meant."""
+    others = _ELSEWHERE.get(re.sub(r"_(m|deg|mps|kmh)$", "", word.lower()), ())
+    ours = next((each for each in others if each in known), "")
+    return f"Did you mean {ours}?" if ours else did_you_mean(word, known)
+
+
+def _explanation(root: Schema, keys: Keys) -> str:
+    """What a value means, or else what the nearest one around it that is described means."""
+    for length in range(len(keys), 0, -1):
+        if description := _schema_at(root, keys[:length]).get("description"):
+            inner = keys[:length]
+            return _sentence(
+                str(inner[-1]) if isinstance(inner[-1], str) else _subject(inner), description
+            )
+    return _sentence(_subject(()), root.get("description", ""))
+
+
+def _wrong_value(details: list[Detail], keys: Keys, explained: str, value: object) -> Diagnostic:
     subject = keys[-1] if keys and isinstance(keys[-1], str) else _subject(keys)
     kind, message = details[0]["type"], details[0]["msg"]
     if kind not in _RULES:  # a validator's own words
@@ -154,18 +202,27 @@ def _wrong_value(details: list[Detail], keys: Keys, schema: Schema, value: objec
     expected = dict.fromkeys(
         _RULES[d["type"]](d.get("ctx", {})) for d in details if d["type"] in _RULES
     )
-    hint = _sentence(str(subject), schema.get("description", ""))
-    number = _UNIT.fullmatch(value) if isinstance(value, str) else None
-    minus = _OTHER_MINUS.fullmatch(value) if isinstance(value, str) else None
-    if minus is not None and "a number" in expected:
-        hint = f"write the minus of the keyboard: -{minus[1]}. {hint}".strip()
-    elif number is not None and "a number" in expected:
-        hint = f"write the number alone: {number[1]}. {hint}"
-    elif isinstance(value, str):
+    hint = explained
+    if isinstance(value, str):
         words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
-        hint = f"{did_you_mean(value, words)} {hint}".strip()
+        number = _number_in(value) if "a number" in expected else ""
+        hint = f"{number or did_you_mean(value, words)} {hint}".strip()
     what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"
     return Diagnostic(what, keys, hint, False)
+
+
+def _number_in(text: str) -> str:
+    """What to write for a text that is nearly a number; empty if it is none.
+
+    >>> _number_in("2,5"), _number_in("2.5 m/s"), _number_in("fast")
+    ('write a point: 2.5.', 'write the number alone: 2.5.', '')
+    """
+    if minus := _OTHER_MINUS.fullmatch(text):
+        return f"write the minus of the keyboard: -{minus[1]}."
+    if comma := _COMMA.fullmatch(text):
+        return f"write a point: {comma[1]}.{comma[2]}."
+    number = _UNIT.fullmatch(text)
+    return f"write the number alone: {number[1]}." if number else ""
 
 
 _TEXTS = {

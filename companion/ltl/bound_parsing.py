@@ -118,8 +118,19 @@ def whole(part: Parsed) -> Formula | TimedFormula:
     return TimedFormula(part.parts) if isinstance(part, TimedParts) else without_bounds(part)
 
 
-def misplaced(token: Token) -> tuple[str, str]:
-    """What is wrong with a bound where the grammar has none, and what to write."""
+def misplaced(token: Token, before: str) -> tuple[str, str]:
+    """What is wrong with a bound where the grammar has none, and what to write.
+
+    Args:
+        token: the bound.
+        before: the text up to it.
+    """
+    name = re.search(r"(\w+)\s*$", before)
+    if name is not None and name[1] not in {operator.value for operator in TEMPORAL}:
+        if token.type == "BOUND":
+            return f"{name[1]}{token} is no fact", "write the name that it has under events alone"
+        what = f"a formula is made of facts, {name[1]} {token} is a number compared"
+        return what, "make an event of it, e.g. low: {when: BATTERY_STATUS.battery_remaining < 30}"
     if token.type == "BOUND":
         return "a time bound stands after F only", _WRITE["BOUND"]
     return "a limit in time follows revisit(...) only", f"{_WRITE['LIMIT']}, or F[<=60s] at(A)"

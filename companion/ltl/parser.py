@@ -219,7 +219,8 @@ _FOREIGN = {
     "<=>": "<->", "↔": "<->", "==": "<->", "iff": "<->",
     "□": "G", "[]": "G", "always": "G", "globally": "G", "◇": "F", "<>": "F", "eventually": "F",
     "finally": "F", "○": "X", "next": "X", "until": "U", "release": "R", "and": "&", "∧": "&",
-    "or": "|", "∨": "|", "not": "!", "¬": "!", "~": "!",
+    "or": "|", "∨": "|", "not": "!", "¬": "!", "~": "!", "within": "F[<=60s] at(A)",
+    "forall": "at(A) & at(B), or a pattern such as visit(A, B)", "exists": "at(A) | at(B)",
 }  # fmt: skip
 """Spellings of other tools and books, and ours."""
 _WORDS = re.compile(r"\w+|<=>|[^\w\s()]{1,2}")
@@ -256,10 +257,12 @@ def _explained(error: UnexpectedToken, text: str) -> FormulaError:
     if foreign := _in_another_notation(text, offset):
         return foreign
     if error.token.type in ("BOUND", "LIMIT"):
-        what, hint = bound_parsing.misplaced(error.token)
+        what, hint = bound_parsing.misplaced(error.token, text[:offset])
         return FormulaError(what, text, offset, len(error.token), hint)
     if error.token.type == "NUMBER":
         return _meaningless(text, offset)
+    if re.search(rf"\b{AT}\s*$", text[:offset], re.IGNORECASE) and error.token.type == "NAME":
+        hint = f"write {_canonical(AT, [error.token])}"
     glued = re.search(r"\b[XFG]{2,}\s*$", text[:offset])
     if glued:
         operators = glued.group().strip()

@@ -14,6 +14,8 @@ from companion.mission.battery_schema import BatteryEntry
 from companion.vehicle_profile import DEFAULT_VEHICLE, VehicleProfile
 
 FEWEST_W = 1.0
+LEAST_PERCENT = 1.0
+"""A reserve between 0 and this is a share."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +56,12 @@ def read_battery(
             f"the battery of {vehicle.name} is not known",
             document.where("battery"),
             "add capacity_wh: Wh when full, and power_w: {level: [[0, W], [5, W]]}",
+        )
+    if 0 < entry.reserve < LEAST_PERCENT:
+        hint = f"write {100 * entry.reserve:g} for {100 * entry.reserve:g} %"
+        where = document.where("battery", "reserve")
+        raise MissionError(
+            f"the reserve is in percent, and {entry.reserve:g} % is none", where, hint
         )
     profile = BatteryProfile()
     if entry.curve is not None:

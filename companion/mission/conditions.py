@@ -17,7 +17,7 @@ import re
 
 from pymavlink.dialects.v20 import common
 
-from companion.documents import did_you_mean
+from companion.documents import did_you_mean, most_similar
 from companion.errors import FormulaError
 from companion.mission.signals import (
     COMMAND,
@@ -34,6 +34,7 @@ COMMANDS: dict[str, int] = {
     if entry.name != "MAV_CMD_ENUM_END"
 }
 """MAV_CMD name -> number."""
+_PREFIX = "MAV_CMD_"
 
 PERCENT = range(-1, 101)
 """Values of a field in per cent; -1 is not known."""
@@ -66,12 +67,8 @@ def parse_condition(text: str) -> AnyCondition:
     match = _REPORT.fullmatch(text) or _CONDITION.fullmatch(text)
     if match is None:
         longest = _REPORT.match(text) or _CONDITION.match(text)
-        raise FormulaError(
-            "not a condition",
-            text,
-            longest.end() if longest else 0,
-            hint="write MESSAGE.field > NUMBER, EVENT[name] > NUMBER or COMMAND.MAV_CMD_NAME",
-        )
+        offset = longest.end() if longest else 0
+        raise FormulaError("not a condition", text, offset, hint=_remedy(text, offset))
     signal = _signal(match)
     if match["silent"]:
         if signal.is_pulse:
@@ -91,6 +88,20 @@ def parse_condition(text: str) -> AnyCondition:
     return Condition(signal, "!=", 0.0)
 
 
+def _remedy(text: str, offset: int) -> str:
+    """What to write in place of what follows an offset."""
+    rest = text[offset:].strip()
+    if rest.startswith("MAV_CMD_"):
+        return f"write COMMAND.{rest}"
+    if re.match(r"=\s*[-+\d]", rest):
+        return "write =="
+    if re.match(r"(and|or|&+|\|+)\s", rest):
+        return "an event has one condition: make an event of each, and join them in the task"
+    if re.match(r"[A-Za-z%°]", rest) and text[:offset].rstrip()[-1:].isdigit():
+        return f"write the number alone, without {rest}"
+    return "write MESSAGE.field > NUMBER, EVENT[name] > NUMBER or COMMAND.MAV_CMD_NAME"
+
+
 def _demand_change(condition: Condition, match: re.Match[str]) -> None:
     """Refuses a percentage that is compared with what it never is, or always."""
     message = _MESSAGES.get(condition.signal.message)
@@ -107,9 +118,14 @@ def _demand_change(condition: Condition, match: re.Match[str]) -> None:
 def command_number(name: str, text: str, offset: int) -> int:
     """Returns the number of a MAV_CMD; `text` and `offset` are the name's place, for the error."""
     if name not in COMMANDS:
-        raise FormulaError(
-            f"unknown command {name}", text, offset, len(name), did_you_mean(name, COMMANDS)
+        numbered = [known for known, number in COMMANDS.items() if name == str(number)]
+        listed = "MAVLink's common.xml lists them, e.g. MAV_CMD_IMAGE_START_CAPTURE"
+        meant = most_similar(
+            name.removeprefix(_PREFIX), [c.removeprefix(_PREFIX) for c in COMMANDS]
         )
+        near = f"Did you mean {_PREFIX}{meant}?" if meant else listed
+        hint = f"write {numbered[0]}" if numbered else near
+        raise FormulaError(f"unknown command {name}", text, offset, len(name), hint)
     return COMMANDS[name]
 
 

@@ -234,11 +234,15 @@ def _pair(
     frame, other = ("enu", DEGREES) if wanted == METRES else ("wgs84", METRES)
     for key in other:
         if getattr(entry, key) is not None:
-            advice = "remove frame: wgs84" if wanted == DEGREES else "add frame: wgs84"
+            advice = (
+                "add frame: wgs84 to the mission"
+                if wanted == METRES
+                else "remove frame: wgs84 from the mission"
+            )
             raise MissionError(
                 f"{keys[-1]} has {key}, and the frame is {frame}",
                 document.key_at(*keys, key),
-                f"write {' and '.join(wanted)}, or {advice} to the mission",
+                f"write {' and '.join(wanted)}, or {advice}",
             )
     first, second = (_needed(entry, key, document, keys) for key in wanted)
     return first, second

@@ -86,7 +86,9 @@ def parse_execution(
         return Do(verb, tuple(argument.word for argument in arguments))
     kind = KINDS.get(verb)
     if kind is None:
-        hint = f"write {forms}. {did_you_mean(verb, [*KINDS, *skills])}".rstrip()
+        ours = _ELSEWHERE.get(verb.lower(), "")
+        meant = f"Did you mean {ours}?" if ours else did_you_mean(verb, [*KINDS, *skills])
+        hint = f"write {forms}. {meant}".rstrip()
         raise FormulaError(f"unknown primitive {verb}", text, match.start("verb"), len(verb), hint)
     if not kind.fewest <= len(arguments) <= kind.most:
         what = f"{verb} has {len(arguments)} arguments"
@@ -170,8 +172,11 @@ def _addressee(component: _Argument, known: _Known) -> int:
     """The id of a component that is named."""
     components = known.components
     if component.word not in components:
-        listing = ", ".join(components) or "none yet"
-        hint = f"components are {listing}. {did_you_mean(component.word, components)}".rstrip()
+        hint = (
+            f"components are {', '.join(components)}. {did_you_mean(component.word, components)}"
+            if components
+            else f"add components: {{{component.word}: 100}}, with its MAVLink component id"
+        ).rstrip()
         raise component.error(f"unknown component {component.word}", hint)
     return components[component.word]
 
@@ -191,6 +196,8 @@ def _percent(argument: _Argument) -> float:
     percent = _number(argument)
     if not 0 < percent <= 100:
         raise argument.error("a battery has 0 to 100 percent", "write e.g. 90")
+    if percent < 1:
+        raise argument.error(f"{percent:g} is a share", f"write percent: {100 * percent:g}")
     return percent
 
 
@@ -242,3 +249,11 @@ KINDS = {
     "python": StepKind(PYTHON, 1, MAX_ARGUMENTS, _python),
 }
 """What `execute` may be."""
+
+_ELSEWHERE = {
+    **dict.fromkeys(("goto", "go", "go_to", "move", "fly_to", "waypoint"), "fly"),
+    **dict.fromkeys(("takeoff", "launch"), "take_off"),
+    **dict.fromkeys(("sleep", "delay", "hover", "loiter", "hold"), "wait"),
+    **dict.fromkeys(("picture", "image", "take_photo", "take_picture"), "photo"),
+}
+"""What other programs call a step -> ours."""

@@ -30,6 +30,7 @@ from companion.mission.literals import parse_fact
 from companion.mission.looking import check_looking
 from companion.mission.model import Event, Mission, Place, Skill
 from companion.mission.one_place import check_one_place
+from companion.mission.other_files import refuse_other_files
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.mission.safe_places import read_otherwise
 from companion.mission.schema import MissionFile
@@ -83,6 +84,7 @@ def _read_mission(
     source: Given, folder: Path | None, domain_of: DomainReader
 ) -> tuple[Mission, Document]:
     read = read_source(source, "mission", folder)
+    refuse_other_files(read)
     file, document = validate(read.content, read.name, MissionFile)
     file, declared = domain_of(file, document, read.folder)
     _check_names(file, document)
@@ -92,7 +94,8 @@ def _read_mission(
     check_places(places, space.limits, space.grid, vehicle, coordinates, document)
     places = with_markers(places, file, space.grid, vehicle, document)
     events = read_events(file, document)
-    vocabulary = Vocabulary(places, events, file.objects, declared)
+    effects = {name: entry.effect for name, entry in file.skills.items()}
+    vocabulary = Vocabulary(places, events, file.objects, declared, effects)
     skills = build_skills(file, document, vocabulary, coordinates)
     initially = _initially(file, document, vocabulary)
     _check_reachable_names(skills, {*declared, *(f.predicate for f in initially)}, events, document)

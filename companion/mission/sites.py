@@ -91,6 +91,8 @@ def _off_map_problem(place: Place, grid: OccupancyGrid) -> tuple[str, str] | Non
     south, west = grid.origin
     rows, cols = grid.occupied.shape
     north, east = south + rows * grid.cell_m, west + cols * grid.cell_m
+    if grid.is_open:
+        return "is far outside the fence", "move it inside, or widen limits.fence"
     return (
         "is outside the map",
         f"the map spans east_m {west:g} to {east:g}, north_m {south:g} to {north:g}",

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from companion.documents import did_you_mean
+from companion.documents import did_you_mean, most_similar
 from companion.errors import FormulaError
 from companion.ltl.parser import occurrences
 from companion.ltl.patterns import PATTERNS
@@ -30,6 +30,7 @@ class Vocabulary:
         events: names of all events.
         objects: names of things that are no places.
         declared: predicates with what each argument may be, besides those that skills name.
+        skills: what each makes true, as it is written; for advice alone.
     """
 
     def __init__(
@@ -38,7 +39,9 @@ class Vocabulary:
         events: Iterable[str],
         objects: Iterable[str] = (),
         declared: Mapping[str, tuple[Domain, ...]] | None = None,
+        skills: Mapping[str, str | None] | None = None,
     ) -> None:
+        self._skills = skills or {}
         self._places = tuple(places)
         self._objects = tuple(objects)
         self._uses: dict[str, list[tuple[Domain, ...]]] = {AT: [(self._places,)]}
@@ -99,7 +102,7 @@ class Vocabulary:
                 raise FormulaError(f"unknown fact {fact}", text, offset, length, hint)
 
     def _check_arity(self, atom: Atom, text: str, offset: int, length: int) -> None:
-        arity = len(self._uses[atom.predicate][0])
+        arity = self._arity(atom.predicate)
         if len(atom.arguments) != arity:
             count = {0: "no arguments", 1: "1 argument"}.get(arity, f"{arity} arguments")
             hint = f"write {self._example(atom.predicate)}"
@@ -112,6 +115,14 @@ class Vocabulary:
         """Returns the most similar fact or pattern, with one argument or the name replaced."""
         if atom.predicate in self._places and not atom.arguments:
             return f"Did you mean {spelled(AT, (atom.predicate,))}?"
+        if atom.predicate not in self._uses:
+            if atom.predicate in self._skills:
+                effect = self._skills[atom.predicate]
+                made = f", as its effect is: {effect}" if effect else ""
+                return f"{atom.predicate} is a skill: write what it makes true{made}."
+            known = [name for name in self._uses if self._arity(name) == len(atom.arguments)]
+            name = most_similar(atom.predicate, [*known, *(PATTERNS if atom.arguments else ())])
+            return f"Did you mean {spelled(name, atom.arguments)}?" if name else ""
         facts = [
             spelled(atom.predicate, (*atom.arguments[:i], place, *atom.arguments[i + 1 :]))
             for use in self._uses.get(atom.predicate, [])[:1]
@@ -119,15 +130,10 @@ class Vocabulary:
             for place in domain
             if atom.arguments[i] not in domain
         ]
-        if atom.predicate not in self._uses:
-            facts = [
-                spelled(name, atom.arguments)
-                for name, uses in self._uses.items()
-                if len(uses[0]) == len(atom.arguments)
-            ]
-            if atom.arguments:
-                facts += [spelled(name, atom.arguments) for name in PATTERNS]
         return did_you_mean(str(atom), facts)
+
+    def _arity(self, name: str) -> int:
+        return len(self._uses[name][0])
 
     def _domain_listing(self, atom: Atom) -> str:
         things = (*self._places, *self._objects)

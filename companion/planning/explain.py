@@ -24,6 +24,7 @@ from companion.mission.model import Mission
 from companion.planning.domain import Action
 from companion.planning.instances import departures, instantiate
 from companion.planning.lasso import Conjunct, Problem
+from companion.planning.remarks import remarks_on
 from companion.slices import spent
 
 _ACTION_US = 1
@@ -103,6 +104,7 @@ class Explanation:
         restoring: those of them that would each make a plan possible again.
         shortages: why the battery does not last, in words.
         late: which bounds in time cannot be kept, and from which limit on they could be, in words.
+        remarks: on lines that are often written so, and never hold.
     """
 
     conflict: tuple[Conjunct, ...]
@@ -113,6 +115,7 @@ class Explanation:
     restoring: tuple[Fact, ...]
     shortages: tuple[str, ...] = ()
     late: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.told({})
@@ -129,7 +132,7 @@ class Explanation:
             words.append(f"  {conjunct.name}: {conjunct.text}{place}")
         words += [f"  {unreachable}" for unreachable in self.unreachable]
         words += [f"  no route leads to {place} on the map" for place in self.no_route]
-        words += [f"  {reason}" for reason in (*self.shortages, *self.late)]
+        words += [f"  {reason}" for reason in (*self.shortages, *self.late, *self.remarks)]
         if self.events:
             values = ", ".join(f"{e} is {str(holds).lower()}" for e, holds in self.events.items())
             words.append(f"  a plan takes events as they are now: {values}")
@@ -199,9 +202,8 @@ def why_no_plan(
     events = {event: event in problem.facts for event in sorted(concerned & world.events)}
     short = shortages(problem.only(core)) if problem.energy is not None else ()
     too_late = late(problem.only(core))
-    return Explanation(
-        conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short, too_late
-    )
+    about = conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short, too_late
+    return Explanation(*about, remarks_on(conflict, problem.facts))
 
 
 def _with(problem: Problem, belief: Fact) -> Problem:

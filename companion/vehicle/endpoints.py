@@ -117,4 +117,8 @@ def parse_url(url: str) -> Endpoint:
                         f"    write {here} to listen on that port, as for PX4 on 14540\n"
                         f"    or {there} to send to that address first"
                     )
+    if url.startswith("/dev/"):
+        device, _, baud = url.partition(":")
+        meant = SerialPort(device, int(baud) if baud.isdecimal() else 57600)
+        raise LinkError(f"cannot connect to {url}\n    write {meant}, with its speed in baud")
     raise LinkError(f"cannot connect to {url}\n{HELP}")

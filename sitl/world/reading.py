@@ -140,7 +140,7 @@ def _check_effects(
         raise MissionError(
             f"there is no obstacle {entry.obstacle.name}",
             document.where("happens", i, "obstacle", "name"),
-            did_you_mean(entry.obstacle.name, names),
+            did_you_mean(entry.obstacle.name, names) or "describe it under obstacles",
         )
     arming = entry.arming
     if arming and (arming.refused is None) == (arming.allowed is None):

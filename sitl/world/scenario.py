@@ -27,13 +27,14 @@ or as data.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
 from companion.drawn_maps import MapEntry, drawn_map, walls_of
-from companion.errors import MissionError
+from companion.errors import Location, MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
 from companion.maps import read_map
 from companion.mavlink.parameters import INT32, encode
@@ -166,6 +167,9 @@ def parse_scenario(text: str, path: Path) -> Scenario:
 def _parse(
     source: Source, default_home: GlobalOrigin, has_default_map: bool
 ) -> tuple[Scenario, Document]:
+    if isinstance(source.content, str) and re.search(r"^(skills|task):", source.content, re.M):
+        hint = "the world in which MISSION.yaml is flown is MISSION.sim.yaml (docs/scenario.md)"
+        raise MissionError("the file is a mission, and no world", Location(source.name, 1, 1), hint)
     model, document = validate(source.content, source.name, ScenarioModel)
     map_ = source.folder / model.map if isinstance(model.map, str) else model.map
     if map_ is None and has_default_map:
@@ -214,14 +218,15 @@ def _on_earth(place: GlobalModel) -> GlobalOrigin:
 
 def _grid(map_: Path | MapEntry | None, document: Document) -> OccupancyGrid | None:
     """The map that a scenario names or draws; one without an area is that of its walls."""
-    if not isinstance(map_, MapEntry):
-        return read_map(map_) if map_ else None
     try:
+        if not isinstance(map_, MapEntry):
+            return read_map(map_) if map_ else None
         walls = walls_of(map_)
         corners = [corner for wall in walls for corner in wall.corners]
         return drawn_map(map_, walls, corners or None)
     except MissionError as error:
-        raise MissionError(error.what, document.where("map"), error.hint) from error
+        where = error.where or document.where("map")
+        raise MissionError(error.what, where, error.hint) from error
 
 
 def _first_sighting(model: ScenarioModel) -> tuple[ScenarioEvent, ...]:

@@ -53,7 +53,7 @@ def test_condition(text: str, condition: Condition) -> None:
         ("COMMAND[§x].MAV_CMD_USER_1", "a command has no instance", "write COMMAND"),
         ("VFR_HUD.alt§", "is compared with nothing", "> 0"),
         ("VFR_HUD.alt §> nan", "not a condition", "NUMBER"),
-        ("VFR_HUD.alt > 1 §& 2", "not a condition", "NUMBER"),
+        ("VFR_HUD.alt > 1 §& 2", "not a condition", "make an event of each"),
         ("§", "not a condition", "NUMBER"),
         ("§EVENT[two words] > 0", "not a condition", "EVENT[name] > NUMBER"),
         ("COMMAND.MAV_CMD_USER_1 §is silent", "a command is silent but for a moment", "remove it"),
