@@ -1,9 +1,9 @@
 """Pictures of small Büchi automata as SVG: states in a row, in the order in which they are reached.
 
-An edge to the next state is straight, one to a state further on or back is an arc below, and one to
-the same state is a loop above. An arrow from nowhere leads to each initial state. Where acceptance
-is one of states, they have a double line; else an edge that belongs to an acceptance set has a dot
-for it, after its label.
+An edge to the next state is straight, one to the state before is an arc below, one to another state
+goes down, along and up, and one to the same state is a loop above. An arrow from nowhere leads to
+each initial state. Where acceptance is one of states, they have a double line; else an edge that
+belongs to an acceptance set has a dot for it, after its label.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def _row(automaton: BuchiAutomaton) -> Row:
     widest = max((len(text) for text in loops[-1]), default=0) * CHARACTER / 2
     width = max(xs[-1] + max(widest, RADIUS) + 12, 16 + CHARACTER * len(automaton.name))
     steps = [order.index(target) - order.index(source) for source, target in labels]
-    below = max(_depth(step) / 2 + 30 if step not in (0, 1) else 12 for step in steps)
+    below = max(_depth(step) + 30 if step not in (0, 1) else 12 for step in steps)
     return Row("".join(paths + texts), width, y + RADIUS + below)
 
 
@@ -123,18 +123,23 @@ def _edge(start: float, end: float, y: float, lines: int, steps: int) -> tuple[s
     if steps == 0:
         top = y - RADIUS - 30
         curve = f"C{start - 22:.0f} {top} {start + 22:.0f} {top} {start + 8:.0f} {y - 14}"
-        return f"M{start - 8:.0f} {y - 14}{curve}", top + 4 - LINE * (lines - 1)
+        return f"M{start - 8:.0f} {y - 14}{curve}", top + 1 - LINE * (lines - 1)
     if steps == 1:
         return f"M{start + RADIUS:.0f} {y}H{end - RADIUS:.0f}", y - 6 - LINE * (lines - 1)
     low = y + RADIUS + _depth(steps)
-    inward = 8 if steps > 0 else -8
-    curve = f"Q{(start + end) / 2:.0f} {low} {end - inward:.0f} {y + 14}"
-    return f"M{start + inward:.0f} {y + 14}{curve}", y + 30 + _depth(steps) / 2
+    if steps == -1:
+        curve = f"Q{(start + end) / 2:.0f} {low + _depth(steps)} {end + 8:.0f} {y + 14}"
+        return f"M{start - 8:.0f} {y + 14}{curve}", low + 16
+    towards = 1 if steps > 0 else -1
+    first, last, turn = start + 2 * towards, end - 2 * towards, 12 * towards
+    along = f"V{low - 12}Q{first:.0f} {low} {first + turn:.0f} {low}H{last - turn:.0f}"
+    up = f"Q{last:.0f} {low} {last:.0f} {low - 12}V{y + RADIUS}"
+    return f"M{first:.0f} {y + RADIUS}{along}{up}", low + 16
 
 
 def _depth(steps: int) -> int:
-    """How low the middle of an arc's control polygon lies."""
-    return 40 + 70 * (abs(steps) - 1)
+    """How far below the states an edge comes."""
+    return 20 if steps == -1 else 30 + 26 * abs(steps) - (13 if steps > 0 else 0)
 
 
 def _path(path: str) -> str:

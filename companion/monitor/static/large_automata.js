@@ -7,6 +7,7 @@ import { html, svg } from "./dom.js";
 
 export const RADIUS = 12;
 const GAP_PX = 46, SIDE_PX = 58, BEND = 0.16, LOOP_PX = 26;
+const BESIDE_LOOP = 1; // radians
 
 export function onCircle({ initial, accepting, arrows }, words, short) {
   const turn = (2 * Math.PI) / accepting.length;
@@ -25,7 +26,7 @@ export function onCircle({ initial, accepting, arrows }, words, short) {
     "aria-label": `state ${n}, ${is ? "accepting" : "not accepting"}`,
   }, svg("circle", { r: RADIUS }), ...(is ? [svg("circle", { r: RADIUS + 3, class: "ring" })] : []), svg("text", { y: 4 }, String(n))));
   const entries = initial.map((n) => svg("g", { class: "arrow entry" },
-    svg("path", { d: straight(spot(n, around + 2.6 * RADIUS), spot(n, around + RADIUS + 4)) })));
+    svg("path", { d: entry(places[n], n * turn - BESIDE_LOOP) })));
   const list = html("ul", { class: "edges" });
   const shown = { here: [], taken: [], chosen: null };
   const item = ({ from, to, label }, isTaken) => html("li", { class: isTaken ? "taken" : "" },
@@ -64,7 +65,12 @@ function loop([x, y], [outX, outY]) {
   return { d: `M${start}C${one} ${other} ${end}${headed(other, end)}`, at: [outX + 0.4 * dx, outY + 0.4 * dy] };
 }
 
-const straight = (start, end) => `M${start}L${end}${headed(start, end)}`;
+// An arrow from nowhere, out of a direction that is clockwise from north.
+function entry([x, y], direction) {
+  const [start, end] = [2.7, 1.35].map((times) =>
+    [x + times * RADIUS * Math.sin(direction), y - times * RADIUS * Math.cos(direction)]);
+  return `M${start}L${end}${headed(start, end)}`;
+}
 
 function towards([ax, ay], [bx, by], distance) {
   const length = Math.hypot(bx - ax, by - ay);

@@ -5,17 +5,17 @@ import { ChargeView } from "./charge.js";
 import { CurvesView } from "./curves.js";
 import { byId, say } from "./dom.js";
 import { explain } from "./explained.js";
+import { FollowingZoom } from "./following.js";
 import { History } from "./history.js";
 import { MapView } from "./map.js";
 import { PlanView, showVehicle } from "./panels.js";
 import { Timeline } from "./timeline.js";
 import { TreeView } from "./tree.js";
-import { Zoom } from "./zoom.js";
 
 let page = null;
 let isConnected = false;
 
-const zoom = new Zoom(byId("hall"), byId("whole"), byId("follow"), () => page?.map.look(zoom.view));
+const zoom = new FollowingZoom(byId("hall"), byId("whole"), byId("follow"), () => page?.map.look(zoom.view));
 
 const stream = new EventSource("stream");
 const on = (kind, take) => stream.addEventListener(kind, (message) => take(JSON.parse(message.data)));

@@ -3,8 +3,9 @@
 
 import { byId, say, svg } from "./dom.js";
 
-const SCALES_M = [10, 5, 2, 1, 0.5, 0.2, 0.1];
-const LONGEST_SCALE_PX = 120;
+const SCALES_M = [500, 200, 100, 50, 20, 10, 5, 2, 1, 0.5, 0.2, 0.1];
+const LONGEST_SCALE_PX = 120, LONGEST_SCALE = 1 / 5; // of the map's width
+const SCALE_LABEL_PX = 125, SCALE_HEIGHT_PX = 34;
 const SVG_Y = (north) => -north;
 const line = (points) => points.map(([east, north]) => `${east},${SVG_Y(north)}`).join(" ");
 
@@ -33,6 +34,7 @@ export class MapView {
     this.layers.areas.append(this.fence, ...mission.keep_out.map(zoneName));
     this.layers.places.append(...mission.places.map(region));
     this.names = mission.places.map(name);
+    this.sites = mission.places;
     this.layers.names.append(...this.names);
     this.past = this.layers.past.appendChild(svg("polyline"));
     this.trail = this.layers.trail.appendChild(svg("polyline"));
@@ -59,11 +61,25 @@ export class MapView {
       width * this.width_m, width * this.height_m].join(" "));
     byId("raster").style.transform =
       `scale(${1 / width}) translate(${-100 * left}%, ${-100 * top}%)`;
-    const length_m = SCALES_M.find((m) => m / this.px <= LONGEST_SCALE_PX) ?? SCALES_M.at(-1);
+    const longest_px = Math.min(LONGEST_SCALE_PX, LONGEST_SCALE * this.hall.clientWidth);
+    const length_m = SCALES_M.find((m) => m / this.px <= longest_px) ?? SCALES_M.at(-1);
     byId("scale").style.setProperty("--length", `${length_m / this.px}px`);
     say(byId("scale"), `${length_m} m, north is up`);
+    const covered = length_m / this.px + SCALE_LABEL_PX;
+    byId("scale").toggleAttribute("data-right",
+      this.hasSite(0, covered) && !this.hasSite(this.hall.clientWidth - covered, Infinity));
     for (const text of this.names) text.setAttribute("dy", -5 * this.px);
     for (const [name, px] of [["dx", 5], ["dy", 15]]) this.fence.setAttribute(name, px * this.px);
+  }
+
+  // Whether a place is where the scale would lie, from one pixel to another along the lower edge.
+  hasSite(from, to) {
+    const { left, top, width } = this.view, lowest = this.hall.clientHeight - SCALE_HEIGHT_PX;
+    return this.sites.some(({ enu, radius_m }) => {
+      const [x, y] = this.share(enu), reach = (radius_m ?? 0) / this.px;
+      const across = ((x - left) / width) * this.hall.clientWidth;
+      return ((y - top) / width) * this.hall.clientHeight + reach > lowest && across + reach > from && across - reach < to;
+    });
   }
 
   // Where a point is, in shares of the map from its north-western corner.

@@ -1,5 +1,6 @@
-// Which part of the map is seen? Wheel, pinch, double click and keys change how much; dragging moves
-// it. A view is in shares of the whole map, whose shape it has; points are shares of what is seen.
+// Which part of a drawing is seen? Wheel, pinch, double click and keys change how much; dragging
+// moves it. A view is in shares of the whole drawing, whose shape it has; points are shares of what
+// is seen.
 
 const WHOLE = { left: 0, top: 0, width: 1 };
 const NARROWEST = 1 / 16;
@@ -9,7 +10,6 @@ const MOVE = 0.2;
 const LINE_PX = 16; // of a wheel that counts lines
 const PER_PX = { wheel: 0.002, pinch: 0.01 }; // a pinch on a touchpad is a wheel with ctrl
 const CENTRE = [0.5, 0.5];
-const FOLLOWED = 3; // times as large as the whole map
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 const within = ({ left, top, width }) => ({
@@ -28,24 +28,24 @@ function moved({ left, top, width }, x, y) {
 }
 
 export class Zoom {
-  // `changed` is called after each change of `view`.
-  constructor(hall, whole, follow, changed) {
-    this.hall = hall;
+  // `box` has the drawing and the button `whole`; `changed` is called after each change of `view`.
+  constructor(box, whole, changed) {
+    this.box = box;
     this.whole = whole;
-    this.follow = follow;
-    this.isFollowing = false;
     this.changed = changed;
     this.view = WHOLE;
     this.fingers = new Map();
-    whole.onclick = () => { this.show(WHOLE); hall.focus(); };
-    follow.onclick = () => this.followOrNot();
-    hall.onkeydown = (event) => this.key(event);
-    hall.ondblclick = (event) => event.target.closest("button") || this.zoom(event.shiftKey ? 1 / DOUBLE : DOUBLE, this.point(event));
-    hall.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
-    hall.onpointerdown = (event) => this.press(event);
-    hall.onpointermove = (event) => this.drag(event);
-    hall.onpointerup = hall.onpointercancel = (event) => this.fingers.delete(event.pointerId);
+    whole.onclick = () => { this.show(WHOLE); box.focus(); };
+    box.onkeydown = (event) => this.key(event);
+    box.ondblclick = (event) => event.target.closest("button") || this.zoom(event.shiftKey ? 1 / DOUBLE : DOUBLE, this.point(event));
+    box.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    box.onpointerdown = (event) => this.press(event);
+    box.onpointermove = (event) => this.drag(event);
+    box.onpointerup = box.onpointercancel = (event) => this.fingers.delete(event.pointerId);
   }
+
+  // Called when somebody moves the view.
+  touched() {}
 
   get isWhole() {
     return this.view.width === 1;
@@ -54,28 +54,11 @@ export class Zoom {
   show(view) {
     this.view = view;
     this.whole.hidden = this.isWhole;
-    if (this.isWhole) this.release();
-    this.hall.toggleAttribute("data-zoomed", !this.isWhole);
+    this.box.toggleAttribute("data-zoomed", !this.isWhole);
     this.changed();
   }
 
-  followOrNot() {
-    if (this.isFollowing) {
-      this.release();
-      return;
-    }
-    this.isFollowing = true;
-    this.follow.setAttribute("aria-pressed", "true");
-    if (this.isWhole) this.zoom(FOLLOWED);
-  }
-
-  // Follows nothing any more.
-  release() {
-    this.isFollowing = false;
-    this.follow.setAttribute("aria-pressed", "false");
-  }
-
-  // Keeps what is followed in the middle, by its share of the whole map.
+  // Brings a point into the middle, by its share of the whole drawing.
   centre([x, y]) {
     const { left, top, width } = this.view;
     const view = within({ left: x - width / 2, top: y - width / 2, width });
@@ -87,11 +70,11 @@ export class Zoom {
   }
 
   point({ clientX, clientY }) {
-    const { left, top, width, height } = this.hall.getBoundingClientRect();
+    const { left, top, width, height } = this.box.getBoundingClientRect();
     return [(clientX - left) / width, (clientY - top) / height];
   }
 
-  // The whole map leaves to the page what cannot make it smaller.
+  // The whole drawing leaves to the page what cannot make it smaller.
   wheel(event) {
     if (this.isWhole && event.deltaY >= 0) return;
     event.preventDefault();
@@ -99,10 +82,10 @@ export class Zoom {
     this.zoom(Math.exp(-px * (event.ctrlKey ? PER_PX.pinch : PER_PX.wheel)), this.point(event));
   }
 
-  // While the map has the focus; the arrows are the time's while there is nothing to move.
+  // While the focus is in the box; the arrows are the time's while there is nothing to move.
   key(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.target !== this.hall) return;
-    const move = (x, y) => (this.isWhole ? null : () => { this.release(); this.show(moved(this.view, x, y)); });
+    if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("button")) return;
+    const move = (x, y) => (this.isWhole ? null : () => { this.touched(); this.show(moved(this.view, x, y)); });
     const actions = {
       "+": () => this.zoom(STEP), "=": () => this.zoom(STEP), "-": () => this.zoom(1 / STEP),
       0: () => this.show(WHOLE),
@@ -117,7 +100,7 @@ export class Zoom {
 
   press(event) {
     if (event.button !== 0 || event.target.closest("button")) return;
-    this.hall.setPointerCapture(event.pointerId);
+    this.box.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, this.point(event));
   }
 
@@ -127,14 +110,14 @@ export class Zoom {
     this.fingers.set(event.pointerId, this.point(event));
     const after = this.grip();
     const [x, y] = after.middle.map((share, i) => share - before.middle[i]);
-    if (x || y) this.release();
+    if (x || y) this.touched();
     this.show(moved(zoomed(this.view, after.spread / before.spread, before.middle), x, y));
   }
 
   // Where the fingers are, and how far apart; one has no spread.
   grip() {
     const [first, second = first] = this.fingers.values();
-    const { width, height } = this.hall.getBoundingClientRect();
+    const { width, height } = this.box.getBoundingClientRect();
     return {
       middle: first.map((share, i) => (share + second[i]) / 2),
       spread: Math.hypot((first[0] - second[0]) * width, (first[1] - second[1]) * height) || 1,
