@@ -103,6 +103,7 @@ ELSEWHERE = {
         "tests/test_cli_replay.py"
     ),
     "scripts/docs": ".ci/run",
+    "scripts/packages": ".ci/run",
     "scripts/fly --speed max": ".ci/run",
     "scripts/test": ".ci/run",
     "scripts/test --fast": "tests/test_scripts.py",

@@ -122,7 +122,9 @@ def _missions() -> MachineFinding:
         return MachineFinding(
             "missions", "none is shipped with this installation; files work as ever"
         )
-    return MachineFinding("missions", f"{len(names())} by name, in {lie_in}")
+    pages = lie_in.parent / "docs"
+    about = f"; the documentation in {pages}" if pages.is_dir() else ""
+    return MachineFinding("missions", f"{len(names())} by name, in {lie_in}{about}")
 
 
 def _simulator() -> MachineFinding:
