@@ -1,4 +1,4 @@
-"""What docs/installing.md says of packages is what pyproject.toml makes; scripts/packages builds."""
+"""What docs/installing.md says of packages is what pyproject.toml has; scripts/packages builds."""
 
 from __future__ import annotations
 
