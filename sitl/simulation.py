@@ -4,8 +4,10 @@ No socket, no clock: the caller says what time it is and carries the datagrams, 
 time (server.py) or in lockstep with the companion in one process (harness.py). Equal arguments
 and datagrams give equal answers.
 
-Within a step of 4 ms: autopilot, physics, world, then what each component has to say. The autopilot
-and what it tells know the estimate alone; the world and its devices know the truth.
+The physics go on in steps of 4 ms, and the rate loop with them. Every 20 ms, after the physics:
+world, what each component has to say, and the loops of the autopilot, which steer the next 20 ms.
+Answers, and streams that are due between, are sent with the state of their step. The autopilot and
+what it tells know the estimate alone; the world and its devices know the truth.
 """
 
 from __future__ import annotations
@@ -23,23 +25,16 @@ from sitl.autopilot.parameters import Parameters, vehicle_defaults
 from sitl.autopilot.reboot import rebooted
 from sitl.autopilot.reframing import reframed
 from sitl.flight.airframes import AIRFRAMES, Airframe
+from sitl.flight.controllers import CONTROL_STEPS
 from sitl.flight.estimate import Estimator
 from sitl.flight.local_frame import LocalFrame
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
-from sitl.link.autopilot_component import AUTOPILOT, AutopilotComponent, Outgoing
-from sitl.link.camera_component import CameraComponent
-from sitl.link.component_sender import OnboardComponent, PackedMessage
+from sitl.link.autopilot_component import AutopilotComponent
+from sitl.link.autopilot_link import AUTOPILOT, Outgoing
+from sitl.link.component_sender import PackedMessage
 from sitl.link.disturbance import Disturbance
-from sitl.link.gimbal_component import GimbalComponent
-from sitl.link.gripper_component import GripperComponent
-from sitl.link.marker_camera import MarkerCameraComponent
-from sitl.link.onboard_components import (
-    DetectorComponent,
-    LidarComponent,
-    OperatorComponent,
-    PayloadComponent,
-)
+from sitl.link.on_board import components_on_board
 from sitl.link.routing import LinkName, Router, target
 from sitl.link.signed_links import signed, verified
 from sitl.link.time_offset import TimeOffset
@@ -50,7 +45,7 @@ from sitl.world.world import World
 
 DT_S = 0.004
 SETTLING_S, SETTLED_STEP_S = 15.0, 0.1
-WORLD_STEPS = 5  # the world acts, and devices speak, every 20 ms
+CONTROL_S = CONTROL_STEPS * DT_S
 ALL_LINKS = frozenset(LinkName)
 
 
@@ -109,7 +104,7 @@ class Simulation:
             seed,
         )
         self.event_log = self._world.event_log
-        self._on_board = _onboard_components(system, self._world, scenario, self._vehicle)
+        self._on_board = components_on_board(system, self._world, scenario, self._vehicle)
         addresses = [(system, AUTOPILOT), *(each.address for each in self._on_board)]
         self._local = frozenset(addresses)
         self._refusals = scenario.arming_refusals
@@ -209,8 +204,8 @@ class Simulation:
         out += self._autopilot_component.flush()
         due = int(now_s / DT_S + 1e-6)
         while self._steps < due:
-            self._steps += 1
             self._advance(out)
+        self._look()
         if self._signing is not None:
             out = signed(self._signing, now_s, out, self._local)
         return self._leaving.step(now_s, out)
@@ -270,28 +265,45 @@ class Simulation:
             self._world.note_command(message.command, component, self._truth.time_s)
 
     def _advance(self, out: Outgoing) -> None:
-        motors = self._autopilot.step(self._vehicle.state, DT_S)
-        state = self._frozen_truth() if self._world.is_wreck else self._physics.step(motors)
-        self._truth = state
+        if self._steps % CONTROL_STEPS == 0:
+            self._physics.follow(self._autopilot.step(self._vehicle.state, CONTROL_S))
+        if not self._world.is_wreck:
+            self._physics.step()
+        self._steps += 1
+        if self._steps % CONTROL_STEPS == 0:
+            self._act(out)
+        elif self._autopilot_component.is_due(self._steps * DT_S):
+            self._look()
+            self._speak(out)
+
+    def _act(self, out: Outgoing) -> None:
+        """What happens at 50 Hz."""
+        state = self._truth = self._true_state()
         self._vehicle.state = self._frame.seen(self._estimator.step(state, state.time_s))
         self._autopilot.health.position_age_s = self._estimator.time_since_fix_s
         self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
-        is_worlds_turn = self._steps % WORLD_STEPS == 0
-        if is_worlds_turn:
-            self._world.step(state)
-            for reboot in self._world.reboots:
-                self._reboot(reboot)
-            self._world.reboots.clear()
-            for origin in self._world.origins:
-                self._lay_origin(origin)
-            self._world.origins.clear()
+        self._world.step(state)
+        for reboot in self._world.take_reboots():
+            self._reboot(reboot)
+        for origin in self._world.take_origins():
+            self._lay_origin(origin)
+        self._speak(out)
+        for component in self._on_board:
+            said = component.step(state)
+            if not self._is_silent:
+                self._route(said, out)
+
+    def _speak(self, out: Outgoing) -> None:
         if not self._is_silent:
             out += self._autopilot_component.step()
-        if is_worlds_turn:
-            for component in self._on_board:
-                said = component.step(state)
-                if not self._is_silent:
-                    self._route(said, out)
+
+    def _look(self) -> None:
+        """Takes the state of this step."""
+        self._truth = self._true_state()
+        self._vehicle.state = self._frame.seen(self._estimator.seen(self._truth))
+
+    def _true_state(self) -> FlightState:
+        return self._frozen_truth() if self._world.is_wreck else self._physics.state
 
     def _frozen_truth(self) -> FlightState:
         """The state of a wreck: nothing but time goes on."""
@@ -315,26 +327,3 @@ def _physics(scenario: Scenario, airframe: Airframe, seed: int) -> Physics:
         turbulence_mps=scenario.turbulence_mps,
         seed=seed,
     )
-
-
-def _onboard_components(
-    system: int, world: World, scenario: Scenario, vehicle: SimulatedVehicle
-) -> list[OnboardComponent]:
-    components: list[OnboardComponent] = []
-    if world.detector:
-        components.append(DetectorComponent(system, world.detector))
-    if world.payload:
-        components.append(PayloadComponent(system, world.payload))
-    if world.lidar:
-        components.append(LidarComponent(system, world.lidar))
-    for camera in world.cameras:
-        components.append(CameraComponent(system, camera, scenario.home))
-    if world.gimbal:
-        components.append(GimbalComponent(system, world.gimbal))
-    if world.gripper:
-        components.append(GripperComponent(system, world.gripper))
-    if world.marker_camera:
-        components.append(MarkerCameraComponent(system, world.marker_camera, vehicle))
-    if any(kind == "operator" for event in scenario.events for kind, _ in event.effects):
-        components.append(OperatorComponent(system, world.operator_commands))
-    return components

@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.geometry import Ned
-from sitl.flight.mixer import Motors
 from sitl.flight.physics import FlightState
+from sitl.flight.rotors import Motors
 
 Array = NDArray[np.float64]
 
@@ -109,6 +109,7 @@ class SecondModel:
             (math.nan, math.nan, math.nan),
             (values[10], values[11], values[12]),
             (math.nan, math.nan, math.nan),
+            motors,
             (values[13], values[14], values[15], values[16]),
             voltage,
             current,

@@ -34,9 +34,9 @@ SPOILERS = {
         "companion.geometry -> companion.maps",
     ),
     "The simulator imports downwards only": Spoiler(
-        "sitl/flight/mixer.py",
+        "sitl/flight/rotors.py",
         "sitl.autopilot.modes",
-        "sitl.flight.mixer -> sitl.autopilot.modes",
+        "sitl.flight.rotors -> sitl.autopilot.modes",
     ),
     "No circles inside packages": Spoiler(
         "companion/ltl/automaton.py",

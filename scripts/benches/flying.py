@@ -34,9 +34,8 @@ from companion.motion.routes import CELLS_PER_TICK
 from companion.motion.sensed_map import SensedMap
 from companion.planning.flight_times import route_map
 from companion.vehicle.run_clocks import ClockReading
-from sitl.flight.controllers import Cascade, TrajectorySetpoint
-from sitl.flight.mixer import Motors
-from sitl.flight.physics import FlightState, Physics
+from sitl.flight.controllers import CONTROL_STEPS, Cascade, TrajectorySetpoint
+from sitl.flight.physics import Physics
 from sitl.link.routing import LinkName
 from sitl.link.server import HOST, LOCAL_PORTS
 from sitl.simulation import DT_S
@@ -157,19 +156,29 @@ def simulating(runs: int) -> Iterator[Row]:
     )
 
     cascade = Cascade()
+
+    def control(physics: Physics) -> None:
+        physics.follow(cascade.step(physics.state, setpoint, CONTROL_STEPS * DT_S))
+
     peer = physics_speed(steps)
-    ours = physics_speed(steps, lambda state: cascade.step(state, setpoint, DT_S))
+    ours = physics_speed(steps, control)
     yield Row("physics and control", ours, "x real time", "physics alone", peer)
 
 
-def physics_speed(
-    steps: int, command: Callable[[FlightState], Motors] = lambda state: (0.5, 0.5, 0.5, 0.5)
-) -> float:
-    """How many times real time the physics fly, with these motor commands; of CPU time."""
+def hover(physics: Physics) -> None:
+    """Commands that nearly hold the vehicle; the peer reads its state as often as others do."""
+    physics.follow((0.5, 0.5, 0.5, 0.5))
+
+
+def physics_speed(steps: int, control: Callable[[Physics], None] = hover) -> float:
+    """How many times real time the physics fly, and who reads each state; of CPU time."""
     physics = Physics(dt_s=DT_S, origin=PX4_HOME)
     start_s = process_time()
-    for _ in range(steps):
-        physics.step(command(physics.state))
+    for i in range(steps):
+        if i % CONTROL_STEPS == 0:
+            control(physics)
+        physics.step()
+        assert physics.state
     return steps * DT_S / (process_time() - start_s)
 
 

@@ -1,6 +1,6 @@
 """The autopilot: arming, modes, failsafes and the setpoint of the motors.
 
-In: the vehicle's state each step, and commands from the link (arm, change the mode, a setpoint).
+In: the vehicle's state at 50 Hz, and commands from the link (arm, change the mode, a setpoint).
 Out: a setpoint for the motors (motor_control.py), and status texts for people. Its rules are PX4's:
 
 1. The intended mode is the one that was commanded; a failsafe flies another mode while it lasts.
@@ -34,10 +34,8 @@ from sitl.autopilot.return_destination import SafePoint
 from sitl.autopilot.situation import FlightMode, Situation
 from sitl.autopilot.status_texts import BATTERY_TEXTS, Severity, StatusText, failsafe_texts, told
 from sitl.flight.controllers import OWN_GAINS, HorizontalGains, Maybe, TrajectorySetpoint
-from sitl.flight.mixer import Motors
-from sitl.flight.physics import FlightState
-
-COMMANDER_STEPS = 5  # modes, failsafes and setpoints are decided every 5th step, 50 Hz at 4 ms
+from sitl.flight.physics import FlightState, RateSetpoint
+from sitl.flight.rotors import Motors
 
 
 class Autopilot:
@@ -90,7 +88,6 @@ class Autopilot:
         self.arming_refusal: str | None = None
         self._takeoff_down_m = self._lowest_takeoff()
         self._active_mode: FlightMode = HoldMode.start(self._situation())
-        self._steps_to_commander = 0
 
     # Queries.
 
@@ -133,7 +130,6 @@ class Autopilot:
         self.control.arm(self._state)
         self._failsafe = FailsafeState()
         self._takeoff_down_m = min(self._takeoff_down_m, self._lowest_takeoff())
-        self._steps_to_commander = 0
         self._enter(self.intended_mode)
         self._tell(Severity.INFO, "Armed by external command")
         return True
@@ -233,26 +229,23 @@ class Autopilot:
 
     # The step.
 
-    def step(self, state: FlightState, dt_s: float) -> Motors:
-        """Motor commands for the next step.
+    def step(self, state: FlightState, dt_s: float) -> RateSetpoint | Motors:
+        """What drives the motors in the next `dt_s`.
 
         Args:
             state: the newest, `dt_s` after the one before.
-            dt_s: length of a step.
+            dt_s: time between two calls.
         """
         self._state = state
-        if self._steps_to_commander == 0:
-            self._steps_to_commander = COMMANDER_STEPS
-            self._run_commander()
-            setpoint = self._active_mode.setpoint(self._situation()) if self.is_armed else None
-            self.control.follow(setpoint, state)
-        self._steps_to_commander -= 1
+        self._run_commander()
+        setpoint = self._active_mode.setpoint(self._situation()) if self.is_armed else None
+        self.control.follow(setpoint, state)
         detector = self.control.land_detector
         was_landed = detector.is_landed
-        motors = self.control.step(state, dt_s)
+        command = self.control.step(state, dt_s)
         if detector.is_landed != was_landed:
             self._note_landing(was_landed)
-        return motors
+        return command
 
     def _note_landing(self, was_landed: bool) -> None:
         if was_landed:

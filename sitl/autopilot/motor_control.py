@@ -1,8 +1,8 @@
-"""The motors, every step: the fast half of the autopilot.
+"""What drives the motors: the loops of the autopilot.
 
-In: whether the vehicle is armed, and a setpoint. Out: motor commands. The motors idle for
-COM_SPOOLUP_TIME after arming, and on the ground until the setpoint is a climb; otherwise the
-control cascade follows the setpoint. Take-off and landing are detected here.
+In: whether the vehicle is armed, and a setpoint. Out: what the rate loop follows, or motor
+commands. The motors idle for COM_SPOOLUP_TIME after arming, and on the ground until the setpoint is
+a climb; otherwise the control cascade follows the setpoint. Take-off and landing are detected here.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from sitl.flight.controllers import (
     HorizontalGains,
     TrajectorySetpoint,
 )
-from sitl.flight.mixer import MAX_THRUST_N, Motors
-from sitl.flight.physics import FlightState
+from sitl.flight.physics import FlightState, RateSetpoint
+from sitl.flight.rotors import MAX_THRUST_N, Motors
 
 STOPPED: Motors = (0.0, 0.0, 0.0, 0.0)
 CLIMB_M = 0.1  # a setpoint this far above the vehicle is a climb
@@ -34,13 +34,11 @@ class MotorControl:
 
     Attributes:
         setpoint: followed by the cascade, None while disarmed.
-        motors: the newest commands.
         land_detector: of take-offs and landings.
     """
 
     def __init__(self, parameters: Parameters, gains: HorizontalGains = OWN_GAINS) -> None:
         self.setpoint: TrajectorySetpoint | None = None
-        self.motors = STOPPED
         self._parameters = parameters
         self._gains = gains
         self._cascade = Cascade()
@@ -73,23 +71,21 @@ class MotorControl:
         self.setpoint = setpoint
         self._is_climbing = setpoint is not None and _is_climb(setpoint, state)
 
-    def step(self, state: FlightState, dt_s: float) -> Motors:
-        """Motor commands for the next step.
+    def step(self, state: FlightState, dt_s: float) -> RateSetpoint | Motors:
+        """What drives the motors in the next `dt_s`.
 
         Args:
             state: the newest, `dt_s` after the one before.
-            dt_s: length of a step.
+            dt_s: time between two calls.
         """
         parameters = self._parameters
         self.land_detector.update(state, self._is_climbing, parameters["LNDMC_Z_VEL_MAX"], dt_s)
         is_spinning_up = state.time_s - self._armed_s < parameters["COM_SPOOLUP_TIME"]
         if self.setpoint is None:
-            self.motors = STOPPED
-        elif is_spinning_up or (self.land_detector.has_ground_contact and not self._is_climbing):
-            self.motors = self._cascade.idle()
-        else:
-            self.motors = self._cascade.step(state, self.setpoint, dt_s)
-        return self.motors
+            return STOPPED
+        if is_spinning_up or (self.land_detector.has_ground_contact and not self._is_climbing):
+            return self._cascade.idle()
+        return self._cascade.step(state, self.setpoint, dt_s)
 
 
 def _is_climb(setpoint: TrajectorySetpoint, state: FlightState) -> bool:

@@ -1,7 +1,8 @@
-"""PX4's multicopter cascade: from a setpoint to motor commands.
+"""PX4's multicopter cascade: from a setpoint to body rates and a thrust.
 
     position P -> velocity PI -> attitude P -> rate PID -> mixer
-    |------ 50 Hz ----------|    |------- every step --------|
+    |---------------- 50 Hz --------------|    |- every step -|
+                    here                       rate_control.xml
 
 Position and velocity errors become an acceleration setpoint, that a thrust vector, that an attitude
 (the direction of thrust first, heading second) and a thrust. When thrust is short, height comes
@@ -20,22 +21,18 @@ from dataclasses import dataclass
 
 from companion.geometry import Quaternion, quaternion_from_yaw, wrap_angle
 from sitl.flight.attitude import attitude_from_thrust, tilt_and_heading
-from sitl.flight.mixer import IDLE_COMMAND, MASS_KG, MAX_THRUST_N, MIN_THRUST_N, Motors, mix
-from sitl.flight.physics import FlightState
+from sitl.flight.physics import FlightState, RateSetpoint
+from sitl.flight.rotors import IDLE_COMMAND, MASS_KG, MAX_THRUST_N, MIN_THRUST_N, Motors
 
 GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901
 
 VERTICAL_P, CLIMB_P, CLIMB_I = 2.0, 6.0, 2.5  # 1/s, 1/s, 1/s^2
 ATTITUDE_P = (7.0, 7.0, 3.0)  # 1/s
-ROLL_P, PITCH_P, YAW_P = 0.35, 0.37, 0.25  # N m per rad/s
-ROLL_I, PITCH_I, YAW_I = 0.5, 0.5, 0.15  # N m per rad
-ROLL_D, PITCH_D, YAW_D = 0.006, 0.006, 0.0  # N m per rad/s^2
 
-POSITION_EVERY = 5  # steps
+CONTROL_STEPS = 5  # of the physics, for one of the loops here
 BRAKING_SHARE = 0.5  # of the acceleration limit is used to brake before a far position
 FADE_MPS = 0.2  # velocity errors above this count less and less for the integrals
 MAX_INTEGRAL_MPS2 = 4.0
-MAX_RATE_INTEGRAL_NM = 0.3
 LEAST_LIFT_MPS2, MOST_LIFT_MPS2 = 4 * MIN_THRUST_N / MASS_KG, 4 * MAX_THRUST_N / MASS_KG
 
 Vector = tuple[float, float, float]
@@ -168,43 +165,6 @@ class VelocityLoop:
         )
 
 
-class RateLoop:
-    """Rate PID: from body rate setpoints to torques in N m."""
-
-    def __init__(self) -> None:
-        self._integral: Vector = (0.0, 0.0, 0.0)
-        self._last: Vector = (0.0, 0.0, 0.0)
-
-    def reset(self) -> None:
-        """Clears the integrals."""
-        self._integral = (0.0, 0.0, 0.0)
-
-    def step(self, rates: Vector, wanted: Vector, dt_s: float) -> Vector:
-        """Torques about body x, y, z."""
-        (p, q, r), (w_p, w_q, w_r) = rates, wanted
-        (i_p, i_q, i_r), (l_p, l_q, l_r) = self._integral, self._last
-        self._last = rates
-        return (
-            ROLL_P * (w_p - p) + i_p - ROLL_D * (p - l_p) / dt_s,
-            PITCH_P * (w_q - q) + i_q - PITCH_D * (q - l_q) / dt_s,
-            YAW_P * (w_r - r) + i_r - YAW_D * (r - l_r) / dt_s,
-        )
-
-    def integrate(
-        self, rates: Vector, wanted: Vector, dt_s: float, *, is_tilting: bool, is_turning: bool
-    ) -> None:
-        """Integrates the errors, but for axes where the mixer is limited."""
-        (p, q, r), (w_p, w_q, w_r) = rates, wanted
-        i_p, i_q, i_r = self._integral
-        most = MAX_RATE_INTEGRAL_NM
-        if is_tilting:
-            i_p = _clamp(i_p + ROLL_I * (w_p - p) * dt_s, -most, most)
-            i_q = _clamp(i_q + PITCH_I * (w_q - q) * dt_s, -most, most)
-        if is_turning:
-            i_r = _clamp(i_r + YAW_I * (w_r - r) * dt_s, -most, most)
-        self._integral = (i_p, i_q, i_r)
-
-
 class Cascade:
     """The whole cascade for one vehicle; call `reset` when arming.
 
@@ -220,16 +180,13 @@ class Cascade:
     ) -> None:
         self._limits = limits
         self._velocity_loop = VelocityLoop(limits, gains)
-        self._rate_loop = RateLoop()
         self.reset(0.0)
 
     def reset(self, yaw_rad: float) -> None:
         """Clears the integrators; holds this heading while none is commanded."""
         self._velocity_loop.reset()
-        self._rate_loop.reset()
         self._yaw = yaw_rad
         self._yaw_rate = 0.0
-        self._until_position = 0
         self.attitude = quaternion_from_yaw(yaw_rad)
         self.thrust_n = MASS_KG * GRAVITY_MPS2
 
@@ -238,23 +195,10 @@ class Cascade:
         self.reset(self._yaw)
         return (IDLE_COMMAND,) * 4
 
-    def step(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> Motors:
-        """Motor commands 0 to 1 towards the setpoint; call once per physics step."""
-        if self._until_position == 0:
-            self._until_position = POSITION_EVERY
-            self._step_position(state, setpoint, dt_s * POSITION_EVERY)
-        self._until_position -= 1
-        wanted = self._wanted_rates(state.attitude)
-        roll, pitch, yaw = self._rate_loop.step(state.rates, wanted, dt_s)
-        mixed = mix(self.thrust_n, roll, pitch, yaw, state.voltage_v)
-        self._rate_loop.integrate(
-            state.rates,
-            wanted,
-            dt_s,
-            is_tilting=not mixed.is_tilt_limited,
-            is_turning=not mixed.is_yaw_limited,
-        )
-        return mixed.motors
+    def step(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> RateSetpoint:
+        """What the rate loop is to follow towards the setpoint; call it at 50 Hz."""
+        self._step_position(state, setpoint, dt_s)
+        return RateSetpoint(self.thrust_n, self._wanted_rates(state.attitude))
 
     def _wanted_rates(self, q: Quaternion) -> Vector:
         tilt_x, tilt_y, heading = tilt_and_heading(q, self.attitude)

@@ -161,9 +161,7 @@ class Estimator:
             self.error, self._velocity_error = self.fix_error, (0.0, 0.0)
             if self._wandering is not None:
                 self._wander(self._wandering, dt_s)
-            elif self.error == (0.0, 0.0) and not self._jumped[2]:
-                return truth
-        return self._with_errors(truth)
+        return self.seen(truth)
 
     def _wander(self, wandering: WanderingError, dt_s: float) -> None:
         wandering.step(dt_s)
@@ -191,7 +189,10 @@ class Estimator:
         self.error = (north + v_n * dt_s, east + v_e * dt_s)
         self._velocity_error = (v_n + gauss(0.0, kick), v_e + gauss(0.0, kick))
 
-    def _with_errors(self, truth: FlightState) -> FlightState:
+    def seen(self, truth: FlightState) -> FlightState:
+        """The estimate of a state, with the errors of the last step."""
+        if self.error == (0.0, 0.0) == self._velocity_error and not self._jumped[2]:
+            return truth
         north, east, down = truth.position
         v_n, v_e, v_d = truth.velocity
         (e_n, e_e), (e_vn, e_ve) = self.error, self._velocity_error
@@ -203,6 +204,7 @@ class Estimator:
             truth.euler,
             truth.rates,
             truth.specific_force,
+            truth.motors,
             truth.motor_speed_radps,
             truth.voltage_v,
             truth.current_a,

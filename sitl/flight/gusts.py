@@ -45,15 +45,15 @@ class _Transverse:
     def __init__(self) -> None:
         self._first = self._second = 0.0
 
-    def step(self, share: float, noise: float) -> float:
+    def step(self, keep: float, noise: float) -> float:
         """The next value, of deviation 1.
 
         Args:
-            share: of a length that is flown through in the step.
+            keep: what is left of a value after the step: e^-x of x lengths.
             noise: of deviation 1.
         """
-        self._second += share * (self._first - self._second)
-        self._first += _ROOT_2 * math.sqrt(share) * noise - share * self._first
+        self._second += (1 - keep) * (self._first - self._second)
+        self._first = keep * self._first + math.sqrt(1 - keep * keep) * noise
         return (_ROOT_3 * self._first + (1 - _ROOT_3) * self._second) / _ROOT_2
 
 
@@ -84,11 +84,10 @@ class Gusts:
         noise = self._noise
         level_m, upright_m, stronger = scale(height_m)
         flown_m = airspeed_mps * dt_s
-        share = flown_m / level_m if flown_m < level_m else 1.0
-        upright = flown_m / upright_m if flown_m < upright_m else 1.0
-        self._along += math.sqrt(2 * share) * noise() - share * self._along
-        across = self._across.step(share, noise())
-        down_mps = self._deviation_mps * self._down.step(upright, noise())
+        keep = math.exp(-flown_m / level_m)
+        self._along = keep * self._along + math.sqrt(1 - keep * keep) * noise()
+        across = self._across.step(keep, noise())
+        down_mps = self._deviation_mps * self._down.step(math.exp(-flown_m / upright_m), noise())
         level_mps = self._deviation_mps * stronger
         if wind is not self._wind:
             self._turn(wind)

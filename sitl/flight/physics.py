@@ -1,8 +1,9 @@
-"""The flight dynamics of the vehicle, by JSBSim.
+"""The flight dynamics of the vehicle, by JSBSim, and the autopilot's rate loop with them.
 
-In: four motor commands (0 to 1, PX4's quad-x order), wind, a seed. Out: a `FlightState` per step.
-Everything physical is in `quadrotor.xml`; this module only loads it, binds its properties and
-converts feet to metres. The same arguments and commands give bit-identical states, also beside
+In: body rates and a thrust for the rate loop, or four motor commands; wind, a seed. Out: the
+`FlightState`, read when it is asked for. Everything physical is in `quadrotor.xml`, the rate loop,
+as fast as the physics, in `rate_control.xml`; this module only loads them, binds their properties
+and converts feet to metres. The same arguments and commands give bit-identical states, also beside
 other instances and in another process.
 
 Position is that of the centre of mass, less the height at which it stands on its legs: standing
@@ -31,11 +32,12 @@ from companion.geometry import GlobalOrigin, Ned, Quaternion, wrap_angle
 from sitl.flight.attitude import quaternion_from_euler
 from sitl.flight.battery import NEW, Battery, BatterySpec
 from sitl.flight.gusts import Gusts
-from sitl.flight.mixer import MASS_KG, Motors
+from sitl.flight.rotors import MASS_KG, Motors
 
 M_PER_FT = 0.3048
 LEG_M = 0.12
 LEG_SPRING_N_PER_M = 4 * 1500.0
+GUST_STEPS = 5  # gusts change at 50 Hz: they are filtered noise of at most some hertz
 STANDING_M = LEG_M - MASS_KG * 9.81 / LEG_SPRING_N_PER_M
 """Height of the centre of mass above the ground at rest: the legs give 2.5 mm."""
 
@@ -57,7 +59,8 @@ class FlightState(NamedTuple):
         euler: the same as roll, pitch and yaw (Tait-Bryan, z-y'-x''), radians.
         rates: body rates p, q, r relative to NED, rad/s.
         specific_force: body, m/s^2: what an accelerometer measures, -9.8 on z at rest.
-        motor_speed_radps: PX4's quad-x order.
+        motors: the commands that turn them, PX4's quad-x order.
+        motor_speed_radps: likewise.
         voltage_v: at the battery's terminals.
         current_a: out of the battery, negative into it.
         charge: remaining, 0 to 1.
@@ -71,11 +74,24 @@ class FlightState(NamedTuple):
     euler: tuple[float, float, float]
     rates: tuple[float, float, float]
     specific_force: tuple[float, float, float]
+    motors: Motors
     motor_speed_radps: tuple[float, float, float, float]
     voltage_v: float
     current_a: float
     charge: float
     is_on_ground: bool
+
+
+class RateSetpoint(NamedTuple):
+    """What the rate loop follows.
+
+    Attributes:
+        thrust_n: of all rotors, along -z of the body.
+        rates: wanted body rates p, q, r, rad/s.
+    """
+
+    thrust_n: float
+    rates: tuple[float, float, float]
 
 
 class Physics:
@@ -96,7 +112,6 @@ class Physics:
         seed: of the turbulence, any integer.
 
     Attributes:
-        state: after the last step.
         battery: what drives it.
     """
 
@@ -127,21 +142,41 @@ class Physics:
         self.set_wind(wind)  # after run_ic, which replaces the wind by its own
         self._bind()
         self.battery.is_draining = False
-        self.state = self._read()
+        self._state: FlightState | None = None
+        self._is_on_ground = False
         self._choose_rate_integrators()
 
-    def step(self, motors: Motors) -> FlightState:
-        """Moves on by one step with these motor commands."""
-        for set_command, command in zip(self._set_commands, motors, strict=True):
-            set_command(command)
-        if self._gusts is not None:
+    @property
+    def state(self) -> FlightState:
+        """The state after the last step."""
+        if self._state is None:
+            self._state = self._read()
+        return self._state
+
+    def follow(self, command: RateSetpoint | Motors) -> None:
+        """What drives the motors from the next step on: the rate loop, or these commands.
+
+        The rate loop begins without integrals after commands.
+        """
+        if isinstance(command, RateSetpoint):
+            self._set_closed(1.0)
+            self._set_thrust(command.thrust_n)
+            wanted: tuple[float, ...] = command.rates
+            setters = self._set_rates
+        else:
+            self._set_closed(0.0)
+            wanted, setters = command, self._set_motors
+        for set_value, value in zip(setters, wanted, strict=True):
+            set_value(value)
+
+    def step(self) -> None:
+        """Moves on by one step."""
+        if self._gusts is not None and self._steps % GUST_STEPS == 0:
             self._gust(self._gusts)
         self._fdm.run()
         self._steps += 1
-        before, self.state = self.state, self._read()
-        if self.state.is_on_ground != before.is_on_ground:
-            self._choose_rate_integrators()
-        return self.state
+        self._state = None
+        self._choose_rate_integrators()
 
     def set_wind(self, wind: Ned) -> None:
         """The air's mean velocity over the ground from now on, NED, m/s."""
@@ -168,10 +203,11 @@ class Physics:
         self._fdm["ic/psi-true-rad"] = yaw_rad
 
     def _gust(self, gusts: Gusts) -> None:
-        """The air has another velocity in the next step."""
+        """The air has another velocity in the next steps."""
         wind = self._wind
-        airspeed_mps = math.dist(self.state.velocity, wind)
-        gust = gusts.step(self._height() * M_PER_FT, airspeed_mps, wind, self._dt_s)
+        airspeed_mps = math.dist([speed() * M_PER_FT for speed in self._velocity], wind)
+        dt_s = GUST_STEPS * self._dt_s
+        gust = gusts.step(self._height() * M_PER_FT, airspeed_mps, wind, dt_s)
         for set_gust, speed in zip(self._set_gusts, gust, strict=True):
             set_gust(speed / M_PER_FT)
 
@@ -181,18 +217,19 @@ class Physics:
         def readers(*names: str) -> tuple[Callable[[], float], ...]:
             return tuple(self._node(name).get_double_value for name in names)
 
-        self._set_commands = [
-            self._node(f"rotor/command-{i}").set_double_value for i in range(1, 5)
-        ]
-        self._set_gusts = [
-            self._node(f"atmosphere/gust-{axis}-fps").set_double_value
-            for axis in ("north", "east", "down")
-        ]
-        self._set_ground = self._node("position/terrain-elevation-asl-ft").set_double_value
-        self._set_rate_integrators = [
-            self._node(f"simulation/integrator/rate/{i}").set_double_value
-            for i in ("rotational", "translational")
-        ]
+        def writers(*names: str) -> tuple[Callable[[float], bool], ...]:
+            return tuple(self._node(name).set_double_value for name in names)
+
+        self._set_closed, self._set_thrust = writers("control/is-closed", "control/wanted-thrust-n")
+        self._set_rates = writers(*(f"control/wanted-{i}-radps" for i in "pqr"))
+        self._set_motors = writers(*(f"control/given-command-{i}" for i in range(1, 5)))
+        self._set_gusts = writers(
+            *(f"atmosphere/gust-{axis}-fps" for axis in ("north", "east", "down"))
+        )
+        (self._set_ground,) = writers("position/terrain-elevation-asl-ft")
+        self._set_rate_integrators = writers(
+            *(f"simulation/integrator/rate/{i}" for i in ("rotational", "translational"))
+        )
         self._charge, self._voltage, self._current, self._wow = readers(
             "battery/charge", "battery/voltage-v", "battery/current-a", "gear/wow"
         )
@@ -203,10 +240,15 @@ class Physics:
         self._euler = readers(*(f"attitude/{i}-rad" for i in ("phi", "theta", "psi")))
         self._rates = readers(*(f"velocities/{i}-rad_sec" for i in "pqr"))
         self._specific_force = readers(*(f"accelerations/a-pilot-{i}-ft_sec2" for i in "xyz"))
+        self._motors = readers(*(f"rotor/command-{i}" for i in range(1, 5)))
         self._motor_speeds = readers(*(f"rotor/speed-{i}-radps" for i in range(1, 5)))
 
     def _choose_rate_integrators(self) -> None:
-        order = _EULER if self.state.is_on_ground else _ADAMS_BASHFORTH_2
+        is_on_ground = self._wow() > 0
+        if is_on_ground == self._is_on_ground and self._steps:
+            return
+        self._is_on_ground = is_on_ground
+        order = _EULER if is_on_ground else _ADAMS_BASHFORTH_2
         for set_integrator in self._set_rate_integrators:
             set_integrator(order)
 
@@ -220,6 +262,7 @@ class Physics:
         v_n, v_e, v_d = self._velocity
         p, q, r = self._rates
         f_x, f_y, f_z = self._specific_force
+        c_1, c_2, c_3, c_4 = self._motors
         m_1, m_2, m_3, m_4 = self._motor_speeds
         phi, theta, psi = self._euler
         euler = (phi(), theta(), wrap_angle(psi()))
@@ -235,11 +278,12 @@ class Physics:
             euler,
             (p(), q(), r()),
             (f_x() * M_PER_FT, f_y() * M_PER_FT, f_z() * M_PER_FT),
+            (c_1(), c_2(), c_3(), c_4()),
             (m_1(), m_2(), m_3(), m_4()),
             self._voltage(),
             self._current(),
             self._charge(),
-            self._wow() > 0,
+            self._is_on_ground,
         )
 
 

@@ -12,106 +12,27 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import ClassVar
 
-from companion.geometry import GlobalOrigin
-from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
+from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES
 from sitl.autopilot.situation import heading
 from sitl.link import parameters, setpoints
+from sitl.link.autopilot_link import AUTOPILOT, AutopilotLink, Outgoing
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.events import EventService
-from sitl.link.files import FileServer
-from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose, message_name
+from sitl.link.messages import compose
 from sitl.link.mission_items import MissionType, WireItem, areas_from, item_from, safe_points_from
 from sitl.link.mission_progress import MissionProgressReporter
 from sitl.link.mission_service import MissionService
 from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
-from sitl.link.streams import Streams
 from sitl.link.telemetry.system import status
 from sitl.link.time_offset import TimeOffset
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.results import MavResult
 from sitl.world.faults import ANSWERS, Answer
 
-AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
-ORIGIN_S = 1.0  # how often it is looked whether the origin has changed
 LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
-Outgoing = list[tuple[LinkName, bytes]]
-
-
-class AutopilotLink:
-    """The autopilot's end of one link: its sequence numbers and its streams."""
-
-    def __init__(
-        self,
-        name: LinkName,
-        system: int,
-        vehicle: SimulatedVehicle,
-        events: EventService,
-        out: Outgoing,
-    ) -> None:
-        self.name = name
-        self.files = FileServer(events.files)
-        self._events = events
-        self.vehicle = vehicle
-        self._out = out
-        self.streams = Streams(name, vehicle.state.time_s)
-        self.next_step: list[Message] = []
-        self.listing: list[str] = []
-        self.time_offset = TimeOffset()
-        self._codec = MavlinkCodec(system, AUTOPILOT)
-        self._told_origin: GlobalOrigin | None = None
-        self._origin_due_s = vehicle.state.time_s
-
-    def tell_origin(self) -> None:
-        """Packs GPS_GLOBAL_ORIGIN, if it has changed; PX4 looks once a second."""
-        now_s, origin = self.vehicle.state.time_s, self.vehicle.origin
-        if now_s < self._origin_due_s:
-            return
-        self._origin_due_s += ORIGIN_S
-        if origin != self._told_origin:
-            self._told_origin = origin
-            self.stream("GPS_GLOBAL_ORIGIN")
-
-    def send(self, message: Message) -> None:
-        """Packs a message for this link."""
-        self._out.append((self.name, self._codec.pack(message)))
-
-    def stream(self, name: str) -> None:
-        """Packs a message of the telemetry for this link."""
-        frame = self._codec.frame(MESSAGE_CLASSES[name], MESSAGES[name](self.vehicle))
-        self._out.append((self.name, frame))
-
-    def send_if(self, message: Message | None) -> None:
-        """Packs a message, if there is one."""
-        if message is not None:
-            self.send(message)
-
-    def request_message(self, message_id: int) -> bool:
-        """Sends a message once; False if there is none with that id."""
-        if message_id == dialect.MAVLINK_MSG_ID_COMPONENT_METADATA:
-            self.next_step.append(self._events.metadata_message(self.vehicle.boot_ms))
-            return True
-        if (name := message_name(message_id)) is None:
-            return False
-        self.next_step.append(compose(name, self.vehicle))
-        return True
-
-    def ask_for_checks(self) -> None:
-        """The arming checks are reported in the next step."""
-        self._events.is_asked = True
-
-    def interval_us(self, message_id: int) -> int:
-        """Interval of a stream, 0 for what is not sent by itself."""
-        name = message_name(message_id)
-        return self.streams.interval_us(name) if name else 0
-
-    def set_interval(self, message_id: int, interval_us: float) -> bool:
-        """Changes a stream's interval; False if it is not streamed."""
-        name = message_name(message_id)
-        now_s = self.vehicle.state.time_s
-        return name is not None and self.streams.set_interval(name, interval_us, now_s)
 
 
 class AutopilotComponent:
@@ -147,6 +68,7 @@ class AutopilotComponent:
             for name in LinkName
             if name in links
         }
+        self._is_asked = False
         self._reported_status = status(vehicle.autopilot)
         self._text_count = 0
         self._progress = MissionProgressReporter()
@@ -160,6 +82,7 @@ class AutopilotComponent:
 
     def receive(self, name: LinkName, message: Message) -> None:
         """Handles a message that came in on a link."""
+        self._is_asked = True
         service = self.SERVICES.get(message.get_type())
         link = self._links.get(name)
         if service and link and is_for(self.address, message):
@@ -167,6 +90,7 @@ class AutopilotComponent:
 
     def step(self) -> Outgoing:
         """The frames that leave now."""
+        self._is_asked = False
         vehicle, now_s = self._vehicle, self._vehicle.state.time_s
         now = status(vehicle.autopilot)
         for origin, message in self._missions.due(now_s):
@@ -192,6 +116,10 @@ class AutopilotComponent:
             self._late = [late for late in self._late if late[0] > now_s]
         self._send_status_texts()
         return self.flush()
+
+    def is_due(self, now_s: float) -> bool:
+        """Something is to be sent before the autopilot's next step: answers, streams."""
+        return self._is_asked or any(link.is_due(now_s) for link in self._links.values())
 
     def _list_parameters(self, link: AutopilotLink) -> None:
         known = self._vehicle.autopilot.parameters

@@ -8,10 +8,12 @@ MAV_CMD_SET_MESSAGE_INTERVAL changes one message on one link.
 from __future__ import annotations
 
 import heapq
+import math
 
 from sitl.link.messages import MESSAGE_CLASSES
 from sitl.link.routing import LinkName
 
+EARLY_S = 1e-6  # sums of intervals are not exact
 RATES_HZ: dict[str, tuple[float, float]] = {
     # message                     gcs  offboard
     "HEARTBEAT": (1, 1),
@@ -65,10 +67,15 @@ class Streams:
         self._queue = [(now_s, MESSAGE_CLASSES[name].id, name) for name in self._intervals_s]
         heapq.heapify(self._queue)
 
+    @property
+    def due_s(self) -> float:
+        """When the next message is due."""
+        return self._queue[0][0] - EARLY_S if self._queue else math.inf
+
     def due(self, now_s: float) -> list[str]:
         """The messages to send now; each keeps its rate over the long run."""
         names = []
-        while self._queue and self._queue[0][0] <= now_s:
+        while self.due_s <= now_s:
             due_s, message_id, name = self._queue[0]
             names.append(name)
             interval_s = self._intervals_s[name]

@@ -53,8 +53,6 @@ class World:
         operator_commands: MAV_CMD names that the operator is to send to the companion now; who
             sends them takes them off the list.
         autopilot: of the vehicle; another one after a reboot.
-        reboots: those that are to be done now; who does them takes them off the list.
-        origins: of the local frame, likewise.
         link_qualities: of the links that are disturbed.
         answers: how the autopilot takes a MAV_CMD, where it is not as it should be.
         reporter: a program on board.
@@ -87,8 +85,8 @@ class World:
         self.event_log: list[tuple[float, str]] = []
         self.is_wreck = False
         self.operator_commands: list[str] = []
-        self.reboots: list[Reboot] = []
-        self.origins: list[GlobalOrigin] = []
+        self._reboots: list[Reboot] = []
+        self._origins: list[GlobalOrigin] = []
         self.link_qualities: dict[tuple[Port, Direction], LinkQuality] = {}
         self.answers: dict[int, Answer] = {}
         self.reporter = Reporter()
@@ -100,6 +98,16 @@ class World:
     def note_command(self, command: int, component: int, now_s: float) -> None:
         """A command has arrived for a component on board, 0 for all."""
         self._schedule.note_command(command, component, now_s)
+
+    def take_reboots(self) -> list[Reboot]:
+        """Those that are to be done since the last call."""
+        reboots, self._reboots = self._reboots, []
+        return reboots
+
+    def take_origins(self) -> list[GlobalOrigin]:
+        """Where the autopilot's local frame is to begin, since the last call."""
+        origins, self._origins = self._origins, []
+        return origins
 
     def step(self, state: FlightState) -> None:
         """Takes the true state of the vehicle."""
@@ -226,11 +234,11 @@ class World:
 
     def lay_origin(self, origin: GlobalOrigin) -> None:
         """The autopilot's local frame begins elsewhere."""
-        self.origins.append(origin)
+        self._origins.append(origin)
 
     def reboot(self, reboot: Reboot) -> None:
         """The autopilot restarts."""
-        self.reboots.append(reboot)
+        self._reboots.append(reboot)
 
     def set_answer(self, command: int, answer: Answer | None) -> None:
         """How the autopilot takes a MAV_CMD from now on; None is as it should."""

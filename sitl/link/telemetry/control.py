@@ -33,7 +33,7 @@ def position_target_local_ned(v: SimulatedVehicle) -> Fields:
 
 def servo_output_raw(v: SimulatedVehicle) -> Fields:
     """SERVO_OUTPUT_RAW: motor commands as 1000 to 2000 us."""
-    pulses = (round(1000 + 1000 * motor) for motor in v.autopilot.control.motors)
+    pulses = (round(1000 + 1000 * motor) for motor in v.state.motors)
     return (v.boot_us % 2**32, 0, *pulses, *(0,) * 4)
 
 
@@ -45,7 +45,7 @@ def attitude_target(v: SimulatedVehicle) -> Fields:
 
 def actuator_output_status(v: SimulatedVehicle) -> Fields:
     """ACTUATOR_OUTPUT_STATUS: motor commands, 0 to 1."""
-    outputs = (*v.autopilot.control.motors, *(0.0,) * (OUTPUTS - MOTORS))
+    outputs = (*v.state.motors, *(0.0,) * (OUTPUTS - MOTORS))
     return (v.boot_us, MOTORS, outputs)
 
 

@@ -85,7 +85,7 @@ def vfr_hud(v: SimulatedVehicle) -> Fields:
     """VFR_HUD; a multicopter reports no airspeed of its own, so ground speed stands there."""
     north, east, down = v.state.velocity
     speed = math.hypot(north, east)
-    throttle = round(100 * sum(v.autopilot.control.motors) / 4)
+    throttle = round(100 * sum(v.state.motors) / 4)
     heading_deg = round(_heading_deg(v.state)) % 360
     amsl = v.origin.altitude_m - v.state.position[2]
     return (speed, speed, heading_deg, throttle, amsl, -down)

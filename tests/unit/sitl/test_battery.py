@@ -6,19 +6,19 @@ import math
 
 import numpy as np
 import pytest
+from physics_steps import DT, driven
 
 from companion.geometry import GlobalOrigin
 from sitl.flight.battery import CAPACITY_AH, BatterySpec
 from sitl.flight.physics import FlightState, Physics
 
 SEA = GlobalOrigin(47.4, 8.5, 0.0)
-DT = 0.004
 STOPPED = (0.0, 0.0, 0.0, 0.0)
 AVIONICS_A, R0, R1, RC_S, FULL_V = 0.6, 0.016, 0.010, 20.0, 16.8
 
 
 def run(physics: Physics, seconds: float, throttle: float = 0.0) -> list[FlightState]:
-    return [physics.step((throttle,) * 4) for _ in range(round(seconds / DT))]
+    return [driven(physics, (throttle,) * 4) for _ in range(round(seconds / DT))]
 
 
 def test_the_gauge_integrates_current_and_power() -> None:
@@ -41,7 +41,7 @@ def test_the_remaining_time_is_the_time_that_remains() -> None:
     promised_s = physics.battery.gauge().remaining_s
     assert promised_s is not None
     waited_s = 0.0
-    while physics.step(STOPPED).charge > 0:
+    while driven(physics, STOPPED).charge > 0:
         waited_s += DT
     # The avionics draw a constant current; the filter of 20 s has settled to e^-5.
     assert promised_s == pytest.approx(waited_s, rel=0.01)
@@ -60,7 +60,7 @@ def test_a_step_of_charge_moves_the_voltage_and_is_no_consumption() -> None:
     before = run(physics, 60.0)[-1]
     consumed = physics.battery.gauge().consumed_mah
     physics.battery.set_charge(0.2)
-    after = physics.step(STOPPED)
+    after = driven(physics, STOPPED)
     assert after.charge == pytest.approx(0.2, abs=1e-6)
     # Equal current, so only the open-circuit voltage differs: 4 (4.12 - 3.74) V.
     assert before.voltage_v - after.voltage_v == pytest.approx(4 * (4.12 - 3.74), abs=0.01)

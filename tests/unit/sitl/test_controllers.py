@@ -1,54 +1,30 @@
-"""The cascade flies the airframe: steps, tracking, take-off and landing; the mixer's order."""
+"""The cascade flies the airframe: steps, tracking, take-off and landing."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from physics_steps import CONTROL_S, DT, driven, flown
 
 from companion.geometry import GlobalOrigin, Ned, euler_from_quaternion, quaternion_from_yaw
 from sitl.flight.attitude import attitude_from_thrust, quaternion_from_euler, tilt_and_heading
 from sitl.flight.controllers import Cascade, ControllerLimits, TrajectorySetpoint
-from sitl.flight.mixer import (
-    HUB_M,
-    IDLE_COMMAND,
-    MAX_THRUST_N,
-    MIN_THRUST_N,
-    SPEED_CONSTANT,
-    THRUST_CONSTANT,
-    TORQUE_PER_THRUST_M,
-    mix,
-)
-from sitl.flight.physics import FlightState, Physics
+from sitl.flight.physics import Physics
 
-DT = 0.004
 SEA = GlobalOrigin(47.4, 8.5, 0.0)
 NOTHING = (None, None, None)
 STILL = (0.0, 0.0, 0.0)
 HIGH = (0.0, 0.0, -10.0)
 
 
-def fly(
-    physics: Physics,
-    cascade: Cascade,
-    setpoint: TrajectorySetpoint | Callable[[float], TrajectorySetpoint],
-    seconds: float,
-) -> list[FlightState]:
-    states = []
-    for i in range(round(seconds / DT)):
-        wanted = setpoint(i * DT) if callable(setpoint) else setpoint
-        states.append(physics.step(cascade.step(physics.state, wanted, DT)))
-    return states
-
-
 def hovering(wind: Ned = STILL, turbulence_mps: float = 0.0) -> tuple[Physics, Cascade]:
     physics = Physics(origin=SEA, start=HIGH, wind=wind, turbulence_mps=turbulence_mps, seed=1)
     cascade = Cascade()
     cascade.reset(0.0)
-    fly(physics, cascade, TrajectorySetpoint(HIGH, STILL), 8.0)
+    flown(physics, cascade, TrajectorySetpoint(HIGH, STILL), 8.0)
     return physics, cascade
 
 
@@ -73,7 +49,7 @@ def test_roll_step() -> None:
     sideways = TrajectorySetpoint(
         NOTHING, (None, None, 0.0), (0.0, 9.80665 * math.tan(math.radians(20)), 0.0)
     )
-    states = fly(physics, cascade, sideways, 1.0)
+    states = flown(physics, cascade, sideways, 1.0)
     roll = [math.degrees(euler_from_quaternion(state.attitude)[0]) for state in states]
     assert rise_s(roll, 20.0) <= 0.2
     assert max(roll) <= 22.0
@@ -87,7 +63,7 @@ def test_roll_step() -> None:
 def test_position_step(position: Ned, axis: int, sign: int) -> None:
     physics, cascade = hovering()
     start = physics.state.position[axis]
-    states = fly(physics, cascade, TrajectorySetpoint(position, STILL), 6.0)
+    states = flown(physics, cascade, TrajectorySetpoint(position, STILL), 6.0)
     moved = [sign * (state.position[axis] - start) for state in states]
     assert max(moved) <= 1.05
     assert settle_s(moved, 1.0) <= 2.5
@@ -96,7 +72,7 @@ def test_position_step(position: Ned, axis: int, sign: int) -> None:
 @pytest.mark.parametrize("yaw_rad", [1.0, -3.0])
 def test_yaw_step_keeps_the_place(yaw_rad: float) -> None:
     physics, cascade = hovering()
-    states = fly(physics, cascade, TrajectorySetpoint(HIGH, STILL, yaw_rad=yaw_rad), 6.0)
+    states = flown(physics, cascade, TrajectorySetpoint(HIGH, STILL, yaw_rad=yaw_rad), 6.0)
     assert euler_from_quaternion(states[-1].attitude)[2] == pytest.approx(yaw_rad, abs=0.01)
     assert max(math.dist(state.position, HIGH) for state in states) < 0.05
     assert max(abs(state.rates[2]) for state in states) < 1.2 * ControllerLimits().yaw_rate_radps
@@ -104,14 +80,14 @@ def test_yaw_step_keeps_the_place(yaw_rad: float) -> None:
 
 def test_a_yaw_rate_without_a_heading_turns_and_then_holds() -> None:
     physics, cascade = hovering()
-    fly(physics, cascade, TrajectorySetpoint(HIGH, STILL, yaw_rate_radps=0.5), 2.0)
-    states = fly(physics, cascade, TrajectorySetpoint(HIGH, STILL), 4.0)
+    flown(physics, cascade, TrajectorySetpoint(HIGH, STILL, yaw_rate_radps=0.5), 2.0)
+    states = flown(physics, cascade, TrajectorySetpoint(HIGH, STILL), 4.0)
     assert euler_from_quaternion(states[-1].attitude)[2] == pytest.approx(1.0, abs=0.02)
 
 
 def test_a_far_target_is_reached_without_overshoot_and_within_the_limits() -> None:
     physics, cascade = hovering()
-    states = fly(physics, cascade, TrajectorySetpoint((40.0, 30.0, -15.0), STILL), 20.0)
+    states = flown(physics, cascade, TrajectorySetpoint((40.0, 30.0, -15.0), STILL), 20.0)
     assert max(math.hypot(*state.velocity[:2]) for state in states) <= 5.1
     assert max(-state.velocity[2] for state in states) <= 3.1
     assert max(state.position[0] for state in states) <= 40.1
@@ -132,8 +108,8 @@ def test_far_steps_are_those_of_px4_but_for_the_overshoot(
     should meet a simulated vehicle that misses them by its own fault alone.
     """
     physics, cascade = Physics(origin=SEA, start=HIGH), Cascade(ControllerLimits(speed_mps=12.0))
-    fly(physics, cascade, TrajectorySetpoint(HIGH, STILL), 6.0)
-    states = fly(physics, cascade, TrajectorySetpoint((step_m, 0.0, -10.0), STILL), 12.0)
+    flown(physics, cascade, TrajectorySetpoint(HIGH, STILL), 6.0)
+    states = flown(physics, cascade, TrajectorySetpoint((step_m, 0.0, -10.0), STILL), 12.0)
     moved = [state.position[0] for state in states]
     assert max(math.hypot(*state.velocity) for state in states) == pytest.approx(peak_mps, rel=0.1)
     assert max(moved) - step_m < 0.1 * overshoot_m
@@ -144,7 +120,7 @@ def test_far_steps_are_those_of_px4_but_for_the_overshoot(
 
 def test_velocity_setpoints_reach_their_speed() -> None:
     physics, cascade = hovering()
-    states = fly(physics, cascade, TrajectorySetpoint((None, None, -10.0), (2.0, -1.0, 0.0)), 8.0)
+    states = flown(physics, cascade, TrajectorySetpoint((None, None, -10.0), (2.0, -1.0, 0.0)), 8.0)
     assert states[-1].velocity == pytest.approx((2.0, -1.0, 0.0), abs=0.05)
     assert states[-1].position[2] == pytest.approx(-10.0, abs=0.02)
 
@@ -170,7 +146,7 @@ def test_tracking(wind: Ned, turbulence_mps: float, reach_m: float) -> None:
         )
 
     physics, cascade = hovering(wind, turbulence_mps)
-    states = fly(physics, cascade, circle, 20.0)
+    states = flown(physics, cascade, circle, 20.0)
     squares = [
         (wanted - real) ** 2
         for i, state in enumerate(states)
@@ -188,23 +164,23 @@ def test_take_off_and_land() -> None:
     cascade = Cascade()
     cascade.reset(1.0)
     for _ in range(500):
-        state = physics.step(cascade.idle())
+        state = driven(physics, cascade.idle())
     assert state.is_on_ground
     assert math.hypot(*state.position) < 0.005
     assert state.motor_speed_radps == pytest.approx((60.0,) * 4, abs=1.0)
 
-    climb = fly(physics, cascade, TrajectorySetpoint((0.0, 0.0, None), (0.0, 0.0, -1.0)), 3.0)
+    climb = flown(physics, cascade, TrajectorySetpoint((0.0, 0.0, None), (0.0, 0.0, -1.0)), 3.0)
     assert not climb[-1].is_on_ground
     assert climb[-1].position[2] < -2.0
     assert climb[-1].velocity[2] == pytest.approx(-1.0, abs=0.1)  # thin air, still integrating
     assert euler_from_quaternion(climb[-1].attitude)[2] == pytest.approx(1.0, abs=0.01)
 
-    sink = fly(physics, cascade, TrajectorySetpoint((0.0, 0.0, None), (0.0, 0.0, 0.7)), 5.0)
+    sink = flown(physics, cascade, TrajectorySetpoint((0.0, 0.0, None), (0.0, 0.0, 0.7)), 5.0)
     assert sink[-1].is_on_ground
     assert max(state.velocity[2] for state in sink) < 0.8
     resting = physics.state.position
     for _ in range(1000):
-        state = physics.step(cascade.idle())
+        state = driven(physics, cascade.idle())
     assert state.is_on_ground
     assert math.dist(state.position, resting) < 0.005
     assert max(abs(angle) for angle in euler_from_quaternion(state.attitude)[:2]) < 0.002
@@ -216,12 +192,8 @@ def test_reset_forgets_the_last_flight() -> None:
     fresh.reset(0.5)
     used.reset(0.5)
     setpoint = TrajectorySetpoint(HIGH, STILL)
-    # The rate loop's derivative needs one step to know the present rates.
-    state = physics.state._replace(rates=STILL)
-    fresh.step(state, setpoint, DT), used.step(state, setpoint, DT)
-    for cascade in (fresh, used):
-        cascade.reset(0.5)
-    assert fresh.step(state, setpoint, DT) == used.step(state, setpoint, DT)
+    state, dt_s = physics.state, CONTROL_S
+    assert fresh.step(state, setpoint, dt_s) == used.step(state, setpoint, dt_s)
 
 
 # Attitude
@@ -256,61 +228,3 @@ def test_tilt_and_heading_vanish_only_together(
 def test_a_pure_tilt_asks_for_no_turn(pitch: float, yaw: float) -> None:
     error = tilt_and_heading(quaternion_from_yaw(yaw), quaternion_from_euler(0.0, pitch, yaw))
     assert error == pytest.approx((0.0, 2 * math.sin(pitch / 2), 0.0), abs=1e-9)
-
-
-# Mixer
-
-
-def delivered(motors: tuple[float, ...], voltage_v: float) -> tuple[float, float, float, float]:
-    """Thrust, roll, pitch and yaw torque of motor commands."""
-    t = [THRUST_CONSTANT * (SPEED_CONSTANT * voltage_v * motor) ** 2 for motor in motors]
-    return (
-        sum(t),
-        HUB_M * (t[1] + t[2] - t[0] - t[3]),
-        HUB_M * (t[0] + t[2] - t[1] - t[3]),
-        TORQUE_PER_THRUST_M * (t[0] + t[1] - t[2] - t[3]),
-    )
-
-
-thrusts = st.floats(0.0, 60.0)
-torques = st.floats(-6.0, 6.0)
-
-
-@given(thrusts, torques, torques, torques)
-def test_mixer_delivers_what_it_can_in_order(
-    thrust: float, roll: float, pitch: float, yaw: float
-) -> None:
-    mixed = mix(thrust, roll, pitch, yaw, 16.0)
-    got = delivered(mixed.motors, 16.0)
-    assert all(0.0 < motor <= 1.0 for motor in mixed.motors)
-    if not mixed.is_tilt_limited:
-        assert got[1:3] == pytest.approx((roll, pitch), abs=1e-9)
-    else:  # less, but about the same axis
-        assert got[1] * pitch == pytest.approx(got[2] * roll, abs=1e-9)
-        assert math.hypot(*got[1:3]) <= math.hypot(roll, pitch) + 1e-9
-    if not mixed.is_yaw_limited:
-        assert got[3] == pytest.approx(yaw, abs=1e-9)
-    else:
-        assert abs(got[3]) <= abs(yaw) + 1e-9
-        assert got[3] * yaw >= -1e-9
-    # Thrust gets what roll and pitch leave, whatever yaw wants.
-    without_yaw = delivered(mix(thrust, roll, pitch, 0.0, 16.0).motors, 16.0)
-    assert got[0] == pytest.approx(without_yaw[0])
-
-
-@given(st.floats(13.0, 16.8), st.floats(4 * MIN_THRUST_N, 4 * MAX_THRUST_N))
-def test_mixer_corrects_for_the_voltage(voltage_v: float, thrust: float) -> None:
-    motors = mix(thrust, 0.0, 0.0, 0.0, voltage_v).motors
-    if max(motors) < 1.0:
-        assert delivered(motors, voltage_v)[0] == pytest.approx(thrust)
-    else:
-        assert delivered(motors, voltage_v)[0] <= thrust
-
-
-def test_mixer_knows_the_airframe() -> None:
-    physics, cascade = hovering()
-    command = cascade.step(physics.state, TrajectorySetpoint(HIGH, STILL), DT)
-    thrust = sum(THRUST_CONSTANT * speed**2 for speed in physics.state.motor_speed_radps)
-    assert delivered(command, physics.state.voltage_v)[0] == pytest.approx(thrust, rel=1e-3)
-    assert thrust == pytest.approx(-1.5 * physics.state.specific_force[2], rel=1e-3)
-    assert mix(0.0, 0.0, 0.0, 0.0, 16.8).motors == pytest.approx((IDLE_COMMAND,) * 4)

@@ -9,10 +9,11 @@ import sys
 
 import numpy as np
 import pytest
+from physics_steps import CONTROL_S, driven, flown
 
 from companion.geometry import GlobalOrigin, euler_from_quaternion
 from sitl.flight.battery import BatterySpec
-from sitl.flight.controllers import Cascade, TrajectorySetpoint
+from sitl.flight.controllers import CONTROL_STEPS, Cascade, TrajectorySetpoint
 from sitl.flight.physics import STANDING_M, FlightState, Physics
 
 SEA = GlobalOrigin(47.4, 8.5, 0.0)
@@ -48,18 +49,16 @@ def battery_under(power_w: float, charge: float) -> tuple[float, float]:
     return voltage, AVIONICS_A + power_w / voltage
 
 
-def hover(physics: Physics, seconds: float, dt_s: float = 0.004) -> FlightState:
+def hover(physics: Physics, seconds: float) -> FlightState:
     """Hold the present position."""
-    cascade = Cascade()
     setpoint = TrajectorySetpoint(physics.state.position, (0.0, 0.0, 0.0))
-    for _ in range(round(seconds / dt_s)):
-        physics.step(cascade.step(physics.state, setpoint, dt_s))
-    return physics.state
+    return flown(physics, Cascade(), setpoint, seconds)[-1]
 
 
 def coast(physics: Physics, seconds: float, dt_s: float = 0.004) -> FlightState:
+    physics.follow(STOPPED)
     for _ in range(round(seconds / dt_s)):
-        physics.step(STOPPED)
+        physics.step()
     return physics.state
 
 
@@ -143,7 +142,7 @@ def test_a_hovering_vehicle_leans_into_the_wind() -> None:
 def test_rotor_order_is_px4_quad_x(motors: tuple[float, float, float, float], axis: int) -> None:
     physics = Physics(origin=SEA, start=(0.0, 0.0, -10.0))
     for _ in range(20):
-        physics.step(motors)
+        driven(physics, motors)
     turning = [abs(rate) > 0.05 for rate in physics.state.rates]
     assert physics.state.rates[axis] > 0.05
     assert sum(turning) == 1
@@ -152,7 +151,7 @@ def test_rotor_order_is_px4_quad_x(motors: tuple[float, float, float, float], ax
 def test_rotor_speed_follows_its_command_with_the_lag() -> None:
     physics = Physics(origin=SEA, start=(0.0, 0.0, -10.0))
     for _ in range(5):
-        physics.step((0.5, 0.5, 0.5, 0.5))
+        driven(physics, (0.5, 0.5, 0.5, 0.5))
     # Five steps are one time constant; the voltage sags by 1 % meanwhile.
     full = 0.5 * 950 / 16.8 * physics.state.voltage_v
     assert physics.state.motor_speed_radps[0] == pytest.approx(full * (1 - math.exp(-1)), rel=0.1)
@@ -186,7 +185,7 @@ def spin_freely(q: np.ndarray, rates: np.ndarray, seconds: float) -> np.ndarray:
 def test_free_spin_follows_eulers_equations() -> None:
     physics = Physics(origin=SEA, start=(0.0, 0.0, -900.0))
     for _ in range(28):
-        physics.step((0.44, 0.8, 0.5, 0.1))
+        driven(physics, (0.44, 0.8, 0.5, 0.1))
     start = coast(physics, 0.8)  # the rotors have stopped
     assert max(start.motor_speed_radps) < 1e-9
     assert math.hypot(*start.rates) > 4
@@ -215,7 +214,7 @@ def test_hover_endurance_is_the_integral() -> None:
     physics.battery.is_draining = True
     setpoint = TrajectorySetpoint(physics.state.position, (0.0, 0.0, 0.0))
     while physics.state.charge > 0.2:
-        physics.step(cascade.step(physics.state, setpoint, 0.004))
+        flown(physics, cascade, setpoint, 0.1)
     charges = np.linspace(0.2, 1.0, 2000)
     current = [battery_under(HOVER_SHAFT_W / EFFICIENCY, charge)[1] for charge in charges]
     expected_s = np.trapezoid(3600 * CAPACITY_AH / np.array(current), charges)
@@ -271,11 +270,8 @@ def test_a_dropped_vehicle_comes_to_rest_on_its_legs() -> None:
 
 def test_position_is_the_integral_of_velocity() -> None:
     physics = Physics(origin=ALPS, start=(100.0, -50.0, -20.0), wind=(2.0, 1.0, 0.0))
-    cascade = Cascade()
     setpoint = TrajectorySetpoint((130.0, -90.0, -25.0), (0.0, 0.0, 0.0))
-    states = [physics.state]
-    for _ in range(4000):
-        states.append(physics.step(cascade.step(physics.state, setpoint, 0.004)))
+    states = [physics.state, *flown(physics, Cascade(), setpoint, 16.0)]
     velocity = np.array([state.velocity for state in states])
     travelled = (velocity[1:] + velocity[:-1]).sum(axis=0) / 2 * 0.004
     assert states[0].position == pytest.approx((100.0, -50.0, -20.0), abs=1e-4)
@@ -288,17 +284,17 @@ def test_a_finer_step_gives_the_same_flight() -> None:
         physics = Physics(origin=SEA, start=(0.0, 0.0, -10.0), dt_s=0.004 / substeps)
         cascade = Cascade()
         track = []
-        for i in range(2500):
-            t = max(0.0, i * 0.004 - 4.0)  # hover, then half a circle
+        for i in range(500):
+            t = max(0.0, i * CONTROL_S - 4.0)  # hover, then half a circle
             setpoint = TrajectorySetpoint(
                 (math.sin(t / 2), 1 - math.cos(t / 2), -10.0),
                 (math.cos(t / 2) / 2, math.sin(t / 2) / 2, 0.0) if t > 0 else (0.0, 0.0, 0.0),
             )
-            motors = cascade.step(physics.state, setpoint, 0.004)
-            for _ in range(substeps):
-                physics.step(motors)
+            physics.follow(cascade.step(physics.state, setpoint, CONTROL_S))
+            for _ in range(CONTROL_STEPS * substeps):
+                physics.step()
             track.append(physics.state.position)
-        return np.array(track[1000:])
+        return np.array(track[200:])
 
     apart = np.linalg.norm(fly(1) - fly(8), axis=1)
     assert apart.max() <= 0.002
@@ -317,7 +313,8 @@ def digest(*vehicles):
     hashes = [hashlib.sha256() for _ in vehicles]
     for i in range(500):
         for physics, total in zip(vehicles, hashes):
-            physics.step((0.6, 0.59 + 0.0001 * (i % 50), 0.6, 0.6))
+            physics.follow((0.6, 0.59 + 0.0001 * (i % 50), 0.6, 0.6))
+            physics.step()
             total.update(repr(physics.state).encode())
     return [total.hexdigest() for total in hashes]
 """
@@ -346,7 +343,7 @@ def test_the_same_seed_is_the_same_flight_everywhere() -> None:
 def test_states_are_values() -> None:
     physics = Physics(origin=SEA)
     before = physics.state
-    after = physics.step(STOPPED)
+    after = driven(physics, STOPPED)
     assert before is not after is physics.state
     assert (before.time_s, after.time_s) == (0.0, 0.004)
 

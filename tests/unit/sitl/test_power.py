@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from statistics import fmean
 
 import pytest
+from physics_steps import flown
 
 from companion.battery_profile import BatteryProfile
 from companion.geometry import GlobalOrigin, Ned
@@ -12,27 +14,22 @@ from sitl.flight.battery import BatterySpec
 from sitl.flight.controllers import Cascade, ControllerLimits, TrajectorySetpoint
 from sitl.flight.physics import Physics
 
-DT = 0.004
 SEA = GlobalOrigin(47.4, 8.5, 0.0)
-SETTLED_S, MEASURED_S = 8.0, 8.0
+FLIGHT_S = 16.0  # the first half until it is steady
 
 
 def mean_w(velocity: Ned, wind: Ned = (0.0, 0.0, 0.0), charge: float = 0.8) -> float:
     """The mean power of a steady flight."""
     physics = Physics(origin=SEA, start=(0.0, 0.0, -60.0), wind=wind, battery=BatterySpec(charge))
-    cascade, powers_w = Cascade(ControllerLimits(speed_mps=12.0)), []
-    for i in range(round((SETTLED_S + MEASURED_S) / DT)):
-        time_s = i * DT
+
+    def steady(time_s: float) -> TrajectorySetpoint:
         ahead = time_s**2 / 8 if time_s < 4 else time_s - 2  # 4 s of acceleration
         share = min(1.0, time_s / 4)
         north, east, down = (ahead * v for v in velocity)
-        setpoint = TrajectorySetpoint(
-            (north, east, -60.0 + down), tuple(share * v for v in velocity)
-        )
-        state = physics.step(cascade.step(physics.state, setpoint, DT))
-        if time_s >= SETTLED_S:
-            powers_w.append(state.voltage_v * state.current_a)
-    return sum(powers_w) / len(powers_w)
+        return TrajectorySetpoint((north, east, -60.0 + down), tuple(share * v for v in velocity))
+
+    states = flown(physics, Cascade(ControllerLimits(speed_mps=12.0)), steady, FLIGHT_S)
+    return fmean(state.voltage_v * state.current_a for state in states[len(states) // 2 :])
 
 
 @pytest.mark.parametrize("charge", [0.95, 0.5, 0.25])

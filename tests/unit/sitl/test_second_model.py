@@ -1,9 +1,9 @@
 """JSBSim against a second model of the same equations: a mission, and every second of it.
 
-Over a whole mission each model is flown by its own cascade. Motor commands alone keep no
-quadrotor in place: an angular impulse of 1e-6 rad/s is 44 mm after 30 s, g t^3 / 6 of it, beyond
-any two integrators. So equal commands are flown for a second at a time, each time from JSBSim's
-state. This is the sharper test: a cascade would correct a wrong coefficient.
+Over a whole mission each model is flown by its own cascade and its own rate loop. Motor commands
+alone keep no quadrotor in place: an angular impulse of 1e-6 rad/s is 44 mm after 30 s, g t^3 / 6 of
+it, beyond any two integrators. So equal commands are flown for a second at a time, each time from
+JSBSim's state. This is the sharper test: a cascade would correct a wrong coefficient.
 """
 
 from __future__ import annotations
@@ -14,14 +14,15 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 import second_model
+from physics_steps import CONTROL_S, DT
 from second_model import SecondModel
+from second_rate_loop import SecondRateLoop
 
 from companion.geometry import GlobalOrigin, Ned
-from sitl.flight.controllers import Cascade, TrajectorySetpoint
-from sitl.flight.mixer import Motors
+from sitl.flight.controllers import CONTROL_STEPS, Cascade, TrajectorySetpoint
 from sitl.flight.physics import FlightState, Physics
+from sitl.flight.rotors import Motors
 
-DT = 0.004
 LATITUDE_DEG = 47.4
 WIND: Ned = (2.0, -1.0, 0.0)
 LEGS = (  # of 6 s each: climbs, turns, full speed, and into the ground effect
@@ -73,8 +74,10 @@ def mission() -> Recording:
     for i in range(STEPS):
         recording.states.append(physics.state)
         recording.rc_currents_a.append(physics.battery.gauge().mean_current_a)
-        recording.motors.append(cascade.step(physics.state, setpoint(i), DT))
-        physics.step(recording.motors[-1])
+        if i % CONTROL_STEPS == 0:
+            physics.follow(cascade.step(physics.state, setpoint(i), CONTROL_S))
+        physics.step()
+        recording.motors.append(physics.state.motors)
     return recording
 
 
@@ -87,12 +90,14 @@ def test_the_mission_exercises_the_model(mission: Recording) -> None:
 
 
 def test_a_mission_is_the_same_in_both_models(mission: Recording) -> None:
-    model, cascade = mission.model(0), Cascade()
+    model, cascade, rate_loop = mission.model(0), Cascade(), SecondRateLoop()
     apart_m = 0.0
     for i in range(STEPS - 1):
-        model.step(cascade.step(model.state, setpoint(i), DT), DT)
+        if i % CONTROL_STEPS == 0:
+            wanted = cascade.step(model.state, setpoint(i), CONTROL_S)
+        model.step(rate_loop.step(model.state.rates, model.state.voltage_v, wanted, DT), DT)
         apart_m = max(apart_m, math.dist(model.state.position, mission.states[i + 1].position))
-    assert apart_m <= 0.005  # 10 mm to reach
+    assert apart_m <= 0.010  # the second rate loop has each state a step later
     assert model.state.charge == pytest.approx(mission.states[-1].charge, abs=1e-5)
     assert model.state.voltage_v == pytest.approx(mission.states[-1].voltage_v, abs=1e-3)
 

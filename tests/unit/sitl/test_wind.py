@@ -7,17 +7,17 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from physics_steps import driven, flown
 
 from companion.geometry import GlobalOrigin, euler_from_quaternion
 from sitl.flight.controllers import Cascade, TrajectorySetpoint
 from sitl.flight.physics import Physics
 
-DT = 0.004
 SEA = GlobalOrigin(47.4, 8.5, 0.0)
 HILL = GlobalOrigin(47.4, 8.5, 488.0)
 """High above the sea; what counts is the height above the ground."""
 HEIGHT_M, WIND_MPS, SIGMA_MPS = 6.0, 15.0, 0.4
-SAMPLE_STEPS = 5
+SAMPLE_S = 0.02
 M_PER_FT = 0.3048
 
 # MIL-F-8785C, below 1000 ft; h in feet.
@@ -39,10 +39,9 @@ def gusts() -> NDArray[np.float64]:
     # No sensor of the vehicle feels the air alone, so JSBSim is asked.
     axes = [physics._node(f"atmosphere/gust-{axis}-fps") for axis in ("north", "east", "down")]
     cascade, setpoint, rows = Cascade(), TrajectorySetpoint(home, (0.0, 0.0, 0.0)), []
-    for i in range(round(1200 / DT)):
-        physics.step(cascade.step(physics.state, setpoint, DT))
-        if i % SAMPLE_STEPS == 0:
-            rows.append([axis.get_double_value() * M_PER_FT for axis in axes])
+    for _ in range(round(1200 / SAMPLE_S)):
+        flown(physics, cascade, setpoint, SAMPLE_S)
+        rows.append([axis.get_double_value() * M_PER_FT for axis in axes])
     assert math.dist(physics.state.position, home) < 2.0
     return np.array(rows)
 
@@ -55,7 +54,7 @@ def test_gusts_have_the_deviations_of_the_standard(gusts: NDArray[np.float64]) -
 @pytest.mark.parametrize("lag_s", [0.1, 0.2, 0.4, 0.8])
 def test_gusts_have_the_spectra_of_dryden(gusts: NDArray[np.float64], lag_s: float) -> None:
     """The spectra's transforms: e^-x along, e^-x (1 - x/2) across and down, x = V lag / L."""
-    lag = round(lag_s / (DT * SAMPLE_STEPS))
+    lag = round(lag_s / (SAMPLE_S))
     found = (gusts[lag:] * gusts[:-lag]).mean(axis=0) / (gusts**2).mean(axis=0)
     x = WIND_MPS * lag_s / LENGTH_M
     expected = np.exp(-x) * (1 - np.array((0.0, 0.5, 0.5)) * x)
@@ -65,7 +64,7 @@ def test_gusts_have_the_spectra_of_dryden(gusts: NDArray[np.float64], lag_s: flo
 def test_gusts_fall_off_with_the_square_of_frequency(gusts: NDArray[np.float64]) -> None:
     """Beyond the corner at V / L each of Dryden's spectra falls by 20 dB a decade."""
     power = np.abs(np.fft.rfft(gusts * np.hanning(len(gusts))[:, None], axis=0)) ** 2
-    hertz = np.fft.rfftfreq(len(gusts), DT * SAMPLE_STEPS)
+    hertz = np.fft.rfftfreq(len(gusts), SAMPLE_S)
 
     def band(low: float, high: float) -> NDArray[np.float64]:
         return np.asarray(power[(hertz >= low) & (hertz < high)].mean(axis=0))
@@ -78,8 +77,7 @@ def test_no_wind_no_gusts() -> None:
     home = (0.0, 0.0, -HEIGHT_M)
     physics = Physics(origin=SEA, start=home, turbulence_mps=1.0, seed=2)
     cascade, setpoint = Cascade(), TrajectorySetpoint(home, (0.0, 0.0, 0.0))
-    for _ in range(1000):
-        physics.step(cascade.step(physics.state, setpoint, DT))
+    flown(physics, cascade, setpoint, 4.0)
     assert math.dist(physics.state.position, home) < 0.05
 
 
@@ -89,7 +87,7 @@ def begins(seed: int) -> tuple[float, ...]:
         origin=SEA, start=(0.0, 0.0, -5.0), wind=(3.0, 0.0, 0.0), turbulence_mps=1.0, seed=seed
     )
     for _ in range(125):
-        state = physics.step((0.5, 0.5, 0.5, 0.5))
+        state = driven(physics, (0.5, 0.5, 0.5, 0.5))
     return state.position
 
 
@@ -107,10 +105,9 @@ def test_a_hovering_vehicle_takes_a_step_of_wind() -> None:
     home = (0.0, 0.0, -10.0)
     physics, cascade = Physics(origin=SEA, start=home), Cascade()
     setpoint = TrajectorySetpoint(home, (0.0, 0.0, 0.0))
-    for _ in range(1500):
-        physics.step(cascade.step(physics.state, setpoint, DT))
+    flown(physics, cascade, setpoint, 6.0)
     physics.set_wind((0.0, 8.0, 0.0))
-    track = [physics.step(cascade.step(physics.state, setpoint, DT)) for _ in range(3000)]
+    track = flown(physics, cascade, setpoint, 12.0)
     drag_n = 4.75e-5 * 2136 * 8.0 + 0.5 * 1.225 * 0.016 * 8.0**2
     moved = [state.position[1] for state in track]
     # Without integrals the position loop would give way by acceleration / (P_velocity P_position).
