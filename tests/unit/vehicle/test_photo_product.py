@@ -36,7 +36,7 @@ OWNER = ("photo(A)", 3, 0)
 _ZERO = (0.0, 0.0, 0.0)
 REST = FlightState(
     *(0.0, _ZERO, _ZERO, (1.0, 0.0, 0.0, 0.0), _ZERO, _ZERO, (0.0, 0.0, -9.8)),
-    *((0.0, 0.0, 0.0, 0.0), 16.0, 0.0, 1.0, True),
+    *((0.0,) * 4, (0.0,) * 4, 16.0, 0.0, 1.0, True),
 )
 BEFORE = 7
 """Photos that it has made before."""
