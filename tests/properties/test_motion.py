@@ -409,7 +409,9 @@ def test_a_trajectory_keeps_its_limits_and_its_route(
     assert positions[-1].tolist() == list(corners[-1])
     assert rates.max() <= speed + 1e-9
     assert np.linalg.norm(changes, axis=1).max() <= acceleration + 1e-9
-    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= JERK * dt_s + 1e-6
+    # Within 1e-15 m of a corner, (6e-15 / JERK)^(1/3) s, either leg may say where it leads.
+    either_mps2 = 2 * JERK * (6e-15 / JERK) ** (1 / 3)
+    assert np.linalg.norm(np.diff(changes, axis=0), axis=1).max() <= JERK * dt_s + either_mps2
     assert np.abs(np.diff(rates)).max() <= acceleration * dt_s + 1e-9
     steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
     assert np.all(steps <= (rates[:-1] + rates[1:]) / 2 * dt_s + acceleration * dt_s**2 + 1e-9)
