@@ -14,17 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
 from companion.planning.energy.charging_costs import costs_at_least, service_costs
-from companion.planning.energy.sorties import Sorties, WayTables
+from companion.planning.energy.sorties import Sorties, WayTables, subsets
 from companion.slices import spent
 
-_SET_US, _PART_US = 20.0, 3.0
+Numbers = NDArray[np.int64]
+_LAYER_US, _PART_ADDITIONS = 100.0, 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +54,7 @@ class ChargingLap:
     """A lap: sorties one after the other, the last one to where the first begins.
 
     Attributes:
-        bound_ms: no lap is shorter.
+        bound_ms: no lap is shorter; 0 if nothing is known.
     """
 
     sorties: tuple[ChargedSortie, ...]
@@ -70,7 +73,7 @@ class ChargingLaps:
     def __init__(self, ways: WayTables, chargers: dict[int, Charger]) -> None:
         self._docks = list(chargers)
         self._chargers = list(chargers.values())
-        self._sorties = [Sorties(ways, dock) for dock in self._docks]
+        self._sorties = Sorties(ways, self._docks)
         size = len(self._docks)
         shape = size, size, ways.sets
         self._costs = np.full(shape, UNREACHABLE_MS)
@@ -85,7 +88,7 @@ class ChargingLaps:
 
     def _price(self, i: int, j: int, charger: Charger) -> None:
         """The cost of all sorties between two docks."""
-        found, floor = self._sorties[i].to(self._docks[j]), self._chargers[j].floor
+        found, floor = self._sorties.between(i, j), self._chargers[j].floor
         costs = []
         for times_ms, drains in (
             (found.quickest_ms, found.quickest_drain),
@@ -102,93 +105,97 @@ class ChargingLaps:
         drains = np.where(is_thrifty, found.thriftiest_drain, found.quickest_drain)
         self._departures[i, j] = floor + drains
 
-    def best(self) -> ChargingLap | None:
-        """The shortest lap; None if there is none."""
+    def best(self, with_bound: bool = True) -> ChargingLap | None:
+        """The shortest lap; None if there is none.
+
+        Args:
+            with_bound: whether its bound is wanted.
+        """
         costs = _Chains(self._costs)
-        everything = self._costs.shape[2] - 1
-        laps_ms = costs.laps_ms[:, everything]
-        anchor = int(laps_ms.argmin())
-        if laps_ms[anchor] >= UNREACHABLE_MS:
+        anchor = int(costs.laps_ms.argmin())
+        if costs.laps_ms[anchor] >= UNREACHABLE_MS:
             return None
-        is_exact = np.array_equal(self._bounds, self._costs)
-        bounds = costs if is_exact else _Chains(self._bounds)
-        bound_ms = int(bounds.laps_ms[:, everything].min())
-        steps = costs.steps(anchor, everything)
-        sorties = tuple(self._sortie(*step) for step in steps)
-        return ChargingLap(sorties, int(laps_ms[anchor]), bound_ms)
+        sorties = tuple(self._sortie(*step) for step in costs.steps(anchor))
+        bounds = costs if not with_bound or self._is_exact else _Chains(self._bounds)
+        bound_ms = int(bounds.laps_ms.min()) if with_bound or self._is_exact else 0
+        return ChargingLap(sorties, int(costs.laps_ms[anchor]), bound_ms)
+
+    @property
+    def _is_exact(self) -> bool:
+        return np.array_equal(self._bounds, self._costs)
 
     def _sortie(self, i: int, j: int, marks: int) -> ChargedSortie:
         is_thrifty = bool(self._is_thrifty[i, j, marks])
         return ChargedSortie(
             self._docks[i],
             int(self._departures[i, j, marks]),
-            tuple(self._sorties[i].path(self._docks[j], marks, is_thrifty)),
+            tuple(self._sorties.path(i, j, marks, is_thrifty)),
             int(self._costs[i, j, marks]),
             is_thrifty,
         )
 
 
 class _Chains:
-    """The cheapest chains of sorties from each dock, for each set of marks.
+    """The cheapest chains of sorties that begin with one that meets the first mark.
+
+    Each lap that meets all marks has a beginning of this kind. A chain may end with flights to
+    another dock that meet nothing.
 
     Attributes:
-        laps_ms: (docks, sets) closed chains of at least one sortie.
+        laps_ms: (docks,) closed chains of at least one sortie that meet everything.
     """
 
     def __init__(self, costs: Costs) -> None:
         self._costs = costs
         size, _, sets = costs.shape
         self._between = _closure(costs[:, :, 0])
-        reached = np.full((size, size, sets), UNREACHABLE_MS)  # from, to, met
-        reached[:, :, 0] = self._between
-        subsets = [np.array([0])]
-        for met in range(1, sets):
-            low = met & -met
-            rest = subsets[met ^ low]
-            subsets.append(np.concatenate((rest, rest | low)))
-        for met in range(1, sets):
-            parts = subsets[met][subsets[met] > 0]
-            spent(_SET_US + ADDITION_US * len(parts) * size**3)
-            before = reached[:, :, met ^ parts]  # (from, via, parts)
-            onward = costs[:, :, parts]  # (via, to, parts)
-            least = (before[:, :, None] + onward[None]).min(axis=(1, 3))
-            reached[:, :, met] = _product(np.minimum(least, UNREACHABLE_MS), self._between)
-        self._reached, self._subsets = reached, subsets
-        self.laps_ms = np.array([reached[i, i] for i in range(size)])
-        self.laps_ms[:, 0] = (costs[:, :, 0] + self._between.T).min(axis=1)
+        if sets == 1:
+            self.laps_ms = (costs[:, :, 0] + self._between.T).min(axis=1)
+            return
+        first = costs[:, :, 1::2]  # with the first mark; the others are those of a set
+        self._reached = _product(first, self._between)  # from, to, others
+        for met, parts in _parts(sets // 2):
+            spent(_LAYER_US + ADDITION_US * _PART_ADDITIONS * parts.size * size**3)
+            before = self._reached[:, :, met[:, None] ^ parts]  # (from, via, met, part)
+            onward = costs[:, :, 2 * parts]  # (via, to, met, part)
+            least = np.min(
+                [(before[:, via, None] + onward[via]).min(axis=-1) for via in range(size)], axis=0
+            )
+            least = np.minimum(least, first[:, :, met])
+            self._reached[:, :, met] = _product(least, self._between)
+        self.laps_ms = self._reached[np.arange(size), np.arange(size), -1]
 
-    def steps(self, start: int, met: int) -> list[tuple[int, int, int]]:
-        """The sorties of a closed chain: from, to, and the marks that each has to meet."""
-        if not met:
+    def steps(self, start: int) -> list[tuple[int, int, int]]:
+        """The sorties of the closed chain: from, to, and the marks that each has to meet."""
+        if self._costs.shape[2] == 1:
             there = int((self._costs[start, :, 0] + self._between[:, start]).argmin())
             return [(start, there, 0), *self._transfer(there, start)]
         steps: list[tuple[int, int, int]] = []
-        here = start
-        while met:
-            last = int(
-                (self._reached_without_transfer(start, met) + self._between[:, here]).argmin()
-            )
+        here, met, is_first = start, self._reached.shape[2] - 1, False
+        while not is_first:
+            via, last, part, is_first = self._last_sortie(start, here, met)
             steps += reversed(self._transfer(last, here))
-            cost = self._reached_without_transfer(start, met)[last]
-            via, part = self._last_sortie(start, last, met, int(cost))
             steps.append((via, last, part))
-            here, met = via, met ^ part
-        steps += reversed(self._transfer(start, here))
+            here, met = via, met ^ part // 2
         return steps[::-1]
 
-    def _reached_without_transfer(self, start: int, met: int) -> Costs:
-        parts = self._subsets[met][self._subsets[met] > 0]
-        before, onward = self._reached[start][:, met ^ parts], self._costs[:, :, parts]
-        least: Costs = (before[:, None] + onward).min(axis=(0, 2))
-        return least
+    def _last_sortie(self, start: int, end: int, met: int) -> tuple[int, int, int, bool]:
+        """The last sortie that meets something in a chain: from, to, marks, whether the only one.
 
-    def _last_sortie(self, start: int, end: int, met: int, cost_ms: int) -> tuple[int, int]:
-        for part in self._subsets[met][self._subsets[met] > 0].tolist():
-            spent(_PART_US)
-            costs = self._reached[start][:, met ^ part] + self._costs[:, end, part]
-            if (via := int(costs.argmin())) is not None and costs[via] == cost_ms:
-                return via, part
-        raise AssertionError("a chain without a beginning")
+        Args:
+            start: of the chain.
+            end: of it.
+            met: by it, beside the first mark.
+        """
+        whole = self._costs[start, :, 2 * met + 1] + self._between[:, end]
+        last = int(whole.argmin())
+        if whole[last] == self._reached[start, end, met]:
+            return start, last, 2 * met + 1, True
+        parts = np.array([part for part in subsets(met) if part])
+        before = self._reached[start][:, None, met ^ parts] + self._costs[:, :, 2 * parts]
+        chains = before + self._between[:, end, None]  # (via, last, part)
+        via, last, which = map(int, np.unravel_index(int(chains.argmin()), chains.shape))
+        return via, last, 2 * int(parts[which]), False
 
     def _transfer(self, start: int, end: int) -> list[tuple[int, int, int]]:
         """The sorties without marks from a dock to another."""
@@ -202,6 +209,19 @@ class _Chains:
         return steps
 
 
+@cache
+def _parts(sets: int) -> list[tuple[Numbers, Numbers]]:
+    """Sets by how many marks they have, and the parts of each but the empty one."""
+    parts: list[Numbers] = [np.array([], np.int64)]
+    for met in range(1, sets):
+        low = met & -met
+        rest = parts[met ^ low]
+        parts.append(np.concatenate((rest, rest | low, [low])))
+    sizes = np.bitwise_count(np.arange(sets))
+    layers = [np.flatnonzero(sizes == size) for size in range(1, int(sizes.max()) + 1)]
+    return [(layer, np.array([parts[met] for met in layer.tolist()])) for layer in layers]
+
+
 def _closure(costs: Costs) -> Costs:
     """The cheapest chains of any length, none included."""
     found = costs.copy()
@@ -211,9 +231,10 @@ def _closure(costs: Costs) -> Costs:
     return np.minimum(found, UNREACHABLE_MS)
 
 
-def _product(left: Costs, right: Costs) -> Costs:
-    found: Costs = np.minimum((left[:, :, None] + right[None]).min(axis=1), UNREACHABLE_MS)
-    return found
+def _product(chains: Costs, between: Costs) -> Costs:
+    """(from, to, sets) chains of (from, via, sets), each with the cheapest flights after it."""
+    found: Costs = (chains[:, :, None] + between[None, :, :, None]).min(axis=1)
+    return np.minimum(found, UNREACHABLE_MS)
 
 
 def in_order(sorties: Sequence[ChargedSortie]) -> list[int]:

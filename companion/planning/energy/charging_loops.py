@@ -133,7 +133,7 @@ def _best_round(
     if np.bitwise_or.reduce(own, initial=0) != (1 << marks) - 1:
         return None
     if 3**marks * len(chargers) ** 3 <= MOST_ADDITIONS:
-        return ChargingLaps(ways, chargers).best()
+        return ChargingLaps(ways, chargers).best(with_bound)
     targets = [stop for stop in served if stop not in ways.docks]
     met = np.array([[bool(ways.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
     for table, is_thrifty in (ways.quickest, False), (ways.thriftiest, True):

@@ -8,8 +8,9 @@ bound for whatever lies between them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ _UNREACHABLE = 1 << 60
 _MINOR = 24
 """Bits below a key's major part, for drains; times are below 2^38 ms."""
 _MAJOR_DRAIN = 38
-_SET_US = 8.0
+_LAYER_US = 100.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,81 +98,106 @@ def joined(ways: WayTable, chargers: Mapping[int, Charger]) -> list[dict[int, Ch
     ]
 
 
-class _Table:
-    """From one stop, for each set of marks and each target: the best path that meets the set.
+class _Tables:
+    """From some stops, for each set of marks and each target: the best path that meets the set.
 
-    Its keys have a major and a minor part that are minimised in this order.
+    Keys have a major and a minor part that are minimised in this order. Sets with as many marks
+    are dealt with at once, as paths only lead to larger ones.
+
+    Args:
+        keys: (tables, N, N) of the ways between stops.
+        starts: (tables,) where the paths of each table begin.
+        marks: (N,) bits that each stop meets.
+        targets: stops that meet marks, and may be passed.
+        sets: the number of sets of marks.
     """
 
-    def __init__(self, keys: NDArray[np.int64], ways: WayTables, start: int) -> None:
-        self._keys, self._start, self._marks = keys, start, ways.marks
-        passed = [stop for stop in np.flatnonzero(ways.marks) if stop not in ways.docks]
-        self._targets = np.array(passed, np.intp)
-        self._bits = ways.marks[self._targets]
-        self._between = keys[np.ix_(self._targets, self._targets)]
-        self._best = np.full((ways.sets, len(self._targets)), _UNREACHABLE)
+    def __init__(
+        self,
+        keys: NDArray[np.int64],
+        starts: NDArray[np.intp],
+        marks: NDArray[np.int64],
+        targets: NDArray[np.intp],
+        sets: int,
+    ) -> None:
+        self._targets, self._marks, self._bits = targets, marks, marks[targets]
+        self._between = keys[:, targets[:, None], targets]
+        self._begin = keys[np.arange(len(keys))[:, None], starts[:, None], targets]
+        self._to = keys[:, targets]
+        self._direct = keys[np.arange(len(keys)), starts]
+        self._best = np.full((len(keys), sets, len(targets)), _UNREACHABLE)
         self._fill()
 
     def _fill(self) -> None:
-        best, bits = self._best, self._bits
-        columns = np.arange(len(bits))
-        np.minimum.at(best, (bits, columns), self._keys[self._start, self._targets])
-        for met in range(1, len(best)):
-            spent(_SET_US + ADDITION_US * len(bits) ** 2)
-            here = best[met]
-            if here.min(initial=_UNREACHABLE) >= _UNREACHABLE:
-                continue
-            onward = np.minimum((here[:, None] + self._between).min(axis=0), _UNREACHABLE)
-            after = met | bits
-            fresh = after != met
-            np.minimum.at(best, (after[fresh], columns[fresh]), onward[fresh])
+        tables, sets, size = self._best.shape
+        columns = np.arange(size)
+        best = self._best.reshape(tables, -1)  # views: (tables, sets * targets)
+        for table in range(tables):
+            np.minimum.at(best[table], self._bits * size + columns, self._begin[table])
+        for layer in _layers(sets):
+            spent(_LAYER_US + ADDITION_US * tables * len(layer) * size**2)
+            here = self._best[:, layer]
+            onward = (here[..., None] + self._between[:, None]).min(axis=2, initial=_UNREACHABLE)
+            after = layer[:, None] | self._bits
+            fresh = after != layer[:, None]
+            places = (after * size + columns)[fresh]
+            for table in range(tables):
+                np.minimum.at(best[table], places, onward[table][fresh])
 
-    def to(self, end: int) -> NDArray[np.int64]:
+    def to(self, table: int, end: int) -> NDArray[np.int64]:
         """(sets,) the best path to a stop that meets exactly each set of marks, the stop's too."""
-        before = self._up_to(end)
+        before = self._up_to(table, end)
         own = int(self._marks[end])
         found = np.full(len(before), _UNREACHABLE)
         np.minimum.at(found, np.arange(len(before)) | own, before)
         return found
 
-    def path(self, met: int, end: int) -> list[int]:
+    def path(self, table: int, met: int, end: int) -> list[int]:
         """The targets on the best path to a stop that meets exactly a set, in their order."""
-        before = self._up_to(end)
+        before = self._up_to(table, end)
         own = int(self._marks[end])
-        met = min((s for s in _subsets(met) if s | own == met), key=lambda s: int(before[s]))
+        met = min((met & ~own | kept for kept in subsets(met & own)), key=lambda s: int(before[s]))
         path: list[int] = []
-        after = self._keys[self._targets, end]
+        best, between, after = self._best[table], self._between[table], self._to[table, :, end]
         while met:
-            last = int((self._best[met] + after).argmin())
+            last = int((best[met] + after).argmin())
             path.append(int(self._targets[last]))
-            key, bits = self._best[met, last], int(self._bits[last])
-            after = self._between[:, last]
-            met = self._before(met, last, int(key), bits)
+            after = between[:, last]
+            met = self._before(table, met, last)
         return path[::-1]
 
-    def _up_to(self, end: int) -> NDArray[np.int64]:
+    def _up_to(self, table: int, end: int) -> NDArray[np.int64]:
         """(sets,) the best path to a stop that meets exactly each set of marks before it."""
-        found = np.full(len(self._best), _UNREACHABLE)
-        if len(self._targets):
-            found = (self._best + self._keys[self._targets, end]).min(axis=1)
-        found[0] = min(found[0], self._keys[self._start, end])
+        to = self._to[table, :, end]
+        found = (self._best[table] + to).min(axis=1, initial=_UNREACHABLE)
+        found[0] = min(found[0], self._direct[table, end])
         reached: NDArray[np.int64] = np.minimum(found, _UNREACHABLE)
         return reached
 
-    def _before(self, met: int, last: int, key: int, bits: int) -> int:
+    def _before(self, table: int, met: int, last: int) -> int:
         """The set that was met before the last target of a path."""
-        if met == bits and self._keys[self._start, self._targets[last]] == key:
+        best, between = self._best[table], self._between[table]
+        key, bits = best[met, last], int(self._bits[last])
+        if met == bits and self._begin[table, last] == key:
             return 0
         rest = met & ~bits
-        for kept in _subsets(bits):
+        for kept in subsets(bits):
             before = rest | kept
             is_other = 0 < before < met
-            if is_other and (self._best[before] + self._between[:, last]).min() == key:
+            if is_other and (best[before] + between[:, last]).min() == key:
                 return before
         raise AssertionError("a path without a beginning")
 
 
-def _subsets(marks: int) -> Iterator[int]:
+@cache
+def _layers(sets: int) -> list[NDArray[np.intp]]:
+    """All sets of marks but the empty one and the whole, by how many marks they have."""
+    numbers = np.arange(sets)
+    sizes = np.bitwise_count(numbers)
+    return [np.flatnonzero(sizes == size) for size in range(1, int(sizes.max(initial=0)))]
+
+
+def subsets(marks: int) -> Iterator[int]:
     """All subsets of a set, itself first."""
     part = marks
     while part:
@@ -194,22 +220,32 @@ class SortieTimes:
 
 
 class Sorties:
-    """All sorties from a stop.
+    """All sorties between some docks.
 
     Args:
         ways: between the stops.
-        start: the stop.
+        docks: where they begin and end.
     """
 
-    def __init__(self, ways: WayTables, start: int) -> None:
+    def __init__(self, ways: WayTables, docks: Sequence[int]) -> None:
         by_time, by_drain = ways.quickest, ways.thriftiest
         quick = by_time.keys((by_time.times_ms << _MINOR) + by_time.drains)
         thrifty = by_drain.keys((by_drain.drains << _MAJOR_DRAIN) + by_drain.times_ms)
-        self._tables = _Table(quick, ways, start), _Table(thrifty, ways, start)
+        passed = [stop for stop in np.flatnonzero(ways.marks) if stop not in ways.docks]
+        keys = np.concatenate(
+            [np.broadcast_to(k, (len(docks), *k.shape)) for k in (quick, thrifty)]
+        )
+        starts, targets = np.array([*docks, *docks], np.intp), np.array(passed, np.intp)
+        self._tables = _Tables(keys, starts, ways.marks, targets, ways.sets)
+        self._docks = docks
 
-    def to(self, end: int) -> SortieTimes:
-        """The sorties to a stop, for each set of marks."""
-        quick, thrifty = (_at_least(table.to(end)) for table in self._tables)
+    def between(self, i: int, j: int) -> SortieTimes:
+        """The sorties from a dock to another, by their places, for each set of marks."""
+        end = self._docks[j]
+        quick, thrifty = (
+            _at_least(self._tables.to(self._table(i, is_thrifty), end))
+            for is_thrifty in (False, True)
+        )
         closed, open_ = quick >= _UNREACHABLE, thrifty < _UNREACHABLE
         return SortieTimes(
             np.where(closed, UNREACHABLE_MS, quick >> _MINOR),
@@ -218,13 +254,16 @@ class Sorties:
             np.where(open_, thrifty >> _MAJOR_DRAIN, 0),
         )
 
-    def path(self, end: int, marks: int, is_thrifty: bool) -> list[int]:
+    def path(self, i: int, j: int, marks: int, is_thrifty: bool) -> list[int]:
         """The targets of a sortie that meets at least some marks, in their order."""
-        table = self._tables[is_thrifty]
-        exact = table.to(end)
-        supersets = [s for s in range(len(exact)) if s & marks == marks]
-        met = min(supersets, key=lambda s: (int(exact[s]), s))
-        return table.path(met, end)
+        table, end = self._table(i, is_thrifty), self._docks[j]
+        exact = self._tables.to(table, end)
+        supersets = np.arange(len(exact)) | marks
+        met = int(supersets[exact[supersets].argmin()])
+        return self._tables.path(table, met, end)
+
+    def _table(self, i: int, is_thrifty: bool) -> int:
+        return i + len(self._docks) * is_thrifty
 
 
 def _at_least(exact: NDArray[np.int64]) -> NDArray[np.int64]:
