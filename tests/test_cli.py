@@ -261,9 +261,13 @@ def test_a_bare_udp_url_is_answered_with_both_corrections(companion: Companion) 
 
 
 @pytest.mark.slow
-def test_a_port_in_use(companion: Companion, taken_port: int) -> None:
+@pytest.mark.parametrize("command", [("run", SURVEILLANCE), ("upload", SURVEILLANCE), ("watch",)])
+def test_a_port_in_use(
+    companion: Companion, taken_port: int, command: tuple[str | Path, ...]
+) -> None:
+    """As of a watch on the port of an upload."""
     url = f"udpin://127.0.0.1:{taken_port}"
-    ended = companion("run", SURVEILLANCE, "--connect", url)
+    ended = companion(*command, "--connect", url)
     assert ended.code == 4
     assert f"cannot listen on {url}" in ended.err
     assert "another program has the port" in ended.err

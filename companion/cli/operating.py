@@ -91,12 +91,17 @@ def watch(
 async def _station(
     endpoint: Endpoint, number: int | None, signing: Signing | None, timeout_s: float
 ) -> AsyncIterator[Station]:
-    """A ground station on a link; with a key by a relay that signs."""
+    """A ground station on a link; with a key by a relay that signs.
+
+    The library for ground stations would take a port away from the program that has it.
+    """
     from companion.cli.signing_relay import relayed
     from companion.ground.station import connected
+    from companion.vehicle.transport import check_port
 
     typer.echo(f"waiting    for a companion on {endpoint}")
     if signing is None:
+        check_port(endpoint)
         async with connected(str(endpoint), number, timeout_s) as station:
             yield station
         return

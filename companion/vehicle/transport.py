@@ -77,6 +77,16 @@ def open_transport(endpoint: Endpoint) -> Transport:
     return Stream(endpoint)
 
 
+def check_port(endpoint: Endpoint) -> None:
+    """Refuses a UDP port that another program has.
+
+    Raises:
+        LinkError: it cannot be bound.
+    """
+    if isinstance(endpoint, UdpPort):
+        Udp(endpoint).close()
+
+
 class Udp:
     """A UDP socket."""
 
