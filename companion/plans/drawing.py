@@ -45,6 +45,7 @@ class Drawing:
     Attributes:
         start: the name of the place where it begins.
         home_amsl_m: how high home lies above the sea, if that is known.
+        is_planned: whether there is a plan; one that only takes off leads nowhere.
         prefix: where the plan leads once.
         loop: where it then leads again and again.
         safe: places to land at where there is no plan, other than the start.
@@ -58,6 +59,7 @@ class Drawing:
     keep_out: Mapping[str, tuple[LatLon, ...]]
     speed_mps: float | None = None
     home_amsl_m: float | None = None
+    is_planned: bool = False
     prefix: tuple[DrawnVisit, ...] = ()
     loop: tuple[DrawnVisit, ...] = ()
     safe: tuple[str, ...] = ()
@@ -82,6 +84,7 @@ def drawing_of(mission: Mission, plan: PlannedLasso | None, zero: GlobalOrigin) 
         fence=on_earth(mission.limits.fence, zero),
         keep_out={name: on_earth(zone, zero) for name, zone in mission.limits.keep_out.items()},
         speed_mps=mission.limits.speed_mps,
+        is_planned=plan is not None,
         prefix=tuple(prefix),
         loop=tuple(route(mission, plan.loop if plan else ())),
         safe=safe_places_of(mission),

@@ -58,12 +58,12 @@ def _polygon(corners: tuple[LatLon, ...], is_inclusion: bool) -> dict[str, Any]:
 
 def _items(drawing: Drawing) -> list[dict[str, Any]]:
     """Numbered from 1, as jumps count."""
-    if not drawing.prefix and not drawing.loop:
+    if not drawing.is_planned:
         return []
     items = [_at(drawing, DrawnVisit(drawing.start), dialect.MAV_CMD_NAV_TAKEOFF)]
     visits = list(drawing.prefix)
-    ends_home = not drawing.loop and visits[-1].place == drawing.start
-    if ends_home and not visits[-1].hold_s:
+    ends_home = not drawing.loop and (not visits or visits[-1].place == drawing.start)
+    if visits and ends_home and not visits[-1].hold_s:
         del visits[-1]
     items += [_at(drawing, visit) for visit in visits]
     if drawing.loop:

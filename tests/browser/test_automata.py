@@ -76,7 +76,7 @@ def test_nor_does_one_in_the_pictures_of_the_patterns(browser: Browser) -> None:
         assert touched_labels(page, "svg") == ["p & q"], "it is seen"
 
 
-class Drawing:
+class LargeAutomaton:
     """The large automaton of a page, of which a part can be looked at."""
 
     def __init__(self, replay: Watched) -> None:
@@ -99,7 +99,7 @@ def test_a_part_of_a_large_one_is_looked_at_with_keys(
     address: str, open_page: Open, width: int
 ) -> None:
     replay = open_page(address, width=width)
-    drawing = Drawing(replay)
+    drawing = LargeAutomaton(replay)
     whole, time = drawing.view, replay.page.locator("#time").input_value()
     box = drawing.box.bounding_box()
     drawing.box.focus()
@@ -128,7 +128,7 @@ def test_a_part_of_a_large_one_is_looked_at_with_keys(
 
 
 def test_a_part_of_a_large_one_is_looked_at_with_the_pointer(address: str, open_page: Open) -> None:
-    drawing = Drawing(replay := open_page(address))
+    drawing = LargeAutomaton(replay := open_page(address))
     whole = drawing.view
     box = drawing.box.bounding_box()
     assert box

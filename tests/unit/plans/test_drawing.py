@@ -120,6 +120,11 @@ def test_a_loop_is_a_jump_without_an_end_to_its_first_item(tmp_path: Path) -> No
     assert "patrolling(" in again
 
 
+def test_a_mission_that_only_takes_off_and_lands_has_these_items(tmp_path: Path) -> None:
+    text = plan_text(drawing(tmp_path, TAKE_OFF, RETURN))
+    assert [(command, frame) for command, frame, _ in flown_items(text)] == [(22, 3), (20, 2)]
+
+
 def test_a_landing_elsewhere_is_one(tmp_path: Path) -> None:
     text = plan_text(
         drawing(tmp_path, TAKE_OFF, WAY[0], item(21, 0, 0, 0, None, *square(40)[2], 0))
