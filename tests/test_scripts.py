@@ -165,7 +165,7 @@ def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) ->
 
 
 LINT, CHECKS = ["ruff check .", "ruff format --check ."], ["mypy", "lint-imports --no-logo"]
-ALL_CORES = "pytest --quiet --numprocesses logical -m "
+ALL_CORES = "pytest --quiet --numprocesses logical --dist worksteal -m "
 ALONE = "alone and not long"
 AT_ONCE = "--numprocesses 4 --dist worksteal"
 NOT_READ = "--ignore tests/flights --ignore tests/browser --ignore tests/properties"

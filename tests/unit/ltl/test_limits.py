@@ -19,8 +19,6 @@ from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 
-pytestmark = pytest.mark.alone
-
 HANGING_S = 900.0  # wall time
 DEPTH = 20_000
 ATOMS = 5_000
@@ -141,6 +139,7 @@ main()
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("family", "options"), cases())
 def test_an_answer_or_a_limit(family: str, options: tuple[str, ...]) -> None:
     done = subprocess.run(
