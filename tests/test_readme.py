@@ -1,7 +1,9 @@
 """Every command of README.md and docs/ works: it is run here, or a file is named that runs it.
 
 A command is a line of a block that is fenced as sh or console (there, after `$ `). The console
-blocks of FOLLOWED build on each other: tests/test_tutorial.py runs them from top to bottom.
+blocks of FOLLOWED build on each other: tests/test_tutorial.py runs them from top to bottom. What a
+test cannot do, as it needs root or a vehicle, is fenced without a kind: NOT_HERE says why. Examples
+of the commands' help have options that exist.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from pathlib import Path
 
 import pytest
 from first_installation import environment
+from make_options import commands as public_commands
 from ports import free_instance, own_ports
 
 ROOT = Path(__file__).parents[1]
@@ -109,6 +112,14 @@ ELSEWHERE = {
     "scripts/test --fast": "tests/test_scripts.py",
 }
 """Command -> the file that runs it."""
+
+NOT_HERE = {
+    "installing.md": "scripts/packages installs a wheel, and flies from it",
+    "real-vehicle.md": "needs root, a clone and a vehicle; tests/test_pins.py looks at the pins",
+    "service.md": "needs root and systemd",
+    "skills.md": "installs a package; scripts/packages does the same with a copy",
+}
+"""Pages with blocks of commands that are fenced without a kind, and why no test runs these."""
 
 
 def commands(text: str) -> list[str]:
@@ -255,6 +266,33 @@ def test_every_command_is_covered() -> None:
     assert set(EXIT_CODES) <= set(QUICK)
     for command, name in ELSEWHERE.items():
         assert command in (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_commands_that_no_test_runs_have_a_reason() -> None:
+    begins = re.compile(r"^\S*\b(?:companion|pip|sitl) ", re.MULTILINE)
+    plain = {
+        page.name
+        for page, text in PAGES.items()
+        for kind, block in re.findall(r"^```(\S*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+        if not kind and begins.search(block)
+    }
+    assert plain == set(NOT_HERE)
+    for reason in NOT_HERE.values():
+        assert all((ROOT / name).exists() for name in re.findall(r"\w+/[\w./]+\w", reason))
+
+
+def test_examples_of_the_help_have_options_that_exist() -> None:
+    options = {
+        path: {opt for parameter in command.params for opt in parameter.opts}
+        for path, command in public_commands().items()
+    }
+    text = PAGES[ROOT / "docs" / "options.md"]
+    examples = re.findall(r"^  ((?:companion|sitl) \S.*)$", text, re.M)
+    assert len(examples) > 15
+    for example in examples:
+        typed = re.split(r" [|>] ", re.sub(r"\$\(.*?\)", "", example))[0]
+        known = next(opts for path, opts in options.items() if f"{typed} ".startswith(f"{path} "))
+        assert set(re.findall(r"(?<= )--[a-z-]+", typed)) <= known, example
 
 
 def links() -> list[tuple[Path, str]]:
