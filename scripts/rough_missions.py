@@ -2,7 +2,7 @@
 """Flies every shipped mission in rough worlds, a campaign each, and sums up how the rows ended.
 
 To a mission's own world come wind with gusts, noise of GPS and lidar, an old battery, a link that
-loses, answers of payloads that are lost, and moments that come earlier or later. After 400 s an
+loses, answers of payloads that are lost, and moments that come earlier or later. After 200 s an
 operator calls the vehicle home, as many missions have no end.
 
 Usage: .venv/bin/python scripts/rough_missions.py DIR [--rows N] [--seed S] [--only NAME ...]
@@ -32,8 +32,8 @@ LONG = {
     "night_watch": 0.5,
 }
 """The share of rows, against others, of missions that fly long."""
-CALLED_HOME_S = 400.0
-LIMIT_S = 900.0
+CALLED_HOME_S = 200.0
+LIMIT_S = 600.0
 ROUGH = {
     "wind.east_mps": [-4, 4],
     "wind.north_mps": [-4, 4],
