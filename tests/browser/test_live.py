@@ -44,7 +44,7 @@ def flight(tmp_path: Path) -> Iterator[str]:
 
 
 def test_a_mission_from_the_first_plan_to_the_landing(flight: str, open_page: Open) -> None:
-    desk, phone = open_page(flight), open_page(flight, width=360, height=740)
+    desk, tablet, phone = (open_page(flight, width=width) for width in (1440, 768, 360))
     desk.until(f"{LINES}.includes('at A')")
     assert desk.shows("#badge", "live")
     assert desk.shows("#name", "surveillance")
@@ -86,12 +86,15 @@ def test_a_mission_from_the_first_plan_to_the_landing(flight: str, open_page: Op
 
     desk.until("document.querySelector('#badge').textContent === 'ended'")
     assert desk.shows("#phase", "task satisfied, landed")
-    for page in (desk, phone):
+    for page in (desk, tablet, phone):
         page.until(f"{LINES}.includes('task satisfied, landed')")
         assert page.has_no_horizontal_scroll()
         page.until("document.querySelectorAll('.conjunct').length === 5")
         page.until(
             f"{CONJUNCTS}.every(each => each.querySelector('[data-here] .ring'))"
         )  # accepting
-    desk.faults[:] = [f for f in desk.faults if "ERR_" not in f]  # the server has gone
-    phone.faults[:] = [f for f in phone.faults if "ERR_" not in f]
+        assert page.violations() == []
+        page.page.emulate_media(color_scheme="dark")
+        page.page.wait_for_timeout(300)  # colours change slowly
+        assert page.violations("color-contrast") == []
+        page.faults[:] = [f for f in page.faults if "ERR_" not in f]  # the server has gone
