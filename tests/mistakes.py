@@ -268,6 +268,9 @@ YAML: Table = {
     "a skill without its indent": Mistake("  shoot:\n", "shoot:\n", "shoot", "known keys are"),
     "a plan of QGroundControl": Mistake(FIELD, '{"fileType": "Plan"}', "", "companion import"),
     "a list of waypoints": Mistake(FIELD, "QGC WPL 110\n0\t1", "", "companion import"),
+    "a map": Mistake(
+        FIELD, "image: hall.png\nresolution: 0.1\norigin: [0, 0, 0]", "", "name it in a mission"
+    ),
     "a drawing": Mistake(FIELD, "<?xml version='1.0'?>\n<kml/>", "", "companion import"),
 }
 """Of YAML, and files that are none; in the FIELD."""

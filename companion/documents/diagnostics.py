@@ -11,7 +11,7 @@ import difflib
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -118,7 +118,17 @@ def diagnostics(
     told: dict[Keys, Diagnostic] = {}
     for (keys, name), group in alike.items():
         told.setdefault((*keys, name) if name else keys, _diagnostic(group, keys, schema, data))
-    return list(told.values())[:MOST]
+    return _without_repeats(list(told.values())[:MOST])
+
+
+def _without_repeats(found: list[Diagnostic]) -> list[Diagnostic]:
+    """The same, in which each hint is given once."""
+    told: set[str] = set()
+    kept = []
+    for each in found:
+        kept.append(replace(each, hint="") if each.hint in told else each)
+        told.add(each.hint)
+    return kept
 
 
 def _is_misspelt(keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detail]]) -> bool:

@@ -34,6 +34,9 @@ def refuse_other_files(source: Source) -> None:
         if re.match(pattern, begin):
             hint = f"companion import {source.name} -o NAME.yaml makes a mission of it"
             raise MissionError(f"the file is {kind}, and no mission", where, hint)
+    if all(re.search(rf"^{key}:", begin, re.M) for key in ("image", "resolution", "origin")):
+        hint = f"name it in a mission: map: {source.name}"
+        raise MissionError("the file is a map, and no mission", where, hint)
     if source.name.endswith(_WORLD) and not re.search(r"^(task|skills|places):", begin, re.M):
         mission = source.name.removesuffix(_WORLD) + ".yaml"
         hint = f"companion sim {mission} flies the mission in it"
