@@ -106,9 +106,20 @@ class MissionError(CompanionError):
         self.what = what
         self.where = where
         self.hint = hint
+        self._others = tuple(others)
         head = f"{where}: {what}" if where else what
         advice = [f"    {line}" for line in printable(hint).splitlines()]
         super().__init__("\n".join([head, *advice, *map(str, others)]))
+
+    @property
+    def each(self) -> list[MissionError]:
+        """This one alone, and then the others."""
+        alone = MissionError(self.what, self.where, self.hint) if self._others else self
+        return [alone, *self._others]
+
+    def beside(self, others: Sequence[MissionError]) -> MissionError:
+        """The same, told with what else is wrong."""
+        return MissionError(self.what, self.where, self.hint, others)
 
 
 _SHOWN = 80  # characters of a long formula before and after the offending token

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from commands import Companion
-from mistakes import FIELD, IN_WORDS, MISSIONS, WORLD, WORLDS, Mistake
+from mistakes import ALARMED, FIELD, IN_WORDS, MISSIONS, WORLD, WORLDS, Mistake
 
 from companion import load_mission
 from companion.errors import MissionError
@@ -120,19 +120,44 @@ def test_an_empty_file(tmp_path: Path) -> None:
         load_mission(tmp_path / "first.yaml")
 
 
+def told_in(error: MissionError, folder: Path) -> list[str]:
+    """What is wrong, without the places."""
+    lines = [line for line in str(error).splitlines() if line.startswith(str(folder))]
+    return [re.sub(r"^.*?:\d+:\d+: ", "", line) for line in lines]
+
+
 def test_all_that_is_wrong_with_the_keys_is_told_at_once(tmp_path: Path) -> None:
     text = FIELD.replace("speed_mps: 5", "speed_mps: fast").replace("tries: 2", "trys: 2")
     text = text.replace("A: {east_m", "A: {east", 1).replace("version: 1\n", "")
     (tmp_path / "first.yaml").write_text(text)
     with pytest.raises(MissionError) as error:
         load_mission(tmp_path / "first.yaml")
-    told = [line for line in str(error.value).splitlines() if line.startswith(str(tmp_path))]
-    assert [re.sub(r"^.*?:\d+:\d+: ", "", line) for line in told] == [
+    assert told_in(error.value, tmp_path) == [
         "unknown key 'east' in places.A",
         "unknown key 'trys' in skills.shoot",
         "the key version is missing",
         "speed_mps is 'fast', expected a number",
     ]
+
+
+def test_so_is_what_else_can_be_looked_at_by_itself(tmp_path: Path) -> None:
+    """Places, events and skills together, and then all lines of the task."""
+    text = ALARMED.replace("A: {east_m: 40", "A: {east_m: 400").replace("fly(to)", "goto(to)")
+    text = text.replace("wait(5)", "wait(5s)").replace("EVENT[alarm] > 0", "EVENT[alarm] = 0")
+    (tmp_path / "first.yaml").write_text(text)
+    with pytest.raises(MissionError) as error:
+        load_mission(tmp_path / "first.yaml")
+    assert told_in(error.value, tmp_path) == [
+        "place A is far outside the fence",
+        "not a condition",
+        "unknown primitive goto",
+        "5s is not a number",
+    ]
+    text = ALARMED.replace("F alarm", "F alam").replace("F looked)", "F loked)")
+    (tmp_path / "first.yaml").write_text(text)
+    with pytest.raises(MissionError) as error:
+        load_mission(tmp_path / "first.yaml")
+    assert told_in(error.value, tmp_path) == ["unknown fact alam", "unknown fact loked"]
 
 
 def test_many_mistakes_are_told_by_the_first_ones(tmp_path: Path) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
-from companion.documents import Document, did_you_mean
+from companion.documents import Document, MistakeGathering, did_you_mean
 from companion.errors import MissionError
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Event, Skill
@@ -19,38 +20,44 @@ def read_events(file: MissionFile, document: Document) -> dict[str, Event]:
     Raises:
         MissionError: a condition cannot be read, or keys of an event contradict each other.
     """
-    events = {}
+    mistakes, events = MistakeGathering(), {}
     for name, entry in file.events.items():
-        with document.locating("events", name, "when"):
-            when = parse_condition(entry.when)
-        with document.locating("events", name, "until"):
-            until = parse_condition(entry.until) if entry.until is not None else None
-        if until is not None and entry.latch:
-            raise MissionError(
-                f"{name} has both latch and until",
-                document.key_at("events", name, "until"),
-                "a latched fact stays true for ever: remove one of the two",
-            )
-        lasting = [each for each in (when, until) if each and not each.signal.is_pulse]
-        if not lasting and entry.for_s > 0:
-            raise MissionError(
-                f"{name} waits for a command to hold for {entry.for_s:g} s",
-                document.where("events", name, "for_s"),
-                "a command is there at the moment when it comes: remove for_s",
-            )
-        _check_silence(name, entry, (when, until), document)
-        for index, conjunct in enumerate(entry.restarts):
-            lines = line_names(file)
-            if conjunct not in lines:
-                raise MissionError(
-                    f"{name} restarts {conjunct}, which the task does not have",
-                    document.where("events", name, "restarts", index),
-                    f"the task has {', '.join(lines)}. {did_you_mean(conjunct, lines)}".rstrip(),
-                )
-        restarts, restores = frozenset(entry.restarts), frozenset(entry.restores)
-        behaviour = (when, until, entry.latch, entry.for_s, restarts, restores, entry.stale_s)
-        events[name] = Event(name, *behaviour)
+        if event := mistakes.read(partial(_event, name, entry, file, document)):
+            events[name] = event
+    mistakes.tell()
     return events
+
+
+def _event(name: str, entry: EventEntry, file: MissionFile, document: Document) -> Event:
+    with document.locating("events", name, "when"):
+        when = parse_condition(entry.when)
+    with document.locating("events", name, "until"):
+        until = parse_condition(entry.until) if entry.until is not None else None
+    if until is not None and entry.latch:
+        raise MissionError(
+            f"{name} has both latch and until",
+            document.key_at("events", name, "until"),
+            "a latched fact stays true for ever: remove one of the two",
+        )
+    lasting = [each for each in (when, until) if each and not each.signal.is_pulse]
+    if not lasting and entry.for_s > 0:
+        raise MissionError(
+            f"{name} waits for a command to hold for {entry.for_s:g} s",
+            document.where("events", name, "for_s"),
+            "a command is there at the moment when it comes: remove for_s",
+        )
+    _check_silence(name, entry, (when, until), document)
+    for index, conjunct in enumerate(entry.restarts):
+        lines = line_names(file)
+        if conjunct not in lines:
+            raise MissionError(
+                f"{name} restarts {conjunct}, which the task does not have",
+                document.where("events", name, "restarts", index),
+                f"the task has {', '.join(lines)}. {did_you_mean(conjunct, lines)}".rstrip(),
+            )
+    restarts, restores = frozenset(entry.restarts), frozenset(entry.restores)
+    behaviour = (when, until, entry.latch, entry.for_s, restarts, restores, entry.stale_s)
+    return Event(name, *behaviour)
 
 
 def _check_silence(

@@ -15,7 +15,15 @@ import json
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 
-from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
+from companion.documents import (
+    Document,
+    Given,
+    MistakeGathering,
+    Source,
+    did_you_mean,
+    read_source,
+    validate,
+)
 from companion.errors import FormulaError, MissionError
 from companion.ltl.formula import Operator
 from companion.ltl.parser import parse
@@ -91,12 +99,15 @@ def _read_mission(
     coordinates = coordinates_of(file, document)
     space = read_space(file, read.folder, coordinates, document)
     places, vehicle = space.places, read_vehicle(file.vehicle, read.folder, document)
-    check_places(places, space.limits, space.grid, vehicle, coordinates, document)
-    places = with_markers(places, file, space.grid, vehicle, document)
-    events = read_events(file, document)
+    about_room = space.limits, space.grid, vehicle, coordinates, document
+    mistakes = MistakeGathering()
+    mistakes.read(lambda: check_places(space.places, *about_room))
+    events = mistakes.read(lambda: read_events(file, document)) or {}
     effects = {name: entry.effect for name, entry in file.skills.items()}
-    vocabulary = Vocabulary(places, events, file.objects, declared, effects)
-    skills = build_skills(file, document, vocabulary, coordinates)
+    vocabulary = Vocabulary(places, file.events, file.objects, declared, effects)
+    skills = mistakes.read(lambda: build_skills(file, document, vocabulary, coordinates)) or {}
+    mistakes.tell()
+    places = with_markers(places, file, space.grid, vehicle, document)
     initially = _initially(file, document, vocabulary)
     _check_reachable_names(skills, {*declared, *(f.predicate for f in initially)}, events, document)
     sets = {name: tuple(members) for name, members in file.sets.items()}

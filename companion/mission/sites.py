@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
-from companion.documents import Document
+from companion.documents import Document, MistakeGathering
 from companion.errors import MissionError
 from companion.geometry import Ned, NorthEast, enu_from_ned, is_in_polygon
 from companion.mission.coordinates import Coordinates
@@ -65,11 +66,12 @@ def check_places(
         vehicle: that has room at it.
 
     Raises:
-        MissionError: at the key of the first place that is too near to an obstacle, outside the
-            fence or outside the altitude band.
+        MissionError: at the keys of places that are too near to an obstacle, outside the fence or
+            outside the altitude band.
     """
-    zoned = cells_of(grid, limits.keep_out.values())
-    for place in places.values():
+    zoned, mistakes = cells_of(grid, limits.keep_out.values()), MistakeGathering()
+
+    def check(place: Place) -> None:
         above_m = -place.position[2] - vehicle.clearance_m
         walls, kept = grid.at(above_m), zoned.at(above_m)
         problem = (
@@ -83,6 +85,10 @@ def check_places(
             what, hint = problem
             where = document.key_at("places", place.name)
             raise MissionError(f"place {place.name} {what}", where, hint)
+
+    for place in places.values():
+        mistakes.read(partial(check, place))
+    mistakes.tell()
 
 
 def _off_map_problem(place: Place, grid: OccupancyGrid) -> tuple[str, str] | None:

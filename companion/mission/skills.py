@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TypeVar
 
-from companion.documents import Document, did_you_mean
+from companion.documents import Document, MistakeGathering, did_you_mean
 from companion.errors import MissionError
 from companion.mission.charging import charge_rate_of, refuse_charge_nowhere
 from companion.mission.conditions import parse_condition
@@ -43,12 +43,17 @@ def build_skills(
     """Returns the skills of a mission file; their facts are added to the vocabulary.
 
     Raises:
-        MissionError: at the first skill that cannot be used.
+        MissionError: at the skills that cannot be used.
     """
     skills: dict[str, Skill] = {}
     instances = effects = 0
+    mistakes = MistakeGathering()
     for name, entry in file.skills.items():
-        skills[name] = _SkillBuilder(name, entry, file, document, vocabulary, coordinates).build()
+        builder = _SkillBuilder(name, entry, file, document, vocabulary, coordinates)
+        if built := mistakes.read(builder.build):
+            skills[name] = built
+    mistakes.tell()
+    for name, entry in file.skills.items():
         own = math.prod(len(file.sets[s]) for s in entry.parameters.values())
         instances += own
         effects += own * len(skills[name].conditional)

@@ -7,8 +7,9 @@ plan keeps it. One line at least has none: it says when the mission is done, and
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
-from companion.documents import Document, did_you_mean
+from companion.documents import Document, MistakeGathering, did_you_mean
 from companion.errors import MissionError
 from companion.ltl.formula import eventually
 from companion.ltl.parser import parse, parse_line
@@ -46,11 +47,19 @@ def read_task(
             document.key_at("task", GOAL),
             "choose another name for the line",
         )
-    task: dict[str, Line] = {}
-    for name, line in file.task.items():
+
+    def read(name: str, text: str) -> Line:
         with document.locating("task", name, "formula"):
-            task[name] = parse_line(line.formula)
-            vocabulary.check(line.formula)
+            line = parse_line(text)
+            vocabulary.check(text)
+        return line
+
+    mistakes = MistakeGathering()
+    task: dict[str, Line] = {}
+    for name, entry in file.task.items():
+        if (line := mistakes.read(partial(read, name, entry.formula))) is not None:
+            task[name] = line
+    mistakes.tell()
     if file.goal is not None:
         with document.locating("goal"):
             parse_literals(file.goal)
