@@ -46,7 +46,6 @@ from companion.flight_events.facts import BeliefRestored, MissionEventChanged
 from companion.flight_events.plans import (
     LapCompleted,
     NoPlanFound,
-    PlanAwaited,
     PlanMade,
     PlanReplaced,
 )
@@ -159,7 +158,7 @@ class Executive:
                 self._plan_again(self.due)
             case ExecutiveState.AWAITING_PLAN:
                 assert self.due is not None and self.failure is not None
-                self._flight.hold()
+                self._patience.hold()
                 self._wait(self.failure, self.due)
         return self.status
 
@@ -303,8 +302,7 @@ class Executive:
             return
         self.state = ExecutiveState.AWAITING_PLAN
         if is_news:
-            why, left_s = str(failure).splitlines()[0], round(patience.left_s, 1)
-            self._flight.report(PlanAwaited(why, left_s, ", ".join(patience.hopes)))
+            patience.tell(failure)
 
     def _wait(self, failure: PlanFailure, due: DueReplan) -> None:
         """A tick without a plan."""

@@ -216,6 +216,12 @@ class Flight:
         """Holds from now on where the vehicle is, not where its last setpoint was."""
         self._setpoint = self._stop = None
 
+    @property
+    def heading_rad(self) -> float:
+        """The heading that was told last, or that of the vehicle."""
+        before = self._setpoint or self.vehicle.state
+        return before.yaw_rad if before is not None else 0.0
+
     def hold(self, heading_rad: float | None = None) -> None:
         """Stays where the last setpoint was, or where the vehicle is in the air.
 
@@ -251,8 +257,7 @@ class Flight:
 
     def _turned(self, heading_rad: float | None) -> float:
         """The heading that is told next: that of before, turned no faster than the vehicle may."""
-        before = self._setpoint or self.vehicle.state
-        now_rad = before.yaw_rad if before is not None else 0.0
+        now_rad = self.heading_rad
         if heading_rad is None:
             return now_rad
         most_rad = self.profile.yaw_rate_radps * self.elapsed_s(self._streamed_s)

@@ -20,6 +20,21 @@ FACING_M = 0.5
 that wanders by 0.3 m would turn the vehicle to and fro. PX4 keeps the heading there too, within its
 acceptance radius."""
 
+BEAM_RAD = math.radians(5.0)
+"""From one beam of a range finder to the next, where OBSTACLE_DISTANCE has a turn in 72 parts."""
+GLANCE_S = 4.0
+"""Of a turn to and fro by that much; scans at 10 Hz pass each cell 5 m away several times."""
+
+
+def glance(time_s: float) -> float:
+    """How far a vehicle that looks around is turned aside at a time, rad: to and fro, evenly.
+
+    >>> [round(math.degrees(glance(second)), 1) for second in (0.0, 1.0, 2.0, 3.0, 4.0)]
+    [0.0, 2.5, 5.0, 2.5, 0.0]
+    """
+    half = GLANCE_S / 2
+    return BEAM_RAD * (1 - abs(time_s % GLANCE_S - half) / half)
+
 
 def towards(position: Sequence[float], point: NorthEast) -> float | None:
     """The heading with which one looks at a point; None if it is too near to tell.

@@ -16,9 +16,12 @@ from __future__ import annotations
 
 from companion.acting.flight import Flight
 from companion.errors import NoPlanError, SearchLimit
+from companion.flight_events.plans import PlanAwaited
+from companion.motion.heading import glance
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 
+THE_MAP = "the map"
 BATTERY = frozenset({"BATTERY_STATUS", "SYS_STATUS"})
 """Messages whose events mean that the flight has to end."""
 
@@ -40,6 +43,26 @@ class Patience:
         self._flight = flight
         self._since_s = 0.0
         self._positions = -1
+        self._heading_rad = 0.0
+        self._facing_s = 0.0
+
+    def tell(self, failure: NoPlanError | SearchLimit) -> None:
+        """The vehicle begins to wait, and tells why; it looks where it does now."""
+        flight, why = self._flight, str(failure).splitlines()[0]
+        flight.report(PlanAwaited(why, round(self.left_s, 1), ", ".join(self.hopes)))
+        self._heading_rad, self._facing_s = flight.heading_rad, flight.now_s
+
+    def hold(self) -> None:
+        """Holds for a tick; where the map may change, the vehicle looks to and fro.
+
+        Beams of a range finder that stands still pass by most of a door 5 m away, and what they do
+        not pass stays as it was seen last.
+        """
+        if THE_MAP in self.hopes:
+            aside_rad = glance(self._flight.now_s - self._facing_s)
+            self._flight.hold(self._heading_rad + aside_rad)
+        else:
+            self._flight.hold()
 
     def begin(self, failure: NoPlanError | SearchLimit) -> None:
         """There is no plan, or still none; why."""
@@ -77,7 +100,7 @@ class Patience:
             if belief in task.returning or belief.predicate in restored
         }
         if task.is_cut_off or self._is_walled_in:
-            return [*sorted(falling | returning), "the map"]
+            return [*sorted(falling | returning), THE_MAP]
         try:
             asked = without_lines(mission.optional, *task.problem(falling, returning))
             has_plan = self._planner.replan(*asked) is not None
