@@ -60,15 +60,26 @@ def mutants(source: str) -> list[Mutant]:
     ['f: return a < 2 -> return None', 'f: a < 2 -> a <= 2', 'f: a < 2 -> a > 2', 'f: 2 -> 20']
     """
     tree = ast.parse(source)
+    return [Mutant(name, _with(tree, index, changed)) for name, index, changed in _mistakes(tree)]
+
+
+def names(source: str) -> list[str]:
+    """Of all mutants of a module, none of which is made, which takes much longer.
+
+    >>> names("a < 2")
+    ['module: a < 2 -> a <= 2', 'module: a < 2 -> a > 2', 'module: 2 -> 20']
+    """
+    return [name for name, _, _ in _mistakes(ast.parse(source))]
+
+
+def _mistakes(tree: ast.Module) -> Iterator[tuple[str, int, ast.AST]]:
+    """The name of each mutant, the index of its node in `_nodes`, and what stands there then."""
     seen: Counter[str] = Counter()
-    made = []
     for index, (where, node) in enumerate(_nodes(tree)):
         for changed in _changes(node):
             name = f"{where}: {_text(node)} -> {_text(changed)}"
             seen[name] += 1
-            numbered = name if seen[name] == 1 else f"{name} #{seen[name]}"
-            made.append(Mutant(numbered, _with(tree, index, changed)))
-    return made
+            yield (name if seen[name] == 1 else f"{name} #{seen[name]}"), index, changed
 
 
 def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:

@@ -35,7 +35,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
             },
             marks=pytest.mark.long,  # what it calls is tested by itself
         ),
-        (
+        pytest.param(
             "flying",
             12,
             {
@@ -49,6 +49,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
                 "pack and sign MAVLink",
                 "verify and parse MAVLink",
             },
+            marks=pytest.mark.long,  # what it calls is flown everywhere, and its types are checked
         ),
         pytest.param(
             "campaigns",

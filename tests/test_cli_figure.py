@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -15,10 +16,8 @@ MISSIONS = Path(__file__).parents[1] / "missions"
 
 
 @pytest.fixture(scope="module")
-def run_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("run")
-    simulate(load_mission(MISSIONS / "surveillance.yaml"), folder=folder)
-    return folder
+def run_folder(surveillance_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return shutil.copytree(surveillance_run, tmp_path_factory.mktemp("figure") / "run")
 
 
 def test_a_run_has_the_trail_and_the_world_of_its_flight(run_folder: Path) -> None:

@@ -26,6 +26,7 @@ DOCUMENTED = "companion replay runs/2026-11-21T101500-surveillance"
 AS_A_FILE = "companion replay runs/2026-11-21T101500-surveillance --mcap surveillance.mcap"
 """The one in docs/run-folder.md."""
 ROOT = Path(__file__).parents[1]
+HOP = ROOT / "tests" / "data" / "hop.yaml"
 START_S = 300.0  # wall time that no answer needs
 
 
@@ -134,8 +135,7 @@ def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
     companion: Companion, tmp_path: Path
 ) -> None:
     """192.0.2.1 is nobody's (RFC 5737)."""
-    mission = ROOT / "missions" / "surveillance.yaml"
-    ended = companion("sim", mission, "--speed", "max", "--monitor", "192.0.2.1:8080")
+    ended = companion("sim", HOP, "--speed", "max", "--monitor", "192.0.2.1:8080")
     assert ended.code == 0
     assert "the monitor cannot listen on 192.0.2.1:8080" in ended.err
     assert "task satisfied, landed" in ended.out
@@ -145,8 +145,7 @@ def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
 def test_a_server_that_cannot_start_keeps_nobody_from_flying(tmp_path: Path) -> None:
     """As if uvicorn were not installed."""
     (tmp_path / "uvicorn.py").write_text("raise ImportError('no uvicorn here')\n")
-    mission = ROOT / "missions" / "surveillance.yaml"
-    arguments = ["sim", mission, "--speed", "max", "--monitor", "127.0.0.1:0"]
+    arguments = ["sim", HOP, "--speed", "max", "--monitor", "127.0.0.1:0"]
     flight = subprocess.run(
         [sys.executable, "-m", "companion", *arguments, "--log-dir", tmp_path / "runs"],
         env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},

@@ -19,7 +19,7 @@ from companion.flight_events.hosting import TerminalHungUp
 from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import TaskSatisfied
 
-SURVEILLANCE = Path(__file__).parents[1] / "missions" / "surveillance.yaml"
+HOP = Path(__file__).parent / "data" / "hop.yaml"
 
 
 # -- lines -----------------------------------------------------------------------------------------
@@ -113,7 +113,7 @@ def test_a_flight_cannot_be_suspended(name: str) -> None:
 
 def fly(folder: Path, stdout: int | IO[str]) -> subprocess.Popen[str]:
     """A flight in lockstep whose output goes somewhere."""
-    command = [sys.executable, "-m", "companion", "sim", SURVEILLANCE, "--speed", "max"]
+    command = [sys.executable, "-m", "companion", "sim", HOP, "--speed", "max"]
     return subprocess.Popen(
         [*map(str, command), "--log-dir", str(folder)],
         stdout=stdout,

@@ -7,13 +7,9 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from mutants import mutants
+from mutants import mutants, names
 
 ROOT = Path(__file__).parents[1]
-
-
-def names(source: str) -> list[str]:
-    return [mutant.name for mutant in mutants(source)]
 
 
 @pytest.mark.parametrize(
@@ -49,6 +45,7 @@ def test_a_mutant_differs_in_one_place_and_the_source_is_left_alone() -> None:
     assert "def f(a):\n    return a <= 1 and a < 2" in texts
     assert "def f(a):\n    return a < 1 and a <= 2" in texts
     assert len(texts) == len(mutants(source)) and source not in texts
+    assert [mutant.name for mutant in mutants(source)] == names(source)
 
 
 def test_two_of_a_kind_have_two_names() -> None:

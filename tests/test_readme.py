@@ -18,6 +18,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from commands import Companion
 from first_installation import environment
 from make_options import commands as public_commands
 from ports import free_instance, own_ports
@@ -157,6 +158,15 @@ QUICK = [command for command in COMMANDS if is_quick(command)]
 MISSIONS = [path.relative_to(ROOT) for path in (ROOT / "missions").glob("*.yaml")]
 SHIPPED = [f"companion sim {path} --speed max" for path in MISSIONS]
 """Flown tick by tick in tests/flights/test_shipped.py as well, so not in the default tests."""
+FLOWN_ELSEWHERE = {
+    *SHIPPED,
+    REFUSED,  # tests/flights/test_shipped.py
+    # tests/paper/test_engines_in_flight.py
+    "companion sim missions/paper_section_v.yaml --speed max --engine fast-downward --encoding v1",
+}
+FIRST = {tuple(shlex.split(command)[:2]): command for command in reversed(QUICK)}
+PROCESSES = [c for c in QUICK if c in FIRST.values() or "sim" in c.split()]
+"""The first one of each subcommand, and all flights; the others are run in this process."""
 
 
 def test_commands_are_found() -> None:
@@ -195,13 +205,29 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(c, marks=[pytest.mark.sockets] if c in SHIPPED else []) for c in QUICK],
+    [
+        pytest.param(c, marks=[pytest.mark.sockets] if c in FLOWN_ELSEWHERE else [])
+        for c in PROCESSES
+    ],
 )
 def test_a_quick_command_succeeds(command: str, start: Start) -> None:
     process = start(command)
     printed, _ = process.communicate(timeout=600)
     assert process.returncode == EXIT_CODES.get(command, 0), printed
     assert printed
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", [c for c in QUICK if c not in PROCESSES])
+def test_a_quick_command_succeeds_in_this_process(
+    command: str, companion: Companion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(ROOT / "missions", tmp_path / "missions")
+    monkeypatch.chdir(tmp_path)
+    program, *arguments = shlex.split(command)
+    ended = companion(*arguments)
+    assert program == "companion" and ended.code == EXIT_CODES.get(command, 0), ended.err
+    assert ended.out
 
 
 @pytest.mark.slow

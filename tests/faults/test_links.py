@@ -49,7 +49,7 @@ def final_answers(flight: Lockstep) -> list[int]:
 
 @pytest.mark.parametrize(
     ("share", "seed"),
-    sweep(SHARES, SEEDS, few=lambda share, seed: seed == 0 and share in (0.1, 0.3)),
+    sweep(SHARES, SEEDS, few=lambda share, seed: seed == 0 and share == 0.3),
 )
 def test_loss_with_a_payload(share: float, seed: int) -> None:
     """Its final answers pass: the command protocol sends them once, and a lost one is a failure."""

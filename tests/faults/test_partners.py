@@ -71,7 +71,7 @@ def test_without_satellites_nothing_moves_a_second_after_the_bound(
     assert "gets worse" in flight.of(SetpointRefused)[-1].reason
 
 
-@pytest.mark.parametrize("away_s", [2.0, 4.8])
+@pytest.mark.parametrize("away_s", [pytest.param(2.0, marks=pytest.mark.long), 4.8])
 def test_a_short_loss_of_satellites_changes_no_action(away_s: float) -> None:
     """Meanwhile the vehicle keeps more from walls, as its position is good for less, or holds."""
     back = {"at_s": 10 + away_s, "gps": {"lost": False}}
@@ -84,7 +84,7 @@ def test_a_short_loss_of_satellites_changes_no_action(away_s: float) -> None:
     assert flight.simulation.collisions == 0
 
 
-@pytest.mark.parametrize("step_us", [HOUR_US, -HOUR_US])
+@pytest.mark.parametrize("step_us", [pytest.param(HOUR_US, marks=pytest.mark.long), -HOUR_US])
 def test_a_clock_that_is_set_moves_no_flight(step_us: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither ours nor the autopilot's: each second another hour."""
     autopilot, ticks = MavlinkCodec(1, 1), count()

@@ -221,7 +221,7 @@ def test_patience_ends_when_the_charge_is_needed() -> None:
 LEGS = {"Home": (0, 0, 5), "A": (100, 0, 5), "B": (100, 80, 20), "C": (10, 10, 5)}
 
 
-@pytest.mark.parametrize("east_mps", [0.0, 5.0])
+@pytest.mark.parametrize("east_mps", [pytest.param(0.0, marks=pytest.mark.long), 5.0])
 def test_flights_take_what_plans_reckon_with(east_mps: float) -> None:
     """Level, climbing and descending, in still air, and with, across and against a wind."""
     places = {
@@ -252,6 +252,7 @@ def test_flights_take_what_plans_reckon_with(east_mps: float) -> None:
     assert 0.95 * planned <= used_wh <= planned
 
 
+@pytest.mark.long
 def test_equal_seeds_equal_events() -> None:
     flights = [fly({"at_s": 18, "battery": {"charge": 0.235}}).run_for(30.0) for _ in range(2)]
     first, second = ([(s.time_s, s.event) for s in flight.reports] for flight in flights)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 from lockstep import Lockstep
 from two_docks import RESERVE, between_docks, lowest, text, two_docks
 
@@ -66,6 +67,7 @@ def test_a_pause_ends_when_the_charge_is_needed() -> None:
     assert 100 * flight.simulation.flight.charge >= RESERVE
 
 
+@pytest.mark.long
 def test_among_shelves_the_first_stretch_takes_what_was_expected() -> None:
     """Bends make flights up to 1.7 times as long as their length says; nothing was learnt yet."""
     hall = MISSIONS / "maps" / "hall.yaml"

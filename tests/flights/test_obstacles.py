@@ -192,6 +192,7 @@ def test_a_vehicle_that_holds_stays_and_leaves_away_from_what_has_come_near(
     assert flown.ending == TaskSatisfied()
 
 
+@pytest.mark.long
 def test_the_flight_is_the_same_each_time(
     late_crate: Flown, surveillance: Mission, tmp_path: Path
 ) -> None:

@@ -156,7 +156,9 @@ class EarthFlight(Lockstep):
         return (message.x, message.y)
 
 
-@pytest.mark.parametrize("field", [ZURICH, TROMSO], ids=["Zurich", "Tromso"])
+@pytest.mark.parametrize(
+    "field", [pytest.param(ZURICH, marks=pytest.mark.long), TROMSO], ids=["Zurich", "Tromso"]
+)
 def test_it_flies_to_where_the_places_are_on_the_earth(field: Field) -> None:
     flight = EarthFlight(field)
     (located,) = flight.until_reported(FrameLocated).of(FrameLocated)
@@ -315,7 +317,7 @@ def above_sea(amsl_m: float, home_amsl_m: float = 488.0) -> Lockstep:
     return Lockstep(mission, world_of(mission, there))
 
 
-@pytest.mark.parametrize("home_amsl_m", [488.0, 481.5])
+@pytest.mark.parametrize("home_amsl_m", [pytest.param(488.0, marks=pytest.mark.long), 481.5])
 def test_a_place_above_the_sea_is_flown_at_its_height(home_amsl_m: float) -> None:
     flight = above_sea(500.0, home_amsl_m)
     flight.until_reported(PlaceReached, place="A").run(2.0)

@@ -40,7 +40,8 @@ def test_each_photo_is_made_once_and_told() -> None:
 @pytest.mark.parametrize(
     ("share", "seed"),
     [
-        *((0.1, 0), (0.3, 1)),
+        (0.3, 1),
+        pytest.param(0.1, 0, marks=pytest.mark.long),
         *(pytest.param(0.3, seed, marks=pytest.mark.long) for seed in range(2, 40)),
     ],
 )
@@ -206,6 +207,7 @@ def test_a_tree_by_hand_and_a_refinement() -> None:
     assert flight.exit_code == 0
 
 
+@pytest.mark.long
 def test_equal_flights_are_equal() -> None:
     def sent() -> list[Any]:
         lossy = {"up": Lossy(0.3, 5), "down": Lossy(0.3, 6)}

@@ -103,7 +103,13 @@ def test_the_pilot_wins(mode: str, start: Start) -> None:
     assert isinstance(flight.companion.failure, Aborted)
 
 
-@pytest.mark.parametrize("after_s", [0.1, 0.3, 0.6, 0.9, 1.2, 1.5, 2.0, 3.0, 4.0, 5.0])
+@pytest.mark.parametrize(
+    "after_s",
+    [
+        *(0.1, 0.6, 1.2, 2.0, 4.0),
+        *(pytest.param(s, marks=pytest.mark.long) for s in (0.3, 0.9, 1.5, 3.0, 5.0)),
+    ],
+)
 def test_the_pilot_wins_from_the_first_command_on(after_s: float, start: Start) -> None:
     """While it arms, climbs, and enters OFFBOARD."""
     flight = (
@@ -271,7 +277,7 @@ def test_loss_changes_no_action(seed: int, start: Start, undisturbed: Lockstep) 
     assert_each_command_took_effect_once(flight, undisturbed)
 
 
-@pytest.mark.parametrize("tells_progress", [False, True])
+@pytest.mark.parametrize("tells_progress", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_payload_that_needs_twelve_of_fifteen_seconds_is_asked_once(
     start: Start, hall: World, tells_progress: bool
 ) -> None:

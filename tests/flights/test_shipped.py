@@ -239,6 +239,7 @@ def test_a_mission_flies_as_told(shipped: Shipped) -> None:
     flies_as_told(shipped, seed=2)
 
 
+@pytest.mark.long
 def test_endless_patrol_leaves_the_dock_that_fails_for_the_other(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

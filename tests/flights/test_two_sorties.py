@@ -60,7 +60,7 @@ class Hosted(Lockstep):
         self.until(lambda: len(self.of(RunEnded)) > before)
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(n, marks=pytest.mark.long) for n in (1, 2))])
 def test_a_waiting_companion_flies_again_and_again(seed: int) -> None:
     flight = Hosted(mission("F (at(A) & F at(H))"), AS_PX4, seed)
     flight.run(2.0)

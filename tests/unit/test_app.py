@@ -324,7 +324,10 @@ def test_every_setpoint_of_a_flight_stays_within_the_limits() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("ticks", range(12))
+@pytest.mark.parametrize(
+    "ticks",
+    [pytest.param(n, marks=[pytest.mark.long] if n % 3 else []) for n in range(12)],
+)
 def test_no_command_leaves_after_a_stop_on_the_ground(ticks: int) -> None:
     world = World(mission("F at(A)"))
     world.autopilot.results[ARM] = [None]

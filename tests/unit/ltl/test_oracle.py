@@ -139,14 +139,14 @@ def test_mutants_are_caught() -> None:
         automaton, opposite = translate(formula), translate(negate(formula))
         every = list(mutants(automaton))
         unnoticed = []
-        for mutant in rng.sample(every, min(len(every), 7)):
+        for mutant in rng.sample(every, min(len(every), 4)):
             if errs(mutant, formula, words_for(formula, [mutant, opposite], rng)):
                 caught += 1
             else:
                 unnoticed.append(mutant)
         larger = words_for(formula, [automaton, opposite, *unnoticed], rng, effort=4)
         missed += [name for mutant in unnoticed if errs(mutant, formula, larger)]
-    assert caught > 100
+    assert caught > 60
     assert len(missed) < 0.05 * (caught + len(missed)), missed
 
 

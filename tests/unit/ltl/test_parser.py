@@ -8,7 +8,7 @@ from companion.errors import FormulaError
 from companion.ltl.formula import subformulas
 from companion.ltl.parser import MAX_ARGUMENTS, MAX_CHARACTERS, parse
 
-DEPTH = 20_000
+DEPTH = 5_000
 
 
 @pytest.mark.slow

@@ -15,7 +15,9 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
-@pytest.mark.parametrize(("umask", "forbidden"), [(0, OTHERS_WRITE), (0o077, OTHERS)])
+@pytest.mark.parametrize(
+    ("umask", "forbidden"), [(0, OTHERS_WRITE), pytest.param(0o077, OTHERS, marks=pytest.mark.long)]
+)
 def test_a_run_folder_and_what_lies_in_it(tmp_path: Path, umask: int, forbidden: int) -> None:
     runs = tmp_path / "new" / "runs"
     command = [sys.executable, "-m", "companion", "run", MISSION, *NO_VEHICLE, "--log-dir", runs]
