@@ -243,6 +243,9 @@ BATTERY: Table = {
     "a share": Mistake("reserve: 20", "reserve: 0.2", "battery", "write 20 for 20 %"),
     "mAh": Mistake("reserve: 20", "capacity_mah: 5200", "battery", "Did you mean capacity_wh?"),
     "no rate": Mistake("    charge_rate", "    # ", "    execute", "add charge_rate: [["),
+    "a charge in the air": Mistake(
+        "[land(), charge(auto), take_off()]", "charge(auto)", "    exec", "charged on the ground"
+    ),
     "a charge as a share": Mistake("charge(auto)", "charge(0.8)", "    exec", "write percent: 80"),
     "no battery": Mistake("battery: {", "# {", "    exec", "add battery: {reserve: 20}"),
 }

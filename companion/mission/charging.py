@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 from companion.battery_profile import Points
@@ -11,7 +11,7 @@ from companion.errors import MissionError
 from companion.mission.model import Skill
 from companion.mission.schema import MissionFile
 from companion.mission.skill_schema import SkillEntry
-from companion.mission.steps import Charge, Do, Execution, Fly
+from companion.mission.steps import Charge, Do, Execution, Fly, Land, LandOn
 
 
 def charge_rate_of(
@@ -69,3 +69,23 @@ def refuse_charge_nowhere(skill: Skill, document: Document) -> None:
             document.key_at("skills", skill.name),
             "add precondition: at(pad), with pad one of its parameters",
         )
+
+
+def refuse_charge_in_the_air(skills: Mapping[str, Skill], document: Document) -> None:
+    """Refuses to charge in a mission in which nothing lands.
+
+    Raises:
+        MissionError: at the step that charges.
+    """
+    steps = [
+        (name, i, step) for name, skill in skills.items() for i, step in enumerate(skill.execute)
+    ]
+    if any(isinstance(step, Land | LandOn) for _, _, step in steps):
+        return
+    for name, index, step in steps:
+        if isinstance(step, Charge):
+            raise MissionError(
+                f"{name} charges, and no skill lands",
+                document.where("skills", name, "execute", index),
+                "a battery is charged on the ground: [land(), charge(auto), take_off()]",
+            )

@@ -28,6 +28,7 @@ from companion.errors import FormulaError, MissionError
 from companion.ltl.formula import Operator
 from companion.ltl.parser import parse
 from companion.mission.battery import read_battery
+from companion.mission.charging import refuse_charge_in_the_air
 from companion.mission.coordinates import coordinates_of
 from companion.mission.event_entries import check_restored, read_events
 from companion.mission.facts import AT, HERE, Fact
@@ -148,7 +149,7 @@ def _check_skills(
     document: Document,
     file: MissionFile,
 ) -> None:
-    """Refuses skills after which the vehicle is nowhere, looks and landings that cannot be.
+    """Refuses skills after which the vehicle is nowhere; looks, landings, charges that cannot be.
 
     And events that restore what no skill assumes.
     """
@@ -156,6 +157,7 @@ def _check_skills(
     check_one_place(skills, places, document)
     check_looking(skills, places, sets, document)
     check_landings(skills, places, sets, *room, document)
+    refuse_charge_in_the_air(skills, document)
 
 
 def _text(source: Source, document: Document) -> str:
