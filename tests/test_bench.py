@@ -27,7 +27,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
         ("translating", 28, set()),  # Spot comes with the tests alone
         pytest.param(
             "planning",
-            37,
+            49,
             {
                 "plan at the start, median",
                 "replan en route, target found, median",

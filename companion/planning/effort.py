@@ -22,8 +22,8 @@ class Effort:
         loop_steps: edges that the search for loops sees which are no cycles of the product; beyond
             them it is not proved that no loop is better.
         time_labels: ways that the search for plans with bounds in time looks at.
-        bounds_laps: whether it is asked how far from the shortest a lap on a battery may be, where
-            it is not proved to be that.
+        proves_laps: whether there is time to prove that a lap on a battery is the shortest, or to
+            say how far from that it may be.
     """
 
     product_edges: int
@@ -31,7 +31,7 @@ class Effort:
     held_karp_additions: int
     loop_steps: int
     time_labels: int
-    bounds_laps: bool = False
+    proves_laps: bool = False
 
 
 BEFORE_FLIGHT = Effort(
@@ -40,7 +40,7 @@ BEFORE_FLIGHT = Effort(
     held_karp_additions=60_000_000,
     loop_steps=200_000,
     time_labels=1_000_000,
-    bounds_laps=True,
+    proves_laps=True,
 )
 IN_FLIGHT = Effort(
     product_edges=80_000,

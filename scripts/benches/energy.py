@@ -23,8 +23,13 @@ from companion.slices import InSlices
 NOTHING = SolverMemory(KnownLoops(), KnownLaps())
 
 
-def patrol_on_a_battery(sites: int, docks: int, seed: int) -> Mission:
-    """A patrol over a large field, on a battery for about half of it."""
+FIELDS = 8
+CAPACITIES_WH = {1: 30, 2: 18, 3: 13}
+"""By the charges that most laps over twenty sites take, with which battery."""
+
+
+def patrol_on_a_battery(sites: int, docks: int, seed: int, capacity_wh: float = 30) -> Mission:
+    """A patrol over a large field."""
     chance = random.Random(seed)
     visited, pads = [f"s{i}" for i in range(sites)], [f"Dock{i}" for i in range(docks)]
 
@@ -37,7 +42,7 @@ def patrol_on_a_battery(sites: int, docks: int, seed: int) -> Mission:
             places={name: place() for name in (HOME, *visited, *pads)},
             docks=pads,
             fence=[[-20, -20], [420, -20], [420, 320], [-20, 320]],
-            battery={"reserve": 20, "capacity_wh": 30},
+            battery={"reserve": 20, "capacity_wh": capacity_wh},
             charge_rate=[[0, 0.5], [80, 0.5], [90, 0.2], [100, 0.02]],
         )
     )
@@ -75,6 +80,26 @@ def plans(runs: int) -> Iterator[Row]:
         yield Row(f"{name}: replan anew, median", median(anew_ms), "ms")
         yield Row(f"{name}: replan anew, worst", max(anew_ms), "ms")
         yield Row(f"{name}: its longest slice", max(slices_ms), "ms")
+
+
+def laps(runs: int) -> Iterator[Row]:
+    """How far from the shortest laps may be, over many sites, and how long it takes to say so."""
+    sites, fields = (20, FIELDS) if runs >= 50 else (12, 1)
+    for charges, capacity_wh in CAPACITIES_WH.items():
+        above, first_above, took_s = [], [], []
+        for seed in range(fields):
+            planner = Planner(patrol_on_a_battery(sites, 2, seed, capacity_wh))
+            start_s = process_time()
+            first, *others = planner.solutions(*planner.initial_problem())
+            best = [first, *others][-1]
+            took_s.append(process_time() - start_s)
+            above.append(100 * (best.cost_ms / best.bound_ms - 1))
+            first_above.append(100 * (first.cost_ms / best.bound_ms - 1))
+        name = f"on a battery, {sites} sites, {charges} charges or more"
+        yield Row(f"{name}: above a proved bound, worst", max(above), "%")
+        yield Row(f"{name}: the same in flight, median", median(first_above), "%")
+        yield Row(f"{name}: the same in flight, worst", max(first_above), "%")
+        yield Row(f"{name}: to prove it, worst", max(took_s), "s")
 
 
 def _later(planner: Planner, seed: int) -> Iterator[Asked]:

@@ -20,8 +20,8 @@ from companion.planning.builtin.loops import essential_targets
 from companion.planning.charger import Charger
 from companion.planning.energy.charging_laps import ChargingLap, ChargingLaps
 from companion.planning.energy.energy_product import EnergyProduct
-from companion.planning.energy.lap_bound import lap_bound_ms
 from companion.planning.energy.paths import Paths
+from companion.planning.energy.proved_laps import proved
 from companion.planning.energy.sorties import WayTables, joined
 from companion.planning.energy.split import Splits, improved
 
@@ -41,7 +41,7 @@ class ChargingLoop:
         edges: numbers of its edges in their order; the first one charges.
         levels: by place in `edges`, the level after a charge; None for other edges.
         required: by place, what has to be there before the edge.
-        bound_ms: no loop of the component costs less.
+        bound_ms: no loop of the component costs less; 0 if nothing is known.
     """
 
     edges: tuple[int, ...]
@@ -52,14 +52,14 @@ class ChargingLoop:
 
 
 def best_loops(
-    graph: EnergyProduct, nodes: NDArray[np.intp], with_bound: bool = False
+    graph: EnergyProduct, nodes: NDArray[np.intp], is_proved: bool = False
 ) -> Iterator[ChargingLoop]:
     """For docks of a component that reach each other, the best loop.
 
     Args:
         graph: the product.
         nodes: of a strong component with a loop that meets every mark.
-        with_bound: whether it is asked how far from the shortest it may be.
+        is_proved: whether there is time to look for the shortest, or how far from it one may be.
 
     Raises:
         SearchLimit: it has too many marks.
@@ -88,7 +88,7 @@ def best_loops(
     ways = WayTables(quickest.table(ins), thriftiest.table(ins), marks, stops)
     chargers = {i: graph.charger(dock) for i, dock in enumerate(docks, len(targets))}
     for group in joined(ways.thriftiest, chargers):
-        found = _best_round(ways, group, len(targets_of), with_bound)
+        found = _best_round(ways, group, len(targets_of), is_proved)
         if found is None:
             continue
         edges: list[int] = []
@@ -118,7 +118,7 @@ def required_before(
 
 
 def _best_round(
-    ways: WayTables, chargers: dict[int, Charger], marks: int, with_bound: bool
+    ways: WayTables, chargers: dict[int, Charger], marks: int, is_proved: bool
 ) -> ChargingLap | None:
     """The shortest lap, or a good one where there are many marks or docks.
 
@@ -126,14 +126,14 @@ def _best_round(
         ways: between all stops.
         chargers: by stop, of docks that reach each other.
         marks: how many there are.
-        with_bound: whether it is asked how far from the shortest it may be.
+        is_proved: whether there is time to look for the shortest, or how far from it one may be.
     """
     served = ways.served(chargers)
     own = ways.marks[served]
     if np.bitwise_or.reduce(own, initial=0) != (1 << marks) - 1:
         return None
     if 3**marks * len(chargers) ** 3 <= MOST_ADDITIONS:
-        return ChargingLaps(ways, chargers).best(with_bound)
+        return ChargingLaps(ways, chargers).best(is_proved)
     targets = [stop for stop in served if stop not in ways.docks]
     met = np.array([[bool(ways.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
     for table, is_thrifty in (ways.quickest, False), (ways.thriftiest, True):
@@ -144,6 +144,6 @@ def _best_round(
         order, cost_ms = improved(splits, [targets[place] for place in tours.cycle()])
         if cost_ms < UNREACHABLE_MS:
             sorties = [replace(each, is_thrifty=is_thrifty) for each in splits.sorties(order)]
-            bound_ms = lap_bound_ms(ways, chargers, marks, sorties) if with_bound else 0
-            return ChargingLap(tuple(sorties), cost_ms, bound_ms)
+            lap = ChargingLap(tuple(sorties), cost_ms, 0)
+            return proved(ways, chargers, marks, lap) if is_proved else lap
     return None

@@ -37,7 +37,7 @@ ENGINE = "built-in, energy"
 def energy_solutions(
     search: Search, problem: Problem, effort: Effort, known: KnownLoops | None = None
 ) -> Iterator[Solution]:
-    """The best lasso that the battery lasts for; none if there is none.
+    """A good lasso that the battery lasts for, then the best one; none if there is none.
 
     Args:
         search: knows the mission's actions and automata.
@@ -50,7 +50,7 @@ def energy_solutions(
     """
     product = search.product(problem, effort, min_goals=sys.maxsize)
     graph = EnergyProduct(problem, product)
-    energy_search = EnergySearch(graph, known, effort.bounds_laps)
+    energy_search = EnergySearch(graph, known, effort.proves_laps)
     yield from energy_search.solutions(accepting_components(product))
 
 
@@ -58,7 +58,7 @@ def is_solvable(
     search: Search, problem: Problem, effort: Effort, known: KnownLoops | None = None
 ) -> bool | None:
     """Whether there is a lasso that the battery lasts for; None if a search reaches its limit."""
-    effort = replace(effort, bounds_laps=False)
+    effort = replace(effort, proves_laps=False)
     try:
         return next(energy_solutions(search, problem, effort, known), None) is not None
     except SearchLimit:
@@ -71,17 +71,17 @@ class EnergySearch:
     Args:
         graph: the product.
         known: loops that were found before.
-        with_bound: whether it is asked how far from the shortest a lap may be.
+        proves: whether there is time to look for the shortest laps, and to prove that they are.
     """
 
     def __init__(
-        self, graph: EnergyProduct, known: KnownLoops | None = None, with_bound: bool = False
+        self, graph: EnergyProduct, known: KnownLoops | None = None, proves: bool = False
     ) -> None:
-        self._graph, self._with_bound = graph, with_bound
+        self._graph, self._proves = graph, proves
         self._known = KnownLoops() if known is None else known
 
     def solutions(self, components: Sequence[NDArray[np.intp]]) -> Iterator[Solution]:
-        """The best lasso; none if there is none.
+        """A good lasso, and the best one where it is asked for; none if there is none.
 
         Args:
             components: the nodes of each strong component with a loop that meets every mark.
@@ -99,12 +99,19 @@ class EnergySearch:
                 is_complete = is_complete and found.is_complete
         solution = self._entered(loops)
         if solution is None and not is_complete:
-            solution = self._entered([loop for each in components for loop in self._searched(each)])
-        if solution is not None:
-            yield solution
+            loops = [loop for each in components for loop in self._searched(each)]
+            solution = self._entered(loops)
+        if solution is None:
+            return
+        yield solution
+        if self._proves and not all(loop.bound_ms for loop in loops):
+            proved = [loop for each in components for loop in self._searched(each, is_proved=True)]
+            better = self._entered(proved)
+            if better is not None and better.cost_ms <= solution.cost_ms:
+                yield better
 
-    def _searched(self, nodes: NDArray[np.intp]) -> list[ChargingLoop]:
-        loops = list(best_loops(self._graph, nodes, self._with_bound))
+    def _searched(self, nodes: NDArray[np.intp], is_proved: bool = False) -> list[ChargingLoop]:
+        loops = list(best_loops(self._graph, nodes, is_proved))
         self._known.keep(self._graph, nodes, loops)
         return loops
 

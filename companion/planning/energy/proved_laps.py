@@ -1,0 +1,121 @@
+"""Laps over many marks that are proved to be the shortest, before a flight.
+
+A good lap (`split.py`) says what a better one has to be below. Which sorties such a lap can have is
+known from what each costs at least (`sortie_table.py`) and what its marks are worth
+(`mark_prices.py`): some hundreds or thousands of millions, so that a search through their chains
+ends (`chain_search.py`). It takes seconds, and is not for a flight. Beyond some twenty marks, where
+there are too many sorties to look at, 1-trees say how far the lap may be from the shortest
+(`lap_bound.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.builtin.gtsp import tours
+from companion.planning.charger import Charger
+from companion.planning.energy.chain_search import ChainSearch
+from companion.planning.energy.charging_costs import service_costs
+from companion.planning.energy.charging_laps import ChargedSortie, ChargingLap
+from companion.planning.energy.lap_bound import lap_bound_ms
+from companion.planning.energy.mark_prices import priced
+from companion.planning.energy.sortie_table import SortieTable, sortie_table
+from companion.planning.energy.sorties import WayTable, WayTables
+
+_TOUR_ADDITIONS = 20_000_000
+"""Sorties over some fifteen marks are put in order exactly, by Held and Karp's tables."""
+
+
+def proved(
+    ways: WayTables, chargers: Mapping[int, Charger], marks: int, lap: ChargingLap
+) -> ChargingLap:
+    """A lap with a cost that no lap goes below: the shortest, or the one that is known.
+
+    Args:
+        ways: between all stops.
+        chargers: by stop.
+        marks: how many there are.
+        lap: that is known.
+    """
+    table = sortie_table(ways, chargers, marks)
+    if table is None:
+        bound_ms = lap_bound_ms(ways, chargers, marks, lap.sorties)
+        return replace(lap, bound_ms=bound_ms)
+    known = [
+        int(np.bitwise_or.reduce(ways.marks[list(each.targets)], initial=0)) for each in lap.sorties
+    ]
+    worth = priced(table, marks, len(chargers), known, lap.cost_ms)
+    found = ChainSearch(worth, marks, lap.cost_ms).best()
+    if found.sorties is not None:
+        better = _Flown(ways, chargers).lap(worth.table.of(np.array(found.sorties, np.intp)))
+        lap = min(lap, better, key=lambda each: each.cost_ms)
+    return replace(lap, bound_ms=min(lap.cost_ms, max(found.bound_ms, worth.bound_ms)))
+
+
+class _Flown:
+    """Sorties with their stops in order.
+
+    Args:
+        ways: between all stops.
+        chargers: by stop.
+    """
+
+    def __init__(self, ways: WayTables, chargers: Mapping[int, Charger]) -> None:
+        self._ways, self._chargers = ways, chargers
+
+    def lap(self, sorties: SortieTable) -> ChargingLap:
+        """The lap of some sorties."""
+        docks = list(self._chargers)
+        each = zip(
+            sorties.origins.tolist(), sorties.ends.tolist(), sorties.sets.tolist(), strict=True
+        )
+        found = [
+            min(self._flown(docks[i], docks[j], marks), key=lambda sortie: sortie.cost_ms)
+            for i, j, marks in each
+        ]
+        return ChargingLap(tuple(found), sum(sortie.cost_ms for sortie in found), 0)
+
+    def _flown(self, origin: int, end: int, marks: int) -> Iterator[ChargedSortie]:
+        """A sortie along the quickest ways, and along the thriftiest."""
+        charger, floor = self._chargers[origin], self._chargers[end].floor
+        tables = (self._ways.quickest, False), (self._ways.thriftiest, True)
+        for table, is_thrifty in tables:
+            targets = self._in_order(table, origin, end, marks)
+            legs = [*pairwise((origin, *targets, end))]
+            departure = floor + sum(int(table.drains[leg]) for leg in legs)
+            time_ms = sum(int(table.times_ms[leg]) for leg in legs)
+            cost_ms = time_ms + int(service_costs(charger, np.array(departure)))
+            cost_ms = min(cost_ms, UNREACHABLE_MS)
+            yield ChargedSortie(origin, departure, targets, cost_ms, is_thrifty)
+
+    def _in_order(self, table: WayTable, origin: int, end: int, marks: int) -> tuple[int, ...]:
+        """Stops that meet some marks, in a short tour from a dock to another."""
+        own = self._ways.marks
+        stops = [s for s in range(len(own)) if s not in self._ways.docks and own[s] & marks]
+        if not stops:
+            return ()
+        between = np.full((len(stops) + 1, len(stops) + 1), UNREACHABLE_MS)  # docks are the last
+        between[:-1, :-1] = table.times_ms[np.ix_(stops, stops)]
+        between[-1, :-1], between[:-1, -1] = (
+            table.times_ms[origin, stops],
+            table.times_ms[stops, end],
+        )
+        found = tours(between, self._marks_of(stops), _TOUR_ADDITIONS)
+        found.improve()
+        order = found.cycle()
+        begin = order.index(len(stops))
+        return tuple(stops[place] for place in order[begin + 1 :] + order[:begin])
+
+    def _marks_of(self, stops: list[int]) -> NDArray[np.bool_]:
+        """(stops, marks) of some stops, and of the docks, which are to be passed as well."""
+        bits = sorted({int(bit) for bit in self._ways.marks[stops]})
+        met = np.zeros((len(stops) + 1, len(bits) + 1), np.bool_)
+        met[:-1, :-1] = self._ways.marks[stops, None] == np.array(bits)
+        met[-1, -1] = True
+        return met

@@ -1,0 +1,222 @@
+"""What every sortie costs at least, over up to twenty marks and more where a battery is small.
+
+From each dock, Held and Karp's dynamic programme over sets, all sets of one size at once: once with
+the quickest ways and once with the thriftiest. A set is left out as soon as the battery does not
+last for it, and so are all that contain it. What a sortie costs is reckoned with the least time and
+the least drain for its set, which may belong to two different orders: none costs less.
+
+A sortie over some marks of a set costs no more than that over the set, as the ways are shortest
+paths: to leave a stop out makes nothing longer. So laps may be looked for in which no mark is met
+twice.
+
+Source: Held and Karp, A dynamic programming approach to sequencing problems, 1962.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.planning.builtin.costs import UNREACHABLE_MS
+from companion.planning.charger import Charger
+from companion.planning.effort import ADDITION_US
+from companion.planning.energy.charging_costs import costs_at_least, service_costs
+from companion.planning.energy.sorties import WayTables
+from companion.slices import spent
+
+MOST_MARKS = 24
+MOST_SETS = 1_100_000
+"""Of a dock: all sets of twenty marks. With more, no table is made."""
+_FAR = 1 << 29
+"""No time or drain is as much; the sum of two of them fits into 32 bits."""
+_BATCH = 1 << 13
+"""Sets at once, so that a batch stays in the processor's cache."""
+
+Whole = NDArray[np.int32]
+Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class SortieTable:
+    """All sorties that a battery lasts for, (sorties,) each.
+
+    Attributes:
+        origins: docks, by their places.
+        ends: likewise.
+        sets: the marks that are met.
+        costs_ms: of charge and flight, at least.
+    """
+
+    origins: NDArray[np.int8]
+    ends: NDArray[np.int8]
+    sets: Whole
+    costs_ms: Numbers
+
+    def of(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> SortieTable:
+        """Some of them."""
+        return SortieTable(
+            self.origins[chosen], self.ends[chosen], self.sets[chosen], self.costs_ms[chosen]
+        )
+
+    def with_(self, others: SortieTable) -> SortieTable:
+        """These and others."""
+        return SortieTable(
+            np.concatenate((self.origins, others.origins)),
+            np.concatenate((self.ends, others.ends)),
+            np.concatenate((self.sets, others.sets)),
+            np.concatenate((self.costs_ms, others.costs_ms)),
+        )
+
+
+def sortie_table(
+    ways: WayTables, chargers: Mapping[int, Charger], marks: int
+) -> SortieTable | None:
+    """All sorties between some docks; None if there are too many, or a stop meets several marks.
+
+    Args:
+        ways: between all stops.
+        chargers: by stop.
+        marks: how many there are.
+    """
+    own = ways.marks[[s for s in range(len(ways.marks)) if s not in ways.docks]]
+    is_simple = all(mark.bit_count() == 1 for mark in own.tolist())
+    if marks > MOST_MARKS or not is_simple or ways.marks[list(ways.docks)].any():
+        return None
+    longest_ms = ways.quickest.times_ms[ways.quickest.times_ms < UNREACHABLE_MS].max(initial=0)
+    if longest_ms * (marks + 1) >= _FAR:
+        return None
+    parts = []
+    for origin in chargers:
+        if (found := _from(ways, chargers, marks, origin)) is None:
+            return None
+        parts += found
+    origins, ends, sets, costs_ms = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return SortieTable(origins, ends, sets, costs_ms)
+
+
+_Part = tuple[NDArray[np.int8], NDArray[np.int8], Whole, Numbers]
+
+
+def _from(
+    ways: WayTables, chargers: Mapping[int, Charger], marks: int, origin: int
+) -> list[_Part] | None:
+    """The sorties from a dock, by the dock to which they lead."""
+    docks, all_ = list(chargers), list(chargers.values())
+    i = docks.index(origin)
+    is_alike = all(np.array_equal(each.times_ms, all_[0].times_ms) for each in all_)
+    parts, count = [], 0
+    for sets, times_ms, drains in _layers(ways, chargers, marks, origin):
+        count += len(sets)
+        if count > MOST_SETS:
+            return None
+        for j, dock in enumerate(docks):
+            drain = drains[j].astype(np.int64)
+            if is_alike:
+                least = service_costs(all_[i], chargers[dock].floor + drain)
+            else:
+                least = costs_at_least(all_, i, j, drain)
+            is_open = (times_ms[j] < _FAR) & (drain < _FAR) & (least < UNREACHABLE_MS)
+            number = int(is_open.sum())
+            costs_ms = times_ms[j][is_open] + least[is_open]
+            ends = np.full(number, j, np.int8), sets[is_open], costs_ms
+            parts.append((np.full(number, i, np.int8), *ends))
+    return parts
+
+
+def _layers(
+    ways: WayTables, chargers: Mapping[int, Charger], marks: int, origin: int
+) -> Iterator[tuple[Whole, Whole, Whole]]:
+    """Sets of marks of one size after the other, with times and drains to each dock, (docks, sets).
+
+    Only such as the battery lasts for, to one of the docks.
+    """
+    docks = list(chargers)
+    targets = np.array([s for s in range(len(ways.marks)) if s not in ways.docks])
+    bits = ways.marks[targets].astype(np.int32)
+    tables = [_Legs(_whole(ways.quickest.times_ms), origin, targets, docks)]
+    tables.append(_Legs(_whole(_open_drains(ways)), origin, targets, docks))
+    floors = np.array([charger.floor for charger in chargers.values()])[:, None]
+    highest = chargers[origin].highest
+    nothing = [table.direct[:, None] for table in tables]
+    yield np.zeros(1, np.int32), nothing[0], nothing[1]
+    sets = np.unique(bits)
+    place = np.zeros(1 << marks, np.int32)
+    place[sets] = np.arange(len(sets))
+    best = [table.begun(place[bits], len(sets)) for table in tables]
+    while len(sets):
+        times_ms, drains = (table.to_docks(each) for table, each in zip(tables, best, strict=True))
+        lasts = np.flatnonzero((drains + floors <= highest).any(axis=0))
+        if len(lasts) < len(sets):
+            sets, best = sets[lasts], [each.take(lasts, axis=1) for each in best]
+        yield sets, times_ms.take(lasts, axis=1), drains.take(lasts, axis=1)
+        place[sets] = np.arange(len(sets))
+        larger = [sets[(sets & bit) == 0] | bit for bit in np.unique(bits)]
+        following = np.unique(np.concatenate(larger))
+        is_known = np.zeros(1 << marks, np.bool_)
+        is_known[sets] = True
+        best = [
+            table.longer(each, following, bits, place, is_known)
+            for table, each in zip(tables, best, strict=True)
+        ]
+        sets = following
+
+
+def _whole(table: Numbers) -> Whole:
+    return np.minimum(table, _FAR).astype(np.int32)
+
+
+def _open_drains(ways: WayTables) -> Numbers:
+    is_open = ways.thriftiest.times_ms < UNREACHABLE_MS
+    return np.where(is_open, ways.thriftiest.drains, _FAR)
+
+
+class _Legs:
+    """What legs take: of time, or of drain.
+
+    Attributes:
+        direct: (docks,) from the origin.
+    """
+
+    def __init__(self, table: Whole, origin: int, targets: NDArray[np.intp], docks: list[int]):
+        self._between = table[np.ix_(targets, targets)]
+        self._begin, self._back = table[origin, targets], table[targets[:, None], docks]
+        self.direct = table[origin, docks]
+
+    def begun(self, places: Whole, sets: int) -> Whole:
+        """(targets, sets) paths to each target alone."""
+        best = np.full((len(places), sets), _FAR, np.int32)
+        best[np.arange(len(places)), places] = self._begin
+        return best
+
+    def to_docks(self, best: Whole) -> Whole:
+        """(docks, sets) the best path on to each dock."""
+        return np.array(
+            [
+                (best + self._back[:, j, None]).min(axis=0, initial=_FAR)
+                for j in range(self._back.shape[1])
+            ]
+        )
+
+    def longer(
+        self,
+        best: Whole,
+        sets: Whole,
+        bits: Whole,
+        place: Whole,
+        is_known: NDArray[np.bool_],
+    ) -> Whole:
+        """(targets, sets) the best paths over larger sets, from those over smaller ones."""
+        found = np.full((len(bits), len(sets)), _FAR, np.int32)
+        for target, bit in enumerate(bits):
+            has = np.flatnonzero(sets & bit)
+            has = has[is_known[sets[has] ^ bit]]
+            spent(ADDITION_US * len(has) * len(bits) / 4)
+            before, leg = place[sets[has] ^ bit], self._between[:, target, None]
+            for at in range(0, len(has), _BATCH):
+                part = best.take(before[at : at + _BATCH], axis=1)
+                part += leg
+                found[target, has[at : at + _BATCH]] = part.min(axis=0, initial=_FAR)
+        return found
