@@ -3,7 +3,7 @@
 
 To a mission's own world come wind with gusts, noise of GPS and lidar, an old battery, a link that
 loses, answers of payloads that are lost, and moments that come earlier or later. After 200 s an
-operator calls the vehicle home, as many missions have no end.
+operator calls the vehicle home, thrice, as many missions have no end.
 
 Usage: .venv/bin/python scripts/rough_missions.py DIR [--rows N] [--seed S] [--only NAME ...]
 
@@ -32,7 +32,7 @@ LONG = {
     "night_watch": 0.5,
 }
 """The share of rows, against others, of missions that fly long."""
-CALLED_HOME_S = 200.0
+CALLED_HOME_S, CALLS = 200.0, 3
 LIMIT_S = 600.0
 ROUGH = {
     "wind.east_mps": [-4, 4],
@@ -66,7 +66,9 @@ def rough_world(mission: Path) -> dict[str, Any]:
     happens.append({"at_s": 0.5, "link": {"port": "companion", "loss": 0}})
     vary[f"happens.{len(happens)}.gps.noise_m"] = [0, 0.3]
     happens.append({"at_s": 0.5, "gps": {"noise_m": 0.1}})
-    happens.append({"at_s": CALLED_HOME_S, "operator": "MAV_CMD_NAV_RETURN_TO_LAUNCH"})
+    for again_s in range(CALLS):  # one may be lost on the link
+        at_s = CALLED_HOME_S + 2 * again_s
+        happens.append({"at_s": at_s, "operator": "MAV_CMD_NAV_RETURN_TO_LAUNCH"})
     return world | {"vary": vary}
 
 
