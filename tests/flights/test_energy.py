@@ -14,6 +14,7 @@ from companion.acting.behaviour_tree import landing
 from companion.acting.flight import TICK_S
 from companion.api.simulating import world_of
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned
+from companion.flight_events.energy import EnergyUsed
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import LapCompleted, NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted
@@ -191,6 +192,7 @@ def test_one_that_is_cut_off_in_a_lap_goes_on(away_s: float) -> None:
     flight.until_reported(ControlTakenBack)
     assert lowest(flight, 60.0) >= RESERVE
     assert charges(flight) >= 2 and not flight.of(NoPlanFound), text(flight)
+    assert all(each.used_wh < 2 * each.expected_wh for each in flight.of(EnergyUsed)), text(flight)
 
 
 def test_after_a_pilots_flight_it_reckons_with_what_is_left() -> None:

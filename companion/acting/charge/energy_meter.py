@@ -94,8 +94,8 @@ class EnergyMeter:
     def step(self) -> None:
         """One tick under a plan."""
         flight, state = self.flight, self.flight.vehicle.state
-        if state is None:
-            return
+        if state is None or (state.battery_percent is None and state.power_w is None):
+            return  # of a battery that is not heard yet, nothing was taken
         self.energy.middle()  # the gauge listens
         elapsed_s, self._now_s = flight.now_s - self._now_s, flight.now_s
         running = flight.task.running

@@ -29,7 +29,9 @@ class Stretch:
     def __init__(self, more: float, is_told: bool = True, ages: float = 1.0) -> None:
         self._power_w, self._ages, self.level = POWER_W * more, ages, 6000.0
         state = SimpleNamespace(
-            power_w=self._power_w if is_told else None, velocity=(0.0, 0.0, 0.0)
+            power_w=self._power_w if is_told else None,
+            battery_percent=50.0,
+            velocity=(0.0, 0.0, 0.0),
         )
         self.reports: list[Any] = []
         self.ahead = math.nan
