@@ -103,6 +103,7 @@ def run_drawing(folder: Path) -> Drawing:
         drawing = replace(
             drawing,
             start=start,
+            is_planned=plan is not None,
             prefix=tuple(route(mission, prefix)),
             loop=tuple(route(mission, loop)),
             safe=safe_places_of(mission),
