@@ -129,8 +129,10 @@ def misplaced(token: Token, before: str) -> tuple[str, str]:
     if name is not None and name[1] not in {operator.value for operator in TEMPORAL}:
         if token.type == "BOUND":
             return f"{name[1]}{token} is no fact", "write the name that it has under events alone"
-        what = f"a formula is made of facts, {name[1]} {token} is a number compared"
-        return what, "make an event of it, e.g. low: {when: BATTERY_STATUS.battery_remaining < 30}"
+        if not token.endswith(("s", "min")):
+            what = f"a formula is made of facts, {name[1]} {token} is a number compared"
+            hint = "make an event of it, e.g. low: {when: BATTERY_STATUS.battery_remaining < 30}"
+            return what, hint
     if token.type == "BOUND":
         return "a time bound stands after F only", _WRITE["BOUND"]
     return "a limit in time follows revisit(...) only", f"{_WRITE['LIMIT']}, or F[<=60s] at(A)"
