@@ -20,7 +20,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from companion.planning.energy.sortie_table import Numbers, SortieTable
 from companion.slices import spent
@@ -147,6 +146,8 @@ class _Programme:
 
     def prices(self) -> MarkPrices:
         """What the marks are worth."""
+        from scipy.optimize import linprog  # 20 MB, which a companion that waits need not have
+
         spent(_PRICES_US)
         columns, marks, docks = self._columns, self._marks, self._docks
         count = len(columns.sets)
