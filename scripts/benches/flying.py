@@ -166,12 +166,12 @@ def simulating(runs: int) -> Iterator[Row]:
 
 
 def hover(physics: Physics) -> None:
-    """Commands that nearly hold the vehicle; the peer reads its state as often as others do."""
+    """Commands that nearly hold the vehicle."""
     physics.follow((0.5, 0.5, 0.5, 0.5))
 
 
 def physics_speed(steps: int, control: Callable[[Physics], None] = hover) -> float:
-    """How many times real time the physics fly, and who reads each state; of CPU time."""
+    """How many times real time the physics fly, where each state is read; of CPU time."""
     physics = Physics(dt_s=DT_S, origin=PX4_HOME)
     start_s = process_time()
     for i in range(steps):

@@ -14,6 +14,8 @@ All of it is about the lines of the task that are never dropped.
 
 from __future__ import annotations
 
+import math
+
 from companion.acting.flight import Flight
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.plans import PlanAwaited
@@ -22,6 +24,8 @@ from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 
 THE_MAP = "the map"
+APART_S = 2.0
+"""Holds so far apart, with no search between them, are two waits; the second looks elsewhere."""
 BATTERY = frozenset({"BATTERY_STATUS", "SYS_STATUS"})
 """Messages whose events mean that the flight has to end."""
 
@@ -45,12 +49,12 @@ class Patience:
         self._positions = -1
         self._heading_rad = 0.0
         self._facing_s = 0.0
+        self._held_s = -math.inf
 
     def tell(self, failure: NoPlanError | SearchLimit) -> None:
-        """The vehicle begins to wait, and tells why; it looks where it does now."""
-        flight, why = self._flight, str(failure).splitlines()[0]
-        flight.report(PlanAwaited(why, round(self.left_s, 1), ", ".join(self.hopes)))
-        self._heading_rad, self._facing_s = flight.heading_rad, flight.now_s
+        """The vehicle begins to wait, and tells why."""
+        why = str(failure).splitlines()[0]
+        self._flight.report(PlanAwaited(why, round(self.left_s, 1), ", ".join(self.hopes)))
 
     def hold(self) -> None:
         """Holds for a tick; where the map may change, the vehicle looks to and fro.
@@ -58,11 +62,14 @@ class Patience:
         Beams of a range finder that stands still pass by most of a door 5 m away, and what they do
         not pass stays as it was seen last.
         """
-        if THE_MAP in self.hopes:
-            aside_rad = glance(self._flight.now_s - self._facing_s)
-            self._flight.hold(self._heading_rad + aside_rad)
-        else:
-            self._flight.hold()
+        flight = self._flight
+        if THE_MAP not in self.hopes:
+            flight.hold()
+            return
+        if flight.now_s - self._held_s > APART_S:
+            self._heading_rad, self._facing_s = flight.heading_rad, flight.now_s
+        self._held_s = flight.now_s
+        flight.hold(self._heading_rad + glance(flight.now_s - self._facing_s))
 
     def begin(self, failure: NoPlanError | SearchLimit) -> None:
         """There is no plan, or still none; why."""
