@@ -31,7 +31,7 @@ from sitl.flight.local_frame import LocalFrame
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.autopilot_component import AutopilotComponent
-from sitl.link.autopilot_link import AUTOPILOT, Outgoing
+from sitl.link.autopilot_link import AUTOPILOT, IsRead, Outgoing
 from sitl.link.component_sender import PackedMessage
 from sitl.link.disturbance import Disturbance
 from sitl.link.on_board import components_on_board
@@ -59,6 +59,7 @@ class Simulation:
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
         signing: with a key, as PX4 on all links; None for links without signatures.
+        is_read: whether somebody reads a streamed message, asked each time; without `signing` only.
 
     Attributes:
         event_log: time and text of each event of the scenario so far.
@@ -73,8 +74,9 @@ class Simulation:
         instance: int = 0,
         links: frozenset[LinkName] = ALL_LINKS,
         signing: Signing | None = None,
+        is_read: IsRead = lambda _: True,
     ) -> None:
-        self._signing = signing
+        self._signing, self._is_read = signing, is_read
         self._system = system = 1 + instance
         self._airframe = airframe = AIRFRAMES[scenario.airframe]
         self._physics = _physics(scenario, airframe, seed)
@@ -191,7 +193,7 @@ class Simulation:
             datagrams: with the link on which each arrived.
 
         Returns:
-            Frames to send, in order, each with its link.
+            Frames to send, in order, each with its link; `UNREAD` for one that nobody reads.
         """
         out: Outgoing = []
         arrived = self._arriving.step(now_s, datagrams)
@@ -225,6 +227,7 @@ class Simulation:
             self._router,
             self._world.answers,
             self._refusals,
+            self._is_read,
         )
 
     def _reboot(self, reboot: Reboot) -> None:

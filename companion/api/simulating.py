@@ -122,7 +122,8 @@ def flight_of(
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder else None, is_lockstep=True)) as functions,
     ):
-        made = lockstep(mission, world, recorder, seed=seed, limit=limit, functions=functions)
+        about, keeps = (mission, world, recorder), folder is not None
+        made = lockstep(*about, seed=seed, limit=limit, functions=functions, keeps_packets=keeps)
         yield made, recorder
 
 
@@ -137,6 +138,7 @@ def lockstep(
     limit: FlightLimit = NO_LIMIT,
     engine: Engine | None = None,
     functions: FunctionPort | None = None,
+    keeps_packets: bool = True,
 ) -> LockstepFlight:
     """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
 
@@ -150,6 +152,8 @@ def lockstep(
         limit: after what the vehicle is called home.
         engine: who plans; None for the built-in search.
         functions: calls functions of installed packages; its owner closes it.
+        keeps_packets: whether the recorder does; else what the companion does not read is not
+            packed. The flight is the same.
     """
     from sitl.harness import LockstepFlight
     from sitl.link.routing import LinkName
@@ -160,7 +164,14 @@ def lockstep(
         mission, recorder, page=page, limit=limit, engine=engine, functions=functions
     )
     links = frozenset({LinkName.OFFBOARD})
-    simulation = Simulation(scenario, grid, seed=seed, instance=instance, links=links)
+    simulation = Simulation(
+        scenario,
+        grid,
+        seed=seed,
+        instance=instance,
+        links=links,
+        is_read=lambda message_id: keeps_packets or companion.reads(message_id),
+    )
     return LockstepFlight(companion, simulation)
 
 

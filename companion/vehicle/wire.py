@@ -60,6 +60,10 @@ class Wire:
         self._continual = _ids(continual)
         self._telling = _ids(telling)
 
+    def reads(self, message_id: int) -> bool:
+        """Whether somebody reads a message."""
+        return message_id in self._wanted
+
     def parse(self, datagrams: list[bytes]) -> list[Message]:
         """The messages of a tick, in order, from whomever and for whomever."""
         frames = choose(datagrams, self._wanted, self._continual)

@@ -20,7 +20,7 @@ from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
 from companion.acting.journal import Journal, NoJournal
-from companion.api.simulating import lockstep, world_of
+from companion.api.simulating import flight_of, lockstep, world_of
 from companion.flight_events.event import Stamped
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
@@ -52,7 +52,6 @@ ALL = sys.maxsize  # cells
 class Flight:
     """A recorder that keeps what the other rows need of a flight."""
 
-    end_s: float = 0.0
     datagrams: list[bytes] = field(default_factory=list)
     journal: Journal = field(default_factory=NoJournal)
     name: str = ""
@@ -68,7 +67,6 @@ class Flight:
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Keeps the datagrams of both directions."""
-        self.end_s = now_s
         self.datagrams += datagrams
 
 
@@ -183,22 +181,23 @@ def physics_speed(steps: int, control: Callable[[Physics], None] = hover) -> flo
 
 
 def flying(runs: int) -> Iterator[Row]:
-    """The whole mission in lockstep, planning included; the peer is the physics alone.
+    """The whole mission in lockstep as a campaign flies it; the peer is the physics alone.
 
-    Then MAVLink, on the autopilot's frames of that flight.
+    Then MAVLink, on the autopilot's frames of such a flight.
     """
-    speeds, seen = [], Flight()
+    mission, speeds, steps = load_mission(MISSION), [], 0
     for _ in range(max(1, runs // 10)):
-        mission = load_mission(MISSION)
-        seen = Flight()
-        flight = lockstep(mission, world_of(mission), seen)
-        start_s = process_time()
-        flight.fly()
-        speeds.append(seen.end_s / (process_time() - start_s))
+        with flight_of(mission, world_of(mission)) as (flight, _):
+            start_s = process_time()
+            flight.fly()
+            speeds.append(flight.now_s / (process_time() - start_s))
         if flight.companion.failure is not None:
             raise flight.companion.failure
+        steps = round(flight.now_s / DT_S)
     about = "simulator and companion in lockstep", median(speeds), "x real time"
-    yield Row(*about, "physics alone", physics_speed(round(seen.end_s / DT_S)))
+    yield Row(*about, "physics alone", physics_speed(steps))
+    seen = Flight()
+    lockstep(mission, world_of(mission), seen).fly()
     frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
     yield from signed([f for f in frames if f[6] == AUTOPILOT], runs)

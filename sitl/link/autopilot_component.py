@@ -18,7 +18,7 @@ from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES
 from sitl.autopilot.situation import heading
 from sitl.link import parameters, setpoints
-from sitl.link.autopilot_link import AUTOPILOT, AutopilotLink, Outgoing
+from sitl.link.autopilot_link import AUTOPILOT, AutopilotLink, IsRead, Outgoing
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.events import EventService
 from sitl.link.messages import compose
@@ -45,6 +45,7 @@ class AutopilotComponent:
         router: knows where a ground station listens.
         answers: how a MAV_CMD is taken, other than it would be; read with every command.
         refusals: reasons of the scenario for which arming is refused.
+        is_read: of the streams.
     """
 
     def __init__(
@@ -55,6 +56,7 @@ class AutopilotComponent:
         router: Router,
         answers: Mapping[int, Answer],
         refusals: Iterable[str],
+        is_read: IsRead,
     ) -> None:
         self.address = (system, AUTOPILOT)
         self._vehicle = vehicle
@@ -64,7 +66,7 @@ class AutopilotComponent:
         self._out: Outgoing = []
         self._events = EventService(refusals)
         self._links = {
-            name: AutopilotLink(name, system, vehicle, self._events, self._out)
+            name: AutopilotLink(name, system, vehicle, self._events, self._out, is_read)
             for name in LinkName
             if name in links
         }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import MavlinkCodec, Message, dialect
 from sitl.link.events import EventService
@@ -15,6 +17,10 @@ from sitl.link.vehicle import SimulatedVehicle
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
 ORIGIN_S = 1.0  # how often it is looked whether the origin has changed
 Outgoing = list[tuple[LinkName, bytes]]
+IsRead = Callable[[int], bool]
+"""Whether somebody reads a streamed message, by its id."""
+UNREAD = b""
+"""In the place of a frame that nobody reads: it has its number, and meets what others meet."""
 
 
 class AutopilotLink:
@@ -26,6 +32,7 @@ class AutopilotLink:
         vehicle: the owner keeps `vehicle.state` current.
         events: shared by all links.
         out: where frames are put, in order.
+        is_read: of the streams; what is not read is not packed.
 
     Attributes:
         files: what the link reads by FTP.
@@ -42,12 +49,14 @@ class AutopilotLink:
         vehicle: SimulatedVehicle,
         events: EventService,
         out: Outgoing,
+        is_read: IsRead,
     ) -> None:
         self.name = name
         self.files = FileServer(events.files)
         self._events = events
         self.vehicle = vehicle
         self._out = out
+        self._is_read = is_read
         self.streams = Streams(name, vehicle.state.time_s)
         self.next_step: list[Message] = []
         self.listing: list[str] = []
@@ -75,8 +84,12 @@ class AutopilotLink:
         self._out.append((self.name, self._codec.pack(message)))
 
     def stream(self, name: str) -> None:
-        """Packs a message of the telemetry for this link."""
-        frame = self._codec.frame(MESSAGE_CLASSES[name], MESSAGES[name](self.vehicle))
+        """Packs a message of the telemetry for this link, if somebody reads it."""
+        kind, frame = MESSAGE_CLASSES[name], UNREAD
+        if self._is_read(kind.id):
+            frame = self._codec.frame(kind, MESSAGES[name](self.vehicle))
+        else:
+            self._codec.skip()
         self._out.append((self.name, frame))
 
     def send_if(self, message: Message | None) -> None:

@@ -1,18 +1,20 @@
 """What clients ask of the autopilot besides flying: streams, parameters, requests, forwarding."""
 
 import struct
+from collections.abc import Callable
 from random import Random
 
 import pytest
 from wire import Wire, companion_heartbeat, gcs_heartbeat
 
-from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.mavlink.framing import MavlinkCodec, dialect, message_id
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import PARAMETERS, Parameters
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import Physics
 from sitl.flight.sensors import Sensors
+from sitl.link.autopilot_link import UNREAD
 from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose
 from sitl.link.routing import LinkName
 from sitl.link.vehicle import SimulatedVehicle
@@ -284,6 +286,17 @@ def test_equal_inputs_give_equal_bytes() -> None:
 def test_links_without_a_peer_get_nothing() -> None:
     simulation = Simulation(Scenario(), None, seed=0, links=frozenset({LinkName.OFFBOARD}))
     assert {link for link, _ in simulation.step(1.0, [])} == {LinkName.OFFBOARD}
+
+
+def test_what_nobody_reads_is_not_packed_and_leaves_the_rest_as_it_is() -> None:
+    def leaving(is_read: Callable[[int], bool]) -> list[tuple[LinkName, bytes]]:
+        return Simulation(Scenario(), None, seed=0, is_read=is_read).step(1.0, [])
+
+    unread = {dialect.MAVLINK_MSG_ID_ATTITUDE, dialect.MAVLINK_MSG_ID_ODOMETRY}
+    everything = leaving(lambda _: True)
+    kept = [(link, UNREAD if message_id(f) in unread else f) for link, f in everything]
+    assert kept != everything
+    assert leaving(lambda number: number not in unread) == kept
 
 
 def test_a_file_that_is_not_there_is_refused_at_once_and_to_whom_asked() -> None:
