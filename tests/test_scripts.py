@@ -170,7 +170,7 @@ ALONE = "alone and not long"
 AT_ONCE = "--numprocesses 4 --dist worksteal"
 NOT_READ = "--ignore tests/flights --ignore tests/browser --ignore tests/properties"
 """Folders without a fast test, which take seconds to import."""
-FAST = "not flight and not slow and not alone and not sockets and not long"
+FAST = "not flight and not slow and not sockets and not long"
 
 
 @pytest.mark.parametrize(
@@ -180,9 +180,8 @@ FAST = "not flight and not slow and not alone and not sockets and not long"
             [],
             [
                 *LINT,
-                f"{ALL_CORES}not alone and not sockets and not long and not soak",
+                f"{ALL_CORES}not sockets and not long and not soak",
                 *CHECKS,  # begun before, told when both have ended
-                "pytest --quiet -m alone and not sockets and not long tests/unit/test_b.py",
             ],
         ),
         (
@@ -200,10 +199,9 @@ FAST = "not flight and not slow and not alone and not sockets and not long"
 def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: list[str]) -> None:
     """As `scripts/test --fast`, and without it."""
     provide(clone, PYTHON)
-    (clone / "tests" / "unit").mkdir(parents=True)
+    (clone / "tests").mkdir()
     (clone / "tests" / "test_a.py").write_text("pytestmark = pytest.mark.sockets", "utf-8")
-    (clone / "tests" / "unit" / "test_b.py").write_text("@pytest.mark.alone\n", "utf-8")
-    (clone / "tests" / "test_c.py").write_text("", "utf-8")
+    (clone / "tests" / "test_b.py").write_text("", "utf-8")
     process = start(clone, *arguments, script="test")
     out, err = process.communicate(timeout=60)
     assert process.returncode == 0, err

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from lockstep import Air, Lockstep, World, clear
+from short_hall import short_hall
 
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
@@ -40,8 +41,9 @@ def shipped(name: str) -> Mission:
 
 
 def world(name: str, *faults: dict[str, Any]) -> World:
-    """The world of a shipped mission, where faults happen as well: entries of `happens`."""
-    scenario, grid = read_scenario(MISSIONS / f"{name}.sim.yaml")
+    """The world of a shipped mission, the short hall for surveillance, with faults: `happens`."""
+    read = short_hall() if name == "surveillance" else read_scenario(MISSIONS / f"{name}.sim.yaml")
+    scenario, grid = read
     added, _ = read_scenario({"version": 1, "happens": [*faults]})
     return replace(scenario, events=(*added.events, *scenario.events)), grid
 

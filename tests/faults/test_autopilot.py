@@ -26,7 +26,7 @@ CHARGED_S = 110.0
 """After the first recharge of the patrol."""
 SURVEILLANCE, PATROL = "surveillance", "persistent_patrol"
 TOLD_WITHIN_S = 3.0
-TASK_S, LANDING_S = 5.0, 60.0
+TASK_S, LANDING_S = 5.0, 40.0
 """Within these times the surveillance mission flies its task."""
 ROOM = mission("F (at(A) & F (at(B) & F (at(C) & F at(H))))", "HABC")
 

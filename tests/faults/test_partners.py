@@ -38,7 +38,7 @@ def test_a_ground_station_that_is_gone_changes_nothing(away_s: float) -> None:
     assert bool(heard_again) is (8.0 + away_s < flight.now_s)
 
 
-@pytest.mark.parametrize("at_s", sweep((6.0, 10.0, 22.0, 45.0), few=lambda at_s: at_s == 10.0))
+@pytest.mark.parametrize("at_s", sweep((6.0, 10.0, 22.0, 30.0), few=lambda at_s: at_s == 10.0))
 def test_without_satellites_the_autopilot_has_the_vehicle(at_s: float) -> None:
     """Once its estimate is bad; then nothing is sent, also when they are back."""
     lost, back = ({"at_s": t, "gps": {"lost": t == at_s}} for t in (at_s, at_s + 12.0))
@@ -52,7 +52,7 @@ def test_without_satellites_the_autopilot_has_the_vehicle(at_s: float) -> None:
     assert max(sent) <= taken_s
 
 
-@pytest.mark.parametrize("at_s", sweep((8.0, 10.0, 22.0, 45.0), few=lambda at_s: at_s == 10.0))
+@pytest.mark.parametrize("at_s", sweep((8.0, 10.0, 22.0, 30.0), few=lambda at_s: at_s == 10.0))
 @pytest.mark.parametrize("noise_m", [0.0, 0.25])
 def test_without_satellites_nothing_moves_a_second_after_the_bound(
     at_s: float, noise_m: float

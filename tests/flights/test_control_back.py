@@ -117,10 +117,10 @@ def in_flight(mission: Mission, world: World, seed: int, begin_s: float) -> tupl
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("keys", KEYS.values(), ids=KEYS)
 def test_control_is_back_five_seconds_after_the_later_key(
-    surveillance: Mission, hall: World, keys: Keys, seed: int
+    surveillance: Mission, short_hall: World, keys: Keys, seed: int
 ) -> None:
     chance = Random(seed)
-    flight, air = in_flight(surveillance, hall, seed, chance.uniform(0.0, 15.0))
+    flight, air = in_flight(surveillance, short_hall, seed, chance.uniform(0.0, 15.0))
     turned_s = keys(flight, air, chance)
     assert flight.simulation.mode == HOLD
     flight.until(lambda: flight.simulation.mode == OURS, 20.0).tick()
@@ -128,9 +128,11 @@ def test_control_is_back_five_seconds_after_the_later_key(
     assert flight.armings == 1
 
 
-def test_and_so_it_is_after_a_kill_in_the_take_off(surveillance: Mission, hall: World) -> None:
+def test_and_so_it_is_after_a_kill_in_the_take_off(
+    surveillance: Mission, short_hall: World
+) -> None:
     """The autopilot climbs to its end and holds; an operator is asked."""
-    flight = Lockstep(surveillance, hall, has_station=True, resumes=True)
+    flight = Lockstep(surveillance, short_hall, has_station=True, resumes=True)
     flight.until_reported(PhaseEntered, phase=Phase.TAKE_OFF).run(1.0)
     restarted(flight, 1.0)
     flight.until(lambda: flight.simulation.mode == HOLD, 20.0)

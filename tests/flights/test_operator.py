@@ -19,7 +19,7 @@ from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import MissionEventChanged
-from companion.flight_events.plans import LapCompleted, PlanMade, PlanReplaced
+from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import (
     AutopilotSaid,
@@ -123,14 +123,14 @@ class Operated(Lockstep):
 
 
 @pytest.fixture
-def flight(surveillance: Mission, hall: World) -> Operated:
+def flight(surveillance: Mission, short_hall: World) -> Operated:
     """The mission of today: it is flown at once, and the program ends with it."""
-    return Operated(surveillance, hall)
+    return Operated(surveillance, short_hall)
 
 
 @pytest.fixture
-def hosted(surveillance: Mission, hall: World) -> Operated:
-    return Operated(surveillance, hall, is_hosted=True)
+def hosted(surveillance: Mission, short_hall: World) -> Operated:
+    return Operated(surveillance, short_hall, is_hosted=True)
 
 
 def on_the_way_to_b(flight: Operated) -> Operated:
@@ -192,8 +192,7 @@ def test_a_pause_is_refused_with_a_reason_while_it_takes_off(flight: Operated) -
 
 
 def test_an_event_during_a_pause_is_not_lost(flight: Operated) -> None:
-    """The target is seen from near B, where the vehicle is paused."""
-    flight.until_reported(LapCompleted, lap=1)
+    """The target is seen on the way to B, where the vehicle is paused."""
     flight.until_reported(MissionEventChanged, event="targetFound")
     assert flight.ask(PAUSE, 0) == ACCEPTED
     flight.run(3.0)
@@ -390,9 +389,9 @@ def test_a_speed_limit_that_was_set_in_flight_is_kept(flight: Operated) -> None:
     flight.until_reported(PlaceReached, place="A").run(0.2)
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.8, 9)
     flight.station_says(slow)
-    flight.until_reported(PlaceReached, place="B")
+    flight.until_reported(PlaceReached, place="r1")
     since_s = flight.now_s
-    flight.until_reported(PlaceReached, place="C")
+    flight.until_reported(PlaceReached, place="r2")
     speeds = [
         math.hypot(s.message.vx, s.message.vy) for s in flight.setpoints if s.time_s > since_s
     ]

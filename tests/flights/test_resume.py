@@ -45,8 +45,8 @@ QUESTIONS = (dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAV_CMD_RUN_PREARM_CHECKS)
 
 
 @pytest.fixture
-def flight(surveillance: Mission, hall: World) -> Lockstep:
-    return Lockstep(surveillance, hall, has_station=True, resumes=True)
+def flight(surveillance: Mission, short_hall: World) -> Lockstep:
+    return Lockstep(surveillance, short_hall, has_station=True, resumes=True)
 
 
 def under_way(flight: Lockstep) -> Lockstep:
@@ -217,13 +217,13 @@ def test_a_flight_home_goes_on(flight: Lockstep) -> None:
 
 @pytest.mark.parametrize("is_repeatable", [False, True])
 def test_what_may_have_been_done_is_not_done_again_unless_it_may_be(
-    surveillance: Mission, hall: World, is_repeatable: bool
+    surveillance: Mission, short_hall: World, is_repeatable: bool
 ) -> None:
     """Killed in the tick in which the command leaves."""
     skills = dict(surveillance.skills)
     skills["upload"] = replace(skills["upload"], is_repeatable=is_repeatable)
     mission = replace(surveillance, skills=skills)
-    flight = Lockstep(mission, hall, has_station=True, resumes=True)
+    flight = Lockstep(mission, short_hall, has_station=True, resumes=True)
     flight.until(lambda: any(isinstance(e, CommandIntended) for _, e in flight.journal.entries))
     cut_off(flight)
     flight.until_the_end()

@@ -58,18 +58,18 @@ Start = Callable[..., Lockstep]
 
 
 @pytest.fixture
-def start(surveillance: Mission, hall: World) -> Start:
+def start(surveillance: Mission, short_hall: World) -> Start:
     """A flight of the surveillance mission that has not begun yet."""
 
-    def begin(world: World = hall, **options: object) -> Lockstep:
+    def begin(world: World = short_hall, **options: object) -> Lockstep:
         return Lockstep(surveillance, world, **options)  # type: ignore[arg-type]
 
     return begin
 
 
 @pytest.fixture(scope="module")
-def undisturbed(surveillance: Mission, hall: World) -> Lockstep:
-    return Lockstep(surveillance, hall).until_the_end()
+def undisturbed(surveillance: Mission, short_hall: World) -> Lockstep:
+    return Lockstep(surveillance, short_hall).until_the_end()
 
 
 def on_the_way_to_b(flight: Lockstep) -> Lockstep:
@@ -279,9 +279,9 @@ def test_loss_changes_no_action(seed: int, start: Start, undisturbed: Lockstep) 
 
 @pytest.mark.parametrize("tells_progress", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_payload_that_needs_twelve_of_fifteen_seconds_is_asked_once(
-    start: Start, hall: World, tells_progress: bool
+    start: Start, short_hall: World, tells_progress: bool
 ) -> None:
-    scenario, grid = hall
+    scenario, grid = short_hall
     assert scenario.payload is not None
     slow = PayloadAnswer(MavResult.ACCEPTED, 12.0, tells_progress=tells_progress)
     everywhere = PayloadSite((0.0, 0.0), 100.0, slow)
@@ -410,9 +410,9 @@ def test_a_stop_before_the_task(phase: Phase, climbs: bool, start: Start) -> Non
 # -- the vehicle before the flight -----------------------------------------------------------------
 
 
-def test_a_vehicle_that_may_not_arm_says_why(start: Start, hall: World) -> None:
+def test_a_vehicle_that_may_not_arm_says_why(start: Start, short_hall: World) -> None:
     """The battery is empty; STATUSTEXT and the report of the arming checks say so, once."""
-    scenario, grid = hall
+    scenario, grid = short_hall
     empty = replace(scenario, battery=replace(scenario.battery, charge=0.05))
     flight = start((empty, grid), has_station=True).until_the_end()
     assert flight.ending == aborted("not armed: temporarily rejected (autopilot: low battery)")
@@ -420,8 +420,8 @@ def test_a_vehicle_that_may_not_arm_says_why(start: Start, hall: World) -> None:
     assert flight.armings == 0
 
 
-def test_weak_failsafes_are_not_flown_with(start: Start, hall: World) -> None:
-    scenario, grid = hall
+def test_weak_failsafes_are_not_flown_with(start: Start, short_hall: World) -> None:
+    scenario, grid = short_hall
     weak = replace(scenario, parameters={"COM_OBL_RC_ACT": 0, "COM_OF_LOSS_T": 5.0})
     flight = start((weak, grid)).until_the_end()
     ended = flight.one(RunFailed, exit_code=Aborted.exit_code)
@@ -430,9 +430,11 @@ def test_weak_failsafes_are_not_flown_with(start: Start, hall: World) -> None:
     assert flight.commands == [] and flight.setpoints == []
 
 
-def test_a_return_above_the_missions_ceiling_is_not_flown_with(start: Start, hall: World) -> None:
+def test_a_return_above_the_missions_ceiling_is_not_flown_with(
+    start: Start, short_hall: World
+) -> None:
     """The hall's is 4 m; PX4's return climbs to 30 m unless RTL_RETURN_ALT is set."""
-    scenario, grid = hall
+    scenario, grid = short_hall
     high = replace(scenario, parameters={"COM_OBL_RC_ACT": 3})
     flight = start((high, grid)).until_the_end()
     ended = flight.one(RunFailed, exit_code=Aborted.exit_code)
@@ -460,8 +462,10 @@ def test_a_vehicle_that_is_armed_already_is_left_alone(start: Start) -> None:
 # -- the task cannot be done -----------------------------------------------------------------------
 
 
-def test_without_any_upload_site_it_returns_home_and_says_why(start: Start, hall: World) -> None:
-    scenario, grid = hall
+def test_without_any_upload_site_it_returns_home_and_says_why(
+    start: Start, short_hall: World
+) -> None:
+    scenario, grid = short_hall
     assert scenario.payload is not None
     payload = replace(scenario.payload, sites=(), otherwise=MavResult.DENIED)
     flight = start((replace(scenario, payload=payload), grid)).until_the_end()

@@ -66,18 +66,18 @@ Fly = Callable[..., Lockstep]
 
 
 @pytest.fixture(scope="module")
-def undisturbed(surveillance: Mission, hall: World) -> Lockstep:
-    return Lockstep(surveillance, hall).until_the_end()
+def undisturbed(surveillance: Mission, short_hall: World) -> Lockstep:
+    return Lockstep(surveillance, short_hall).until_the_end()
 
 
 def test_a_flight_with_keys_is_the_flight_without(
-    surveillance: Mission, hall: World, undisturbed: Lockstep
+    surveillance: Mission, short_hall: World, undisturbed: Lockstep
 ) -> None:
     """The attacker on the link is refused each time, and changes no event."""
     companion = Signing(KEY, NOW_S, of_signed_vehicle)
     vehicle = Signing(KEY, NOW_S)
     attacker = Attacker(companion)
-    flight = Lockstep(surveillance, hall, up=attacker, down=companion.send, vehicle=vehicle)
+    flight = Lockstep(surveillance, short_hall, up=attacker, down=companion.send, vehicle=vehicle)
     flight.until_the_end()
     assert flight.exit_code == 0
     assert flight.events == undisturbed.events
@@ -89,15 +89,17 @@ def test_a_flight_with_keys_is_the_flight_without(
     ("may_be_unsigned", "is_heard"), [(of_signed_vehicle, False), (of_unsigned_vehicle, True)]
 )
 def test_an_unsigned_autopilot_is_heard_where_that_is_said(
-    surveillance: Mission, hall: World, may_be_unsigned: MayBeUnsigned, is_heard: bool
+    surveillance: Mission, short_hall: World, may_be_unsigned: MayBeUnsigned, is_heard: bool
 ) -> None:
     companion = Signing(KEY, NOW_S, may_be_unsigned)
-    flight = Lockstep(surveillance, hall, up=companion.receive, down=companion.send)
+    flight = Lockstep(surveillance, short_hall, up=companion.receive, down=companion.send)
     flight.run(8.0)
     assert bool(flight.said) is is_heard
 
 
-def test_beside_an_unsigned_autopilot_operators_sign(surveillance: Mission, hall: World) -> None:
+def test_beside_an_unsigned_autopilot_operators_sign(
+    surveillance: Mission, short_hall: World
+) -> None:
     """An unsigned command gets no answer; a signed one is done."""
     companion, station = Signing(KEY, NOW_S, of_unsigned_vehicle), Signing(KEY, NOW_S)
     operator, heard = MavlinkCodec(255, 190), list[bytes]()
@@ -107,7 +109,7 @@ def test_beside_an_unsigned_autopilot_operators_sign(surveillance: Mission, hall
         heard.clear()
         return arrived
 
-    flight = Lockstep(surveillance, hall, up=up, down=companion.send)
+    flight = Lockstep(surveillance, short_hall, up=up, down=companion.send)
     flight.until_reported(PlaceReached, place="A")
     pause = operator.pack(dialect.MAVLink_command_long_message(1, 191, 193, 0, *(0.0,) * 7))
     heard.append(pause)

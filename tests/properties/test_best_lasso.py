@@ -293,7 +293,6 @@ def seconds_and_solutions(asked: Problem) -> tuple[list[float], list[Solution]]:
     return times, found
 
 
-@pytest.mark.alone
 def test_laps_over_up_to_10_sites_are_the_shortest_on_100_maps() -> None:
     taken_s = []
     for seed in range(100):
@@ -307,7 +306,6 @@ def test_laps_over_up_to_10_sites_are_the_shortest_on_100_maps() -> None:
     assert statistics.median(taken_s) < 3 * 0.1
 
 
-@pytest.mark.alone
 def test_laps_over_17_sites_are_the_shortest() -> None:
     taken_s = []
     for seed in range(3):
@@ -319,7 +317,6 @@ def test_laps_over_17_sites_are_the_shortest() -> None:
     assert statistics.median(taken_s) < 3 * 0.5
 
 
-@pytest.mark.alone
 def test_over_50_sites_a_plan_comes_at_once_and_a_good_one_soon() -> None:
     first_s, last_s = [], []
     for seed in range(0, 10, 2):

@@ -85,7 +85,7 @@ with_large = pytest.mark.parametrize(
 )
 
 
-@pytest.mark.alone
+@pytest.mark.slow
 @with_large
 @pytest.mark.parametrize("group", ["dac", "eh", "sb", "mission", "mission-combo"])
 def test_no_group_has_more_states_than_with_spot(group: str, with_large: bool) -> None:
@@ -97,13 +97,13 @@ def test_no_group_has_more_states_than_with_spot(group: str, with_large: bool) -
         assert total <= peer, (total, peer)
 
 
-@pytest.mark.alone
+@pytest.mark.slow
 @with_large
 def test_no_formula_has_more_states_than_with_ltl2ba(with_large: bool) -> None:
     assert not [e for e in entries(with_large) if e.ltl2ba is not None and e.by_states > e.ltl2ba]
 
 
-@pytest.mark.alone
+@pytest.mark.slow
 @with_large
 def test_no_formula_takes_long(with_large: bool) -> None:
     """Half of them 20 ms, 19 of 20 half a second, of the machine in `yardstick.py`."""
@@ -152,7 +152,7 @@ def test_ten_exclusive_places_in_one_automaton() -> None:
     assert state_based(translate(parse(paper(10)), exclusive=places)).states <= 2100
 
 
-@pytest.mark.alone
+@pytest.mark.slow
 def test_fifty_sites_as_conjuncts_in_a_second() -> None:
     watch = Stopwatch()
     automata = [translate(part) for part in conjuncts(parse(paper(50)))]
