@@ -114,8 +114,7 @@ class MissionError(CompanionError):
     @property
     def each(self) -> list[MissionError]:
         """This one alone, and then the others."""
-        alone = MissionError(self.what, self.where, self.hint) if self._others else self
-        return [alone, *self._others]
+        return [self.beside(()) if self._others else self, *self._others]
 
     def beside(self, others: Sequence[MissionError]) -> MissionError:
         """The same, told with what else is wrong."""
@@ -135,6 +134,7 @@ class FormulaError(MissionError):
         length: characters to underline.
         hint: what was expected, or which name was perhaps meant.
         where: the place of the token in a file or in data, once the caller knows it.
+        others: what else is wrong, as in MissionError.
     """
 
     def __init__(
@@ -145,6 +145,7 @@ class FormulaError(MissionError):
         length: int = 1,
         hint: str = "",
         where: Location | KeyPath | None = None,
+        others: Sequence[MissionError] = (),
     ) -> None:
         self.text = text
         self.offset = offset
@@ -163,7 +164,13 @@ class FormulaError(MissionError):
         at, line = len(shown), printable(line)
         width += len(printable(token)) - len(token)
         caret = " " * at + "^" * width
-        super().__init__(what, where, "\n".join(filter(None, [line, f"{caret}  {hint}".rstrip()])))
+        shown = "\n".join(filter(None, [line, f"{caret}  {hint}".rstrip()]))
+        super().__init__(what, where, shown, others)
+
+    def beside(self, others: Sequence[MissionError]) -> FormulaError:
+        """The same, told with what else is wrong."""
+        about = self.what, self.text, self.offset, self.length, self.advice, self.where
+        return FormulaError(*about, others)
 
     def located(self, where: Location | KeyPath) -> FormulaError:
         """The same error, placed in a file."""

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 from commands import Companion
-from mistakes import ALARMED, FIELD, IN_WORDS, MISSIONS, WORLD, WORLDS, Mistake
+from mistakes import FIELD, IN_WORDS, MISSIONS, WORLD, WORLDS, Mistake
+from several_mistakes import TOGETHER, WORLDS_TOGETHER
 
 from companion import load_mission
 from companion.errors import MissionError
@@ -47,6 +48,7 @@ def test_the_answer_names_the_place_and_a_remedy(
     with pytest.raises(MissionError) as error:
         load_mission(tmp_path / "first.yaml")
     check(str(error.value), text, mistake, tmp_path / "first.yaml")
+    assert len(error.value.each) == 1  # and nothing that follows from it
 
 
 @pytest.mark.parametrize("name", WORLDS)
@@ -126,38 +128,29 @@ def told_in(error: MissionError, folder: Path) -> list[str]:
     return [re.sub(r"^.*?:\d+:\d+: ", "", line) for line in lines]
 
 
-def test_all_that_is_wrong_with_the_keys_is_told_at_once(tmp_path: Path) -> None:
-    text = FIELD.replace("speed_mps: 5", "speed_mps: fast").replace("tries: 2", "trys: 2")
-    text = text.replace("A: {east_m", "A: {east", 1).replace("version: 1\n", "")
-    (tmp_path / "first.yaml").write_text(text)
-    with pytest.raises(MissionError) as error:
-        load_mission(tmp_path / "first.yaml")
-    assert told_in(error.value, tmp_path) == [
-        "unknown key 'east' in places.A",
-        "unknown key 'trys' in skills.shoot",
-        "the key version is missing",
-        "speed_mps is 'fast', expected a number",
-    ]
+def with_mistakes(right: str, changes: dict[str, str], path: Path) -> None:
+    for had, has in changes.items():
+        assert had in right, had
+        right = right.replace(had, has, 1)
+    path.write_text(right, encoding="utf-8")
 
 
-def test_so_is_what_else_can_be_looked_at_by_itself(tmp_path: Path) -> None:
-    """Places, events and skills together, and then all lines of the task."""
-    text = ALARMED.replace("A: {east_m: 40", "A: {east_m: 400").replace("fly(to)", "goto(to)")
-    text = text.replace("wait(5)", "wait(5s)").replace("EVENT[alarm] > 0", "EVENT[alarm] = 0")
-    (tmp_path / "first.yaml").write_text(text)
+@pytest.mark.parametrize(("right", "changes", "told"), TOGETHER.values(), ids=TOGETHER)
+def test_one_run_tells_all_mistakes_of_a_mission_and_no_others(
+    right: str, changes: dict[str, str], told: list[str], tmp_path: Path
+) -> None:
+    with_mistakes(right, changes, tmp_path / "first.yaml")
     with pytest.raises(MissionError) as error:
         load_mission(tmp_path / "first.yaml")
-    assert told_in(error.value, tmp_path) == [
-        "place A is far outside the fence",
-        "not a condition",
-        "unknown primitive goto",
-        "5s is not a number",
-    ]
-    text = ALARMED.replace("F alarm", "F alam").replace("F looked)", "F loked)")
-    (tmp_path / "first.yaml").write_text(text)
+    assert told_in(error.value, tmp_path) == told
+
+
+@pytest.mark.parametrize(("changes", "told"), WORLDS_TOGETHER.values(), ids=WORLDS_TOGETHER)
+def test_so_does_one_of_a_world(changes: dict[str, str], told: list[str], tmp_path: Path) -> None:
+    with_mistakes(WORLD, changes, tmp_path / "first.sim.yaml")
     with pytest.raises(MissionError) as error:
-        load_mission(tmp_path / "first.yaml")
-    assert told_in(error.value, tmp_path) == ["unknown fact alam", "unknown fact loked"]
+        read_scenario(tmp_path / "first.sim.yaml")
+    assert told_in(error.value, tmp_path) == told
 
 
 def test_many_mistakes_are_told_by_the_first_ones(tmp_path: Path) -> None:
@@ -166,6 +159,7 @@ def test_many_mistakes_are_told_by_the_first_ones(tmp_path: Path) -> None:
     with pytest.raises(MissionError) as error:
         load_mission(tmp_path / "first.yaml")
     assert str(error.value).count("unknown key") == 10
+    assert str(error.value).endswith("and 40 more mistakes")
 
 
 def test_lines_that_contradict_each_other_are_told_with_their_lines(

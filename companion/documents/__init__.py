@@ -1,16 +1,17 @@
 """YAML and data from outside: validated, with the place of every key, errors in plain words."""
 
 from companion.documents.diagnostics import did_you_mean, most_similar
-from companion.documents.document import Document, TextDocument, validate
-from companion.documents.gathering import MistakeGathering
+from companion.documents.document import Document, TextDocument, begin_reading, validate
+from companion.documents.reading import DocumentReading
 from companion.documents.sources import Given, Source, read_source
 
 __all__ = [
     "Document",
+    "DocumentReading",
     "Given",
-    "MistakeGathering",
     "Source",
     "TextDocument",
+    "begin_reading",
     "did_you_mean",
     "most_similar",
     "read_source",

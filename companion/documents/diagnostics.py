@@ -10,8 +10,8 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -85,30 +85,29 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"Did you mean {best}?" if best else ""
 
 
-MOST = 10
-"""Mistakes that are told at once."""
-
-
 def diagnostics(
     error: ValidationError,
     model: type[BaseModel],
     data: object,
     position: Callable[..., tuple[int, ...]],
+    refused: Container[Keys] = (),
 ) -> list[Diagnostic]:
-    """What is wrong with a document, each mistake once; the first ones of many.
+    """What is wrong with a document, each mistake once.
 
     Args:
         error: what pydantic found.
         model: what was validated.
         data: the document as plain values.
         position: what to sort the values at some keys by.
+        refused: keys of what is told already, and not in the data.
     """
     details: list[tuple[Keys, Detail]] = [
-        (_existing_keys(detail["loc"], data), dict(detail))
+        (existing_keys(detail["loc"], data), dict(detail))
         for detail in error.errors(include_url=False)
     ]
     details = [each for each in details if not _is_other_kind(*each, details, data)]
     details = [each for each in details if not _is_misspelt(*each, details)]
+    details = [each for each in details if (*each[0], *each[1]["loc"][-1:]) not in refused]
     details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
     schema = model.model_json_schema()
     alike: dict[tuple[Keys, str], list[Detail]] = {}  # the branches of a union go together
@@ -117,18 +116,10 @@ def diagnostics(
         alike.setdefault((keys, name), []).append(detail)
     told: dict[Keys, Diagnostic] = {}
     for (keys, name), group in alike.items():
-        told.setdefault((*keys, name) if name else keys, _diagnostic(group, keys, schema, data))
-    return _without_repeats(list(told.values())[:MOST])
-
-
-def _without_repeats(found: list[Diagnostic]) -> list[Diagnostic]:
-    """The same, in which each hint is given once."""
-    told: set[str] = set()
-    kept = []
-    for each in found:
-        kept.append(replace(each, hint="") if each.hint in told else each)
-        told.add(each.hint)
-    return kept
+        is_item = bool(keys) and isinstance(keys[-1], int) and not name
+        alike_items = (*keys[:-1], group[0]["type"]) if is_item else keys  # told by the first one
+        told.setdefault((*alike_items, name), _diagnostic(group, keys, schema, data))
+    return list(told.values())
 
 
 def _is_misspelt(keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detail]]) -> bool:
@@ -150,7 +141,7 @@ def _is_other_kind(
     )
 
 
-def _existing_keys(loc: Sequence[str | int], data: object) -> Keys:
+def existing_keys(loc: Sequence[str | int], data: object) -> Keys:
     """Returns the document's keys in pydantic's location, which names union branches as well."""
     keys: list[str | int] = []
     for part in loc:
@@ -168,35 +159,37 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
     detail = details[0]
     kind, name = detail["type"], detail["loc"][-1] if detail["loc"] else ""
     if kind == "missing" and isinstance(name, str):
-        description = _schema_at(root, (*keys, name)).get("description", "")
+        description = schema_at(root, (*keys, name)).get("description", "")
         hint = _sentence(name, description)
         return Diagnostic(f"the key {name} is missing{_of(keys)}", keys, hint, True)
     if kind == "extra_forbidden":
-        known = list(_schema_at(root, keys[:-1]).get("properties", ()))
-        hint = f"known keys are {', '.join(known)}. {_meant_key(str(keys[-1]), known)}".strip()
+        known = list(schema_at(root, keys[:-1]).get("properties", ()))
+        meant = meant_key(str(keys[-1]), known)
+        question = f" Did you mean {meant}?" if meant else ""
+        hint = f"known keys are {', '.join(known)}.{question}"
         return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
     if name == "[key]":
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
         better = re.sub(r"\W+", "_", str(keys[-1]), flags=re.ASCII).strip("_")
         hint = f"expected {expected}" + (f": write {better}" if better.isidentifier() else "")
         return Diagnostic(f"{_short(keys[-1])} is not a name", keys, hint, True)
-    explained, keys_there = _explanation(root, keys), _schema_at(root, keys).get("properties", ())
+    explained, keys_there = _explanation(root, keys), schema_at(root, keys).get("properties", ())
     if keys_there:
         explained = f"{explained.rstrip('.')}. keys are {', '.join(keys_there)}."
     return _wrong_value(details, keys, explained, _at(data, keys))
 
 
-def _meant_key(word: str, known: Sequence[str]) -> str:
-    """A question for the key that was perhaps meant."""
+def meant_key(word: str, known: Sequence[str]) -> str:
+    """The key that was perhaps meant; empty if none is near."""
     others = _ELSEWHERE.get(re.sub(r"_(m|deg|mps|kmh)$", "", word.lower()), ())
     ours = next((each for each in others if each in known), "")
-    return f"Did you mean {ours}?" if ours else did_you_mean(word, known)
+    return ours or most_similar(word, known)
 
 
 def _explanation(root: Schema, keys: Keys) -> str:
     """What a value means, or else what the nearest one around it that is described means."""
     for length in range(len(keys), 0, -1):
-        if description := _schema_at(root, keys[:length]).get("description"):
+        if description := schema_at(root, keys[:length]).get("description"):
             inner = keys[:length]
             return _sentence(
                 str(inner[-1]) if isinstance(inner[-1], str) else _subject(inner), description
@@ -266,7 +259,7 @@ _RULES: dict[str, Callable[[Schema], str]] = {
 """Kind of pydantic's error -> what was expected."""
 
 
-def _schema_at(root: Schema, keys: Keys) -> Schema:
+def schema_at(root: Schema, keys: Keys) -> Schema:
     """Returns the part of a JSON Schema that describes the value at some keys; {} without one."""
     schema = root
     for key in keys:

@@ -11,8 +11,7 @@ is the field's own description, the one that the JSON Schema carries.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeAlias, TypeVar
 
@@ -20,9 +19,12 @@ from pydantic import BaseModel, ValidationError
 
 from companion.documents.data_tree import tree_of
 from companion.documents.diagnostics import Diagnostic, diagnostics
+from companion.documents.readable import StandIns, strictly, what_is_readable, without
+from companion.documents.reading import DocumentReading
 from companion.documents.yaml_tree import (
     MappingNode,
     Node,
+    Refused,
     ScalarNode,
     SequenceNode,
     Value,
@@ -47,16 +49,43 @@ def validate(content: str | Mapping[str, object], name: str, model: type[M]) -> 
         MissionError: the text is not safe YAML, the data cannot be written as YAML, or it is not
             what the model describes.
     """
+    value, document, reading = begin_reading(content, name, model, {})
+    reading.tell()
+    return value, document
+
+
+def begin_reading(
+    content: str | Mapping[str, object], name: str, model: type[M], stand_ins: StandIns
+) -> tuple[M, Document, DocumentReading]:
+    """Reads of a YAML text, or data, what can be read, for checks that find more mistakes.
+
+    Args:
+        content, name, model: as in `validate`.
+        stand_ins: values for parts that are needed and unread.
+
+    Returns:
+        The model, where its keys stand, and what is wrong and unread so far.
+
+    Raises:
+        MissionError: the text is not safe YAML, the data cannot be written as YAML, or nothing of
+            it is what the model describes.
+    """
     if isinstance(content, str):
         document: Document = TextDocument(content, name)
     else:
         document = Document(tree_of(content))
+    mistakes = list(document.refused.values())
+    data, refused = without(document.data(), document.refused, stand_ins)
     try:
-        return model.model_validate_json(json.dumps(document.data()), strict=True), document
+        return strictly(model, data), document, DocumentReading(mistakes, refused)
     except ValidationError as error:
-        found, *others = diagnostics(error, model, document.data(), document.position)
-        also = [document.refusal(other) for other in others]
-        raise document.refusal(found, also) from None
+        found = diagnostics(error, model, data, document.position, refused)
+        mistakes += [document.refusal(each) for each in found]
+        rest = what_is_readable(model, data, error, stand_ins)
+        if rest is None:
+            DocumentReading(mistakes).tell()
+            raise
+        return rest[0], document, DocumentReading(mistakes, refused | rest[1])
 
 
 class Document:
@@ -64,19 +93,21 @@ class Document:
 
     Args:
         root: of the tree.
+        refused: what is no value, and empty in the tree.
     """
 
-    def __init__(self, root: Node) -> None:
+    def __init__(self, root: Node, refused: Refused | None = None) -> None:
         self._root = root
+        self.refused = refused or {}
 
     def data(self) -> Data:
         """Returns the content as plain dicts, lists and scalars."""
         return _plain(self._root)
 
-    def refusal(self, found: Diagnostic, others: Sequence[MissionError] = ()) -> MissionError:
-        """What is wrong, with its place, and what else is."""
+    def refusal(self, found: Diagnostic) -> MissionError:
+        """What is wrong, with its place."""
         at = self.key_at if found.is_about_key else self.where
-        return MissionError(found.what, at(*found.keys), found.hint, others)
+        return MissionError(found.what, at(*found.keys), found.hint)
 
     def where(self, *keys: Key) -> Location | KeyPath:
         """Returns the place of a value, or of the nearest parent that exists."""
@@ -99,7 +130,13 @@ class Document:
         try:
             yield
         except FormulaError as error:
-            raise error.located(self.inside(error.offset, *keys)) from None
+            first, *others = [
+                each.located(self.inside(each.offset, *keys))
+                if isinstance(each, FormulaError)
+                else each
+                for each in error.each
+            ]
+            raise first.beside(others) from None
 
     def position(self, *keys: Key) -> tuple[int, ...]:
         """Returns the rank of a value in the order of the document, to sort by."""
@@ -142,7 +179,7 @@ class TextDocument(Document):
     def __init__(self, text: str, path: str) -> None:
         self._text = text.removeprefix("\ufeff").replace("\r\n", "\n").replace("\r", "\n")
         self._path = path
-        super().__init__(read_tree(self._text, path))
+        super().__init__(*read_tree(self._text, path))
 
     def inside(self, offset: int, *keys: Key) -> Location | KeyPath:
         """Returns the place of one character of a scalar, however the scalar is written.

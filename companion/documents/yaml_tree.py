@@ -3,7 +3,8 @@
 In goes the text, out comes a tree of plain values in which every key and value knows its place.
 The text is not trusted: its size is limited before anything reads it and its depth while it is
 read; anchors, aliases, tags, directives, second documents, duplicate keys and numbers that are
-not finite are refused, so that what a person reads is what the program gets.
+not finite are refused, so that what a person reads is what the program gets. A value that is
+refused does not end the reading: it is told with what else is wrong.
 
 Plain scalars follow the core schema of YAML 1.2.2, section 10.3.2: only `true` and `false` are
 truth values, so a place may be called `no` or `on`; a date is a text. Keys are always texts. The
@@ -76,17 +77,20 @@ class MappingNode:
 
 
 Node = ScalarNode | SequenceNode | MappingNode
+Keys = tuple[str | int, ...]
+Refused = dict[Keys, MissionError]
+"""Why values are not read, which are empty in the tree, by the keys that lead to them."""
 
 
-def read_tree(text: str, path: str) -> Node:
-    """Returns the tree of a YAML text.
+def read_tree(text: str, path: str) -> tuple[Node, Refused]:
+    """Returns the tree of a YAML text, and what of it is refused.
 
     Args:
         text: line breaks are "\\n", no byte order mark.
         path: name of the file, for messages alone.
 
     Raises:
-        MissionError: too large, too deep, not YAML, or using what this module refuses.
+        MissionError: too large, too deep, or not YAML.
     """
     if len(text.encode("utf-8", "surrogatepass")) > MAX_BYTES:
         raise MissionError(
@@ -95,7 +99,8 @@ def read_tree(text: str, path: str) -> Node:
             "split the mission, or check that this is the right file",
         )
     try:
-        return _TreeReader(path, YAML(typ="safe", pure=True).parse(text)).read()
+        reader = _TreeReader(path, YAML(typ="safe", pure=True).parse(text))
+        return reader.read(), reader.refused
     except ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
         column = error.position - text.rfind("\n", 0, error.position)
@@ -162,6 +167,7 @@ class _TreeReader:
     def __init__(self, path: str, events: Iterator[Event]) -> None:
         self._path = path
         self._events = events
+        self.refused: Refused = {}
 
     def read(self) -> Node:
         next(self._events)  # start of the stream
@@ -176,7 +182,7 @@ class _TreeReader:
                 Location(self._path, 1, 1),
                 "remove the lines that begin with %",
             )
-        root = self._node(next(self._events), depth=1)
+        root = self._node(next(self._events), ())
         next(self._events)  # end of the document
         if not isinstance(after := next(self._events), StreamEndEvent):
             raise MissionError(
@@ -189,80 +195,89 @@ class _TreeReader:
     def _where(self, event: Event) -> Location:
         return Location(self._path, event.start_mark.line + 1, event.start_mark.column + 1)
 
-    def _node(self, event: Event, depth: int) -> Node:
+    def _node(self, event: Event, keys: Keys) -> Node:
         where = self._where(event)
-        if depth > MAX_DEPTH:
+        if len(keys) >= MAX_DEPTH:
             raise MissionError(f"nested deeper than {MAX_DEPTH} levels", where)
-        self._refuse_references(event, where)
+        try:
+            _refuse_references(event, where)
+        except MissionError as error:
+            self.refused.setdefault(keys, error)
         if isinstance(event, SequenceStartEvent):
-            return self._sequence(where, depth)
+            return self._sequence(where, keys)
         if isinstance(event, MappingStartEvent):
-            return self._mapping(where, depth)
-        assert isinstance(event, ScalarEvent)
-        value = event.value if event.style else _plain_value(event.value, where)
-        self._refuse_surrogates(event.value, where)
-        return ScalarNode(where, value, event.start_mark.index, event.end_mark.index)
+            return self._mapping(where, keys)
+        start, end = event.start_mark.index, event.end_mark.index
+        if keys in self.refused or not isinstance(event, ScalarEvent):
+            return ScalarNode(where, None, start, end)
+        try:
+            _refuse_surrogates(event.value, where)
+            value = event.value if event.style else _plain_value(event.value, where)
+        except MissionError as error:
+            self.refused[keys], value = error, None
+        return ScalarNode(where, value, start, end)
 
-    def _refuse_surrogates(self, text: str, where: Location) -> None:
-        if re.search("[\ud800-\udfff]", text):
-            raise MissionError(
-                "an escape \\u gives half of a surrogate pair, which is no character",
-                where,
-                "write the character itself, or \\U with 8 digits",
-            )
-
-    def _refuse_references(self, event: Event, where: Location) -> None:
-        if isinstance(event, AliasEvent):
-            raise MissionError(
-                f"YAML alias *{event.anchor} is not allowed",
-                where,
-                "write the value again, or put quotes around a text that begins with *",
-            )
-        assert isinstance(event, NodeEvent)
-        if event.anchor is not None:
-            raise MissionError(
-                f"YAML anchor &{event.anchor} is not allowed",
-                where,
-                "remove it, or put quotes around a text that begins with &",
-            )
-        tag = getattr(event, "tag", None)
-        if tag is not None:
-            raise MissionError(
-                f"YAML tag {tag} is not allowed",
-                where,
-                "put quotes around a text that begins with !, e.g. '!at(A)'",
-            )
-
-    def _sequence(self, where: Location, depth: int) -> SequenceNode:
-        items = []
+    def _sequence(self, where: Location, keys: Keys) -> SequenceNode:
+        items: list[Node] = []
         while not isinstance(event := next(self._events), SequenceEndEvent):
-            items.append(self._node(event, depth + 1))
+            items.append(self._node(event, (*keys, len(items))))
         return SequenceNode(where, tuple(items))
 
-    def _mapping(self, where: Location, depth: int) -> MappingNode:
+    def _mapping(self, where: Location, keys: Keys) -> MappingNode:
         entries: dict[str, MappingEntry] = {}
         lines: dict[str, int] = {}
         while not isinstance(event := next(self._events), MappingEndEvent):
             key_at = self._where(event)
-            self._refuse_references(event, key_at)
+            _refuse_references(event, key_at)
             if not isinstance(event, ScalarEvent):
                 raise MissionError(
                     "a key must be a text",
                     key_at,
                     "put quotes around a text that begins with [ or {",
                 )
-            self._refuse_surrogates(key := event.value, key_at)
+            _refuse_surrogates(key := event.value, key_at)
+            node = self._node(next(self._events), (*keys, key))
             if key in entries:
-                raise MissionError(
-                    f"the key {key} is given twice",
-                    key_at,
-                    f"first given in line {lines[key]}; keep one of them",
-                )
-            node = self._node(next(self._events), depth + 1)
+                hint = f"first given in line {lines[key]}; keep one of them"
+                error = MissionError(f"the key {key} is given twice", key_at, hint)
+                self.refused.setdefault((*keys, key), error)
+                continue
             if isinstance(node, ScalarNode) and node.start == node.end:  # nothing after the colon
                 node = ScalarNode(key_at, node.value, node.start, node.end)
             entries[key], lines[key] = MappingEntry(key_at, node), key_at.line
         return MappingNode(where, entries)
+
+
+def _refuse_surrogates(text: str, where: Location) -> None:
+    if re.search("[\ud800-\udfff]", text):
+        raise MissionError(
+            "an escape \\u gives half of a surrogate pair, which is no character",
+            where,
+            "write the character itself, or \\U with 8 digits",
+        )
+
+
+def _refuse_references(event: Event, where: Location) -> None:
+    if isinstance(event, AliasEvent):
+        raise MissionError(
+            f"YAML alias *{event.anchor} is not allowed",
+            where,
+            "write the value again, or put quotes around a text that begins with *",
+        )
+    assert isinstance(event, NodeEvent)
+    if event.anchor is not None:
+        raise MissionError(
+            f"YAML anchor &{event.anchor} is not allowed",
+            where,
+            "remove it, or put quotes around a text that begins with &",
+        )
+    tag = getattr(event, "tag", None)
+    if tag is not None:
+        raise MissionError(
+            f"YAML tag {tag} is not allowed",
+            where,
+            "put quotes around a text that begins with !, e.g. '!at(A)'",
+        )
 
 
 _WORDS: dict[str, Value] = {

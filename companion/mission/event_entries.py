@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import partial
 
-from companion.documents import Document, MistakeGathering, did_you_mean
+from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import MissionError
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Event, Skill
@@ -14,25 +14,45 @@ from companion.mission.signals import AnyCondition, Silence
 from companion.mission.task_lines import line_names
 
 
-def read_events(file: MissionFile, document: Document) -> dict[str, Event]:
+def read_events(
+    file: MissionFile, document: Document, reading: DocumentReading
+) -> dict[str, Event]:
     """The events of a mission, by their names.
 
-    Raises:
-        MissionError: a condition cannot be read, or keys of an event contradict each other.
+    Left out are those whose condition cannot be read, or whose keys contradict each other.
     """
-    mistakes, events = MistakeGathering(), {}
+    lines = line_names(file) if reading.knows("task") else None
+    events = {}
     for name, entry in file.events.items():
-        if event := mistakes.read(partial(_event, name, entry, file, document)):
+        when, until = (
+            reading.read(partial(_condition, text, keys, document), *keys)
+            for text, keys in (
+                (entry.when, ("events", name, "when")),
+                (entry.until, ("events", name, "until")),
+            )
+        )
+        if when is None:
+            continue
+        part = partial(_event, name, entry, (when, until), lines, document)
+        if event := reading.read(part, "events", name):
             events[name] = event
-    mistakes.tell()
     return events
 
 
-def _event(name: str, entry: EventEntry, file: MissionFile, document: Document) -> Event:
-    with document.locating("events", name, "when"):
-        when = parse_condition(entry.when)
-    with document.locating("events", name, "until"):
-        until = parse_condition(entry.until) if entry.until is not None else None
+def _condition(text: str | None, keys: tuple[str, ...], document: Document) -> AnyCondition | None:
+    with document.locating(*keys):
+        return parse_condition(text) if text is not None else None
+
+
+def _event(
+    name: str,
+    entry: EventEntry,
+    conditions: tuple[AnyCondition, AnyCondition | None],
+    lines: Collection[str] | None,
+    document: Document,
+) -> Event:
+    """An event; `lines` are the names of the task's, None if they are not known."""
+    when, until = conditions
     if until is not None and entry.latch:
         raise MissionError(
             f"{name} has both latch and until",
@@ -48,8 +68,7 @@ def _event(name: str, entry: EventEntry, file: MissionFile, document: Document) 
         )
     _check_silence(name, entry, (when, until), document)
     for index, conjunct in enumerate(entry.restarts):
-        lines = line_names(file)
-        if conjunct not in lines:
+        if lines is not None and conjunct not in lines:
             raise MissionError(
                 f"{name} restarts {conjunct}, which the task does not have",
                 document.where("events", name, "restarts", index),

@@ -2,9 +2,9 @@
 
 A door: it opens files. In goes a file, a text or data, out comes the frozen `Mission` of model.py
 in SI units and local NED, or one MissionError with file:line:column (for data: the path of keys).
-In the order of the checks: the YAML and its keys (documents.py, schema.py), names, the places on
-the map, events, skills, and last the facts that `initially` and `task` mention, against all that
-the mission defines.
+In the order of the checks: the YAML and its keys (documents, schema.py), then each part by itself
+as far as it can be read (parts.py), and last whether the parts, all of them whole, fit together.
+One run tells all mistakes that are mistakes for certain.
 
 Whether the task can be fulfilled is found by the planner.
 """
@@ -12,50 +12,37 @@ Whether the task can be fulfilled is found by the planner.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from companion.documents import (
     Document,
+    DocumentReading,
     Given,
-    MistakeGathering,
     Source,
+    begin_reading,
     did_you_mean,
     read_source,
-    validate,
 )
-from companion.errors import FormulaError, MissionError
-from companion.ltl.formula import Operator
-from companion.ltl.parser import parse
-from companion.mission.battery import read_battery
+from companion.errors import MissionError
 from companion.mission.charging import refuse_charge_in_the_air
-from companion.mission.coordinates import coordinates_of
-from companion.mission.event_entries import check_restored, read_events
-from companion.mission.facts import AT, HERE, Fact
+from companion.mission.event_entries import check_restored
 from companion.mission.found_places import check_found
 from companion.mission.installed_calls import check_installed
 from companion.mission.landing_sites import check_landings, with_markers
-from companion.mission.literals import parse_fact
 from companion.mission.looking import check_looking
-from companion.mission.model import Event, Mission, Place, Skill
-from companion.mission.one_place import check_one_place
+from companion.mission.model import Event, Mission, Skill
 from companion.mission.other_files import refuse_other_files
-from companion.mission.pddl_domain import DomainReader, with_domain
+from companion.mission.parts import MissionParts, read_parts
+from companion.mission.pddl_domain import DomainReader, Predicates, with_domain
 from companion.mission.safe_places import read_otherwise
 from companion.mission.schema import MissionFile
-from companion.mission.sites import check_places
-from companion.mission.skills import build_skills
-from companion.mission.space import read_space
-from companion.mission.task_lines import read_ready, read_task
+from companion.mission.stand_ins import STAND_INS
+from companion.mission.task_lines import priorities_of, read_ready
 from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
-from companion.motion.grid import OccupancyGrid
 from companion.skills.installed import InstalledReader, read_installed
-from companion.vehicle_files import read_vehicle
-from companion.vehicle_profile import VehicleProfile
-
-_SHOWN = 20  # names listed in a message
 
 
 def load_mission(
@@ -94,28 +81,40 @@ def _read_mission(
 ) -> tuple[Mission, Document]:
     read = read_source(source, "mission", folder)
     refuse_other_files(read)
-    file, document = validate(read.content, read.name, MissionFile)
+    file, document, reading = begin_reading(read.content, read.name, MissionFile, STAND_INS)
+    if file.domain or not all(map(reading.is_whole, ("domain", "problem"))):
+        reading.tell()  # what skills and facts there are, a domain says
     file, declared = domain_of(file, document, read.folder)
-    _check_names(file, document)
-    coordinates = coordinates_of(file, document)
-    space = read_space(file, read.folder, coordinates, document)
-    places, vehicle = space.places, read_vehicle(file.vehicle, read.folder, document)
-    about_room = space.limits, space.grid, vehicle, coordinates, document
-    mistakes = MistakeGathering()
-    mistakes.read(lambda: check_places(space.places, *about_room))
-    events = mistakes.read(lambda: read_events(file, document)) or {}
-    effects = {name: entry.effect for name, entry in file.skills.items()}
-    vocabulary = Vocabulary(places, file.events, file.objects, declared, effects)
-    skills = mistakes.read(lambda: build_skills(file, document, vocabulary, coordinates)) or {}
-    mistakes.tell()
-    places = with_markers(places, file, space.grid, vehicle, document)
-    initially = _initially(file, document, vocabulary)
-    _check_reachable_names(skills, {*declared, *(f.predicate for f in initially)}, events, document)
+    parts = read_parts(file, declared, read.folder, document, reading)
+    mission = _fitted(file, declared, parts, read, document)
+    return mission, document
+
+
+def _fitted(
+    file: MissionFile, declared: Predicates, parts: MissionParts, read: Source, document: Document
+) -> Mission:
+    """The mission, if its parts fit together."""
+    space, skills, events, task = parts.space, parts.skills, parts.events, parts.task
+    room = space.grid, parts.vehicle
     sets = {name: tuple(members) for name, members in file.sets.items()}
-    _check_skills(skills, places, sets, (space.grid, vehicle), document, file)
-    check_found(places, events, skills, sets, initially, document)
-    task, priorities = read_task(file, document, vocabulary)
-    mission = Mission(
+    fitting = DocumentReading()
+    places = parts.places
+    if marked := fitting.read(lambda: with_markers(places, file, *room, document)):
+        places = marked
+        fitting.read(lambda: check_landings(skills, places, sets, *room, document))
+    given = {*declared, *(fact.predicate for fact in parts.initially)}
+    fitting.read(lambda: _check_reachable_names(skills, given, events, document))
+    fitting.read(lambda: check_restored(file, skills, document))
+    fitting.read(lambda: check_looking(skills, places, sets, document))
+    fitting.read(lambda: refuse_charge_in_the_air(skills, document))
+    fitting.read(lambda: check_found(places, events, skills, sets, parts.initially, document))
+    priorities = fitting.read(lambda: priorities_of(file, document))
+    otherwise = fitting.read(lambda: read_otherwise(file, places, *room, document))
+    tree = fitting.read(lambda: _tree(file, document, skills, sets, parts.vocabulary))
+    ready = fitting.read(lambda: read_ready(file, document, task))
+    fitting.tell()
+    assert priorities is not None and otherwise is not None and ready is not None
+    return Mission(
         name=file.name,
         path=str(read.path or ""),
         text=_text(read, document),
@@ -123,41 +122,21 @@ def _read_mission(
         map_file=space.map_file,
         walls=space.walls,
         limits=space.limits,
-        vehicle=vehicle,
+        vehicle=parts.vehicle,
         places=places,
         sets=sets,
         events=events,
         skills=skills,
-        initially=initially,
+        initially=parts.initially,
         task=task,
-        otherwise=read_otherwise(file, places, space.grid, vehicle, document),
+        otherwise=otherwise,
         patience_s=file.patience_s,
-        tree=_tree(file, document, skills, sets, vocabulary),
+        tree=tree,
         priorities=priorities,
-        anchor=coordinates.anchor,
-        battery=read_battery(file.battery, vehicle, document),
-        ready=read_ready(file, document, task),
+        anchor=parts.coordinates.anchor,
+        battery=parts.battery,
+        ready=ready,
     )
-    return mission, document
-
-
-def _check_skills(
-    skills: Mapping[str, Skill],
-    places: Mapping[str, Place],
-    sets: Mapping[str, tuple[str, ...]],
-    room: tuple[OccupancyGrid, VehicleProfile],
-    document: Document,
-    file: MissionFile,
-) -> None:
-    """Refuses skills after which the vehicle is nowhere; looks, landings, charges that cannot be.
-
-    And events that restore what no skill assumes.
-    """
-    check_restored(file, skills, document)
-    check_one_place(skills, places, document)
-    check_looking(skills, places, sets, document)
-    check_landings(skills, places, sets, *room, document)
-    refuse_charge_in_the_air(skills, document)
 
 
 def _text(source: Source, document: Document) -> str:
@@ -184,82 +163,6 @@ def _tree(
         where = document.key_at("subtrees")
         raise MissionError("there are subtrees, and no tree", where, "add tree: [...] to use them")
     return None
-
-
-def _check_names(file: MissionFile, document: Document) -> None:
-    """Refuses names that formulas cannot use or that mean two things, and wrong members of sets."""
-    if HERE in file.places:
-        raise MissionError(
-            f"a place cannot be called {HERE}",
-            document.key_at("places", HERE),
-            "the planner uses this name for the vehicle's present position",
-        )
-    for name in file.events:
-        if _operator(name) is not Operator.ATOM or name == AT:
-            raise MissionError(
-                f"an event cannot be called {name}",
-                document.key_at("events", name),
-                "this word has a meaning of its own in formulas; choose another name",
-            )
-    things = dict.fromkeys(file.places)
-    for index, name in enumerate(file.objects):
-        if name in things:
-            raise MissionError(
-                f"{name} is twice among the places and objects",
-                document.where("objects", index),
-                "an object is a thing that is no place; remove one of the two",
-            )
-        things[name] = None
-    for name, members in file.sets.items():
-        seen: set[str] = set()
-        for index, member in enumerate(members):
-            if member not in things:
-                kinds = "place or object" if file.objects else "place"
-                raise MissionError(
-                    f"unknown {kinds} {member} in the set {name}",
-                    document.where("sets", name, index),
-                    f"{kinds.replace(' or ', 's and ')}s are {_listing(things)}. "
-                    f"{did_you_mean(member, things)}".rstrip(),
-                )
-            if member in seen:
-                where = document.where("sets", name, index)
-                raise MissionError(
-                    f"{member} is twice in the set {name}", where, "remove one of them"
-                )
-            seen.add(member)
-
-
-def _listing(names: Iterable[str]) -> str:
-    listed = list(names)
-    return ", ".join(listed[:_SHOWN]) + (", ..." if len(listed) > _SHOWN else "")
-
-
-def _operator(name: str) -> Operator | None:
-    """Returns the operator that a name is in formulas; None if it cannot stand alone."""
-    try:
-        return parse(name).operator
-    except FormulaError:
-        return None
-
-
-def _initially(file: MissionFile, document: Document, vocabulary: Vocabulary) -> frozenset[Fact]:
-    """Returns the facts that are listed; exactly one of them says where the vehicle is."""
-    facts: set[Fact] = set()
-    for index, text in enumerate(file.initially):
-        with document.locating("initially", index):
-            fact = parse_fact(text).instantiate({})
-            vocabulary.check(text)
-        if fact.predicate == AT and any(other.predicate == AT for other in facts):
-            raise MissionError(
-                "the vehicle cannot be at two places",
-                document.where("initially", index),
-                "keep one fact at(PLACE)",
-            )
-        facts.add(fact)
-    if not any(fact.predicate == AT for fact in facts):
-        hint = f"add to initially the place where it starts, e.g. at({next(iter(file.places))})"
-        raise MissionError("no fact says where the vehicle is", document.where("initially"), hint)
-    return frozenset(facts)
 
 
 def _check_reachable_names(

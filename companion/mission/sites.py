@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from companion.documents import Document, MistakeGathering
+from companion.documents import Document, DocumentReading
 from companion.errors import MissionError
 from companion.geometry import Ned, NorthEast, enu_from_ned, is_in_polygon
 from companion.mission.coordinates import Coordinates
@@ -21,27 +21,35 @@ USUAL_REACH_M = 5_000.0
 """Beyond these, a limit was probably written in another unit."""
 
 
-def check_limits(limits: Limits, is_unusual: bool, document: Document) -> None:
-    """Checks the altitude band and the fence.
-
-    Args:
-        limits: of the mission.
-        is_unusual: the author says that limits beyond what is usual are meant.
-        document: where they stand.
+def check_band(up_m: tuple[float, float], document: Document) -> None:
+    """Checks the lowest and the highest altitude.
 
     Raises:
-        MissionError: the band is empty, or a limit is probably in another unit.
+        MissionError: nothing is between them.
     """
-    lowest, highest = limits.up_m
+    lowest, highest = up_m
     if not 0 <= lowest < highest:
         raise MissionError(
             f"the altitudes {lowest:g} to {highest:g} m are no band above home",
             document.where("limits", "up_m"),
             "write [lowest, highest], metres above home, lowest first",
         )
+
+
+def check_reach(limits: Limits, is_unusual: bool, document: Document) -> None:
+    """Refuses limits that are probably written in another unit.
+
+    Args:
+        limits: of the mission.
+        is_unusual: the author says that they are meant.
+        document: where they stand.
+
+    Raises:
+        MissionError: at the altitudes or the fence.
+    """
     reach_m = max(abs(metres) for corner in limits.fence for metres in corner)
     for key, metres, usual_m in (
-        ("up_m", highest, USUAL_UP_M),
+        ("up_m", limits.up_m[1], USUAL_UP_M),
         ("fence", reach_m, USUAL_REACH_M),
     ):
         if metres > usual_m and not is_unusual:
@@ -59,17 +67,14 @@ def check_places(
     vehicle: VehicleProfile,
     coordinates: Coordinates,
     document: Document,
+    reading: DocumentReading,
 ) -> None:
-    """Checks every place.
+    """Tells of places that are too near to an obstacle, outside the fence or the altitude band.
 
     Args:
-        vehicle: that has room at it.
-
-    Raises:
-        MissionError: at the keys of places that are too near to an obstacle, outside the fence or
-            outside the altitude band.
+        vehicle: that has room at them.
     """
-    zoned, mistakes = cells_of(grid, limits.keep_out.values()), MistakeGathering()
+    zoned = cells_of(grid, limits.keep_out.values())
 
     def check(place: Place) -> None:
         above_m = -place.position[2] - vehicle.clearance_m
@@ -87,8 +92,7 @@ def check_places(
             raise MissionError(f"place {place.name} {what}", where, hint)
 
     for place in places.values():
-        mistakes.read(partial(check, place))
-    mistakes.tell()
+        reading.read(partial(check, place), "places", place.name)
 
 
 def _off_map_problem(place: Place, grid: OccupancyGrid) -> tuple[str, str] | None:

@@ -6,31 +6,37 @@ command that it executes. The facts that skills name become part of the mission'
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
-from typing import TypeVar
+from functools import partial
+from typing import NamedTuple, TypeVar
 
-from companion.documents import Document, MistakeGathering, did_you_mean
+from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import MissionError
 from companion.mission.charging import charge_rate_of, refuse_charge_nowhere
 from companion.mission.conditions import parse_condition
 from companion.mission.coordinates import Coordinates
 from companion.mission.execution import KINDS, parse_execution
-from companion.mission.facts import Atom, spelled
+from companion.mission.facts import Atom
 from companion.mission.literals import parse_effect, parse_fact, parse_literals
 from companion.mission.looking import gimbal_of, look_at
-from companion.mission.model import Do, Execution, Fly, LandOn, PointOfInterest, Skill
-from companion.mission.python_call import PythonCall, check_names
+from companion.mission.model import (
+    ConditionalEffectTemplate,
+    Do,
+    Execution,
+    Fly,
+    LandOn,
+    Literal,
+    PointOfInterest,
+    Skill,
+)
+from companion.mission.python_call import PythonCall
 from companion.mission.schema import MissionFile
 from companion.mission.signals import Condition, Silence
+from companion.mission.skill_numbers import check_skills
 from companion.mission.skill_schema import SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
-MAX_INSTANCES = 50_000  # actions of all skills; 220 places give `move` about that many
-MAX_CONDITIONAL = 50_000  # conditional effects of all actions
-MAX_STEPS = 100_000  # of all actions, refined down to primitives
 DEFAULT_COST_S = 1.0
 WAIT = "wait"  # the planner's own action, one step of rest
 
@@ -38,102 +44,42 @@ T = TypeVar("T")
 
 
 def build_skills(
-    file: MissionFile, document: Document, vocabulary: Vocabulary, coordinates: Coordinates
+    file: MissionFile,
+    document: Document,
+    vocabulary: Vocabulary,
+    coordinates: Coordinates | None,
+    reading: DocumentReading,
 ) -> dict[str, Skill]:
     """Returns the skills of a mission file; their facts are added to the vocabulary.
 
-    Raises:
-        MissionError: at the skills that cannot be used.
+    Left out are skills that cannot be used. The vocabulary is left open for what they may say.
+
+    Args:
+        coordinates: None if it is not known what they mean.
     """
     skills: dict[str, Skill] = {}
-    instances = effects = 0
-    mistakes = MistakeGathering()
     for name, entry in file.skills.items():
-        builder = _SkillBuilder(name, entry, file, document, vocabulary, coordinates)
-        if built := mistakes.read(builder.build):
+        builder = _SkillBuilder(name, entry, file, document, vocabulary, coordinates, reading)
+        if built := builder.build():
             skills[name] = built
-    mistakes.tell()
-    for name, entry in file.skills.items():
-        own = math.prod(len(file.sets[s]) for s in entry.parameters.values())
-        instances += own
-        effects += own * len(skills[name].conditional)
-        for count, limit, what in (
-            (instances, MAX_INSTANCES, "instances"),
-            (effects, MAX_CONDITIONAL, "conditional effects"),
-        ):
-            if count > limit:
-                raise MissionError(
-                    f"with {name} the skills have {count} {what}, at most {limit} "
-                    "can be planned with",
-                    document.key_at("skills", name),
-                    "give the skill fewer parameters, or smaller sets",
-                )
-    for name in skills:
-        _check_calls(name, skills, file, document)
-    _check_steps(skills, file, document)
+    if len(skills) == len(file.skills):
+        reading.read(partial(check_skills, skills, file, document), "skills")
     return skills
 
 
-def _check_steps(skills: Mapping[str, Skill], file: MissionFile, document: Document) -> None:
-    """Refuses refinements that multiply: of 20 skills, each done by the next one twice."""
-
-    @cache
-    def steps(name: str) -> int:
-        return sum(1 + steps(x.skill) if isinstance(x, Do) else 1 for x in skills[name].execute)
-
-    count = 0
-    for name, entry in file.skills.items():
-        count += steps(name) * math.prod(len(file.sets[s]) for s in entry.parameters.values())
-        if count > MAX_STEPS:
-            raise MissionError(
-                f"with {name} the actions have {count} steps, at most {MAX_STEPS} can be planned "
-                "with",
-                document.key_at("skills", name),
-                "refine it into fewer skills, or give it fewer parameters",
-            )
+Effect = tuple[tuple[Literal, ...], tuple[ConditionalEffectTemplate, ...]]
+"""The literals of an effect, and its parts with a condition."""
 
 
-def _check_calls(
-    name: str, skills: Mapping[str, Skill], file: MissionFile, document: Document
-) -> None:
-    """Refuses calls with a wrong number of arguments, and calls that lead back to the skill."""
-    constants = {*file.places, *file.objects}
-    for index, step in enumerate(skills[name].execute):
-        where = document.where("skills", name, "execute", index)
-        known = {parameter for parameter, _ in skills[name].parameters} | constants
-        if isinstance(step, PythonCall):
-            check_names(step, name, known, where)
-        if not isinstance(step, Do):
-            continue
-        wanted = [parameter for parameter, _ in skills[step.skill].parameters]
-        if len(wanted) != len(step.arguments):
-            raise MissionError(
-                f"{step.skill} is called with {len(step.arguments)} arguments",
-                where,
-                f"write {spelled(step.skill, tuple(wanted))}",
-            )
-        for argument in step.arguments:
-            if argument not in known:
-                raise MissionError(
-                    f"{argument} is no parameter of {name}, place or object",
-                    where,
-                    did_you_mean(argument, sorted(known)),
-                )
-        if name in _called(step.skill, skills, frozenset()):
-            raise MissionError(
-                f"{name} is refined into itself", where, "a refinement has to end in primitives"
-            )
+class _Texts(NamedTuple):
+    """What is written in a skill, read by itself."""
 
-
-def _called(name: str, skills: Mapping[str, Skill], seen: frozenset[str]) -> frozenset[str]:
-    """Returns a skill and all that refine it, directly or not."""
-    if name in seen:
-        return seen
-    seen |= {name}
-    for step in skills[name].execute:
-        if isinstance(step, Do):
-            seen |= _called(step.skill, skills, seen)
-    return seen
+    domains: Mapping[str, Domain]
+    precondition: tuple[Literal, ...]
+    assumes: tuple[Atom, ...]
+    effect: tuple[Literal, ...]
+    conditional: tuple[ConditionalEffectTemplate, ...]
+    execute: tuple[Execution, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,47 +89,63 @@ class _SkillBuilder:
     file: MissionFile
     document: Document
     vocabulary: Vocabulary
-    coordinates: Coordinates
+    coordinates: Coordinates | None
+    reading: DocumentReading
 
-    def build(self) -> Skill:
-        entry = self.entry
+    def build(self) -> Skill | None:
+        """The skill; None if something in it, or that it needs, cannot be used."""
+        texts, reading = self._texts(), self.reading
+        has_names = all(map(reading.knows, ("places", "sets", "components")))
+        if texts is None or self.coordinates is None or not has_names:
+            return None
+        if not reading.is_whole("battery") or not reading.is_whole("objects"):
+            return None
+        return self.reading.read(partial(self._checked, texts, self.coordinates), *self._keys())
+
+    def _keys(self, *keys: str | int) -> tuple[str | int, ...]:
+        return ("skills", self.name, *keys)
+
+    def _texts(self) -> _Texts | None:
+        """What is written in it, each key by itself; None if one of them cannot be read."""
+        read, knows = self.reading.read, self.reading.knows
+        ranges = [name for name in self.entry.parameters.values() if name in self.file.sets]
+        has_sets = knows("sets") and all(self.reading.is_whole("sets", name) for name in ranges)
+        domains = read(self._domains, *self._keys("parameters")) if has_sets else None
+        precondition = read(partial(self._precondition, domains), *self._keys("precondition"))
+        assumes = read(partial(self._assumes, domains), *self._keys("assumes"))
+        effect = read(partial(self._effect, domains), *self._keys("effect"))
+        execute = None
+        if self.reading.is_whole("components") and knows("skills"):
+            execute = read(self._execute, *self._keys("execute"))
+        if domains is None or precondition is None or assumes is None or effect is None:
+            self.vocabulary.leave_open()
+            return None
+        return _Texts(domains, precondition, assumes, *effect, execute) if execute else None
+
+    def _checked(self, texts: _Texts, coordinates: Coordinates) -> Skill:
+        """The skill, if what is written in it fits together."""
+        entry, execute = self.entry, texts.execute
+        effect, conditional = texts.effect, texts.conditional
         if self.name == WAIT:
             raise MissionError(
                 "a skill cannot be called wait",
                 self.document.key_at("skills", WAIT),
                 "resting for one step is a skill that every mission has; choose another name",
             )
-        domains = self._domains()
-        precondition = (
-            self._facts(entry.precondition, domains, parse_literals, "precondition")
-            if entry.precondition is not None
-            else ()
-        )
-        assumes = self._assumes(domains)
-        if entry.effect is None and entry.planned:
-            raise MissionError(
-                f"{self.name} has no effect",
-                self.document.key_at("skills", self.name),
-                "add effect: FACTS, what holds afterwards; a skill without one changes nothing",
-            )
-        effect, conditional = (
-            self._facts(entry.effect, domains, parse_effect, "effect") if entry.effect else ((), ())
-        )
         changed = [*effect, *(literal for when in conditional for literal in when.effect)]
         self._refuse_events([literal.atom for literal in changed], "effect")
         self._refuse_unknown_distinct()
-        execute = self._execute(domains)
-        self._refuse_flights_to_objects(execute, domains)
+        self._refuse_flights_to_objects(execute, texts.domains)
         conditions = [literal for when in conditional for literal in when.condition]
-        literals = (*precondition, *changed, *conditions)
-        mentioned = [*(literal.atom for literal in literals), *assumes]
-        looked_at = look_at(self.name, entry, self.file, self.document, self.coordinates)
+        literals = (*texts.precondition, *changed, *conditions)
+        mentioned = [*(literal.atom for literal in literals), *texts.assumes]
+        looked_at = look_at(self.name, entry, self.file, self.document, coordinates)
         self._refuse_unused(mentioned, execute, looked_at)
         skill = Skill(
             name=self.name,
             parameters=tuple(entry.parameters.items()),
-            precondition=precondition,
-            assumes=assumes,
+            precondition=texts.precondition,
+            assumes=texts.assumes,
             effect=effect,
             cost_s=self._cost_s(execute),
             execute=execute,
@@ -203,6 +165,20 @@ class _SkillBuilder:
         refuse_charge_nowhere(skill, self.document)
         return skill
 
+    def _precondition(self, domains: Mapping[str, Domain] | None) -> tuple[Literal, ...]:
+        text = self.entry.precondition
+        return () if text is None else self._facts(text, domains, parse_literals, "precondition")
+
+    def _effect(self, domains: Mapping[str, Domain] | None) -> Effect:
+        text = self.entry.effect
+        if text is None and self.entry.planned:
+            raise MissionError(
+                f"{self.name} has no effect",
+                self.document.key_at("skills", self.name),
+                "add effect: FACTS, what holds afterwards; a skill without one changes nothing",
+            )
+        return ((), ()) if text is None else self._facts(text, domains, parse_effect, "effect")
+
     def _confirmed_by(self) -> Condition | None:
         text, keys = self.entry.confirmed_by, ("skills", self.name, "confirmed_by")
         if text is None:
@@ -214,12 +190,13 @@ class _SkillBuilder:
             raise MissionError("silence confirms nothing", self.document.where(*keys), hint)
         return condition
 
-    def _execute(self, domains: Mapping[str, Domain]) -> tuple[Execution, ...]:
+    def _execute(self) -> tuple[Execution, ...]:
         steps = []
+        parameters = list(self.entry.parameters)
         skills = [name for name in self.file.skills if name != self.name or name not in KINDS]
         for index, text in enumerate(self.entry.execute):
             with self.document.locating("skills", self.name, "execute", index):
-                steps.append(parse_execution(text, list(domains), self.file.components, skills))
+                steps.append(parse_execution(text, parameters, self.file.components, skills))
         return tuple(steps)
 
     def _domains(self) -> Mapping[str, Domain]:
@@ -265,16 +242,18 @@ class _SkillBuilder:
     def _facts(
         self,
         text: str,
-        domains: Mapping[str, Domain],
+        domains: Mapping[str, Domain] | None,
         parse: Callable[[str], T],
         *keys: str | int,
     ) -> T:
+        """What a text says; its names are looked at if it is known what parameters may be."""
         with self.document.locating("skills", self.name, *keys):
             parsed = parse(text)
-            self.vocabulary.learn(text, domains)
+            if domains is not None:
+                self.vocabulary.learn(text, domains)
         return parsed
 
-    def _assumes(self, domains: Mapping[str, Domain]) -> tuple[Atom, ...]:
+    def _assumes(self, domains: Mapping[str, Domain] | None) -> tuple[Atom, ...]:
         """The beliefs, whose key may hold one text or a list."""
         atoms = []
         for index, text in enumerate(self.entry.assumes):

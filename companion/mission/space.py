@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from companion.documents import Document
+from companion.documents import Document, DocumentReading
 from companion.drawn_maps import Corner, MapEntry, Wall, drawn_map, polygon, walls_of
 from companion.errors import MissionError
 from companion.geometry import Ned, NorthEast, is_in_polygon, wrap_angle
@@ -21,7 +21,7 @@ from companion.mission.coordinates import Coordinates
 from companion.mission.model import Limits, Place
 from companion.mission.python_call import PythonCall, check_names, parse_python
 from companion.mission.schema import MissionFile
-from companion.mission.sites import check_limits
+from companion.mission.sites import check_band, check_reach
 from companion.mission.world_schema import PlaceEntry
 from companion.motion.grid import OccupancyGrid
 from companion.motion.polygons import MAX_CORNERS, do_overlap
@@ -39,41 +39,96 @@ class Space(NamedTuple):
     map_file: str
     walls: tuple[Wall, ...]
     limits: Limits
-    places: dict[str, Place]
 
 
 def read_space(
-    file: MissionFile, folder: Path, coordinates: Coordinates, document: Document
-) -> Space:
-    """The map, the limits and the places of a mission.
+    file: MissionFile,
+    folder: Path,
+    coordinates: Coordinates,
+    document: Document,
+    reading: DocumentReading,
+) -> Space | None:
+    """The map and the limits of a mission; None if something of them cannot be used.
 
     Args:
         file: the mission.
         folder: what the name of a map file is relative to.
         coordinates: what they mean.
         document: where its keys stand.
+        reading: of the mission.
+    """
+    about = file, coordinates, document
+    reading.read(partial(check_band, file.limits.up_m, document), "limits", "up_m")
+    fence = None
+    if reading.is_whole("map"):
+        fence = reading.read(partial(_fence, *about), "limits", "fence")
+    has_edge = reading.is_whole("limits", "fence")
+    drawn = None
+    if has_edge or isinstance(file.map, str):  # an area that is drawn may be that of the fence
+        drawn = reading.read(partial(_map, *about, folder, fence), "map")
+    if drawn is None or not has_edge:
+        return None
+    map_file, walls, grid = drawn
+    edge, keep_out = fence or grid.corners, {}
+    if not reading.knows("limits", "keep_out"):
+        return None
+    for name in file.limits.keep_out:
+        zone = reading.read(partial(_zone, name, edge, *about), "limits", "keep_out", name)
+        if zone is not None:
+            keep_out[name] = zone
+    limits = Limits(file.limits.speed_mps, file.limits.up_m, edge, keep_out, fence is not None)
+    for key in ("up_m", "unusual", "keep_out"):
+        if not reading.is_whole("limits", key):
+            return None
+    reading.read(partial(check_reach, limits, file.limits.unusual, document), "limits")
+    return Space(grid, map_file, walls, limits) if reading.knows("limits") else None
+
+
+def read_places(
+    file: MissionFile, coordinates: Coordinates, document: Document, reading: DocumentReading
+) -> dict[str, Place]:
+    """The places of a mission; those that cannot be used are left out."""
+    places = {}
+    if reading.knows("places"):
+        for name, entry in file.places.items():
+            part = partial(_place, name, entry, file, coordinates, document)
+            if place := reading.read(part, "places", name):
+                places[name] = place
+    return places
+
+
+def check_corners(space: Space, places: Iterable[Place], document: Document) -> None:
+    """Refuses more corners than can be looked at for each setpoint.
 
     Raises:
-        MissionError: the map cannot be read, or a limit cannot be meant.
+        MissionError: with the greatest number.
     """
-    fence = _fence(file, coordinates, document)
+    limits, regions = space.limits, (place.region.outline() or () for place in places)
+    fence = limits.fence if limits.is_fence_written else ()
+    walls = (wall.corners for wall in space.walls)
+    count = sum(map(len, (fence, *walls, *limits.keep_out.values(), *regions)))
+    if count > MAX_CORNERS:
+        raise MissionError(
+            f"the mission's polygons have {count} corners, at most {MAX_CORNERS} are allowed",
+            document.where(),
+            "leave out what a metre more or less makes no difference to",
+        )
+
+
+def _map(
+    file: MissionFile,
+    coordinates: Coordinates,
+    document: Document,
+    folder: Path,
+    fence: tuple[NorthEast, ...] | None,
+) -> tuple[str, tuple[Wall, ...], OccupancyGrid]:
+    """The name of its file, its walls, and the map itself."""
     with _located(document, "map"):
         map_file = str(folder / file.map) if isinstance(file.map, str) else ""
         entry = file.map if isinstance(file.map, MapEntry) else MapEntry()
         walls = walls_of(entry, partial(_map_corner, coordinates))
         grid = read_map(Path(map_file)) if map_file else drawn_map(entry, walls, fence)
-    keep_out = _keep_out(file, fence or grid.corners, coordinates, document)
-    edge = fence or grid.corners
-    limits = Limits(file.limits.speed_mps, file.limits.up_m, edge, keep_out, fence is not None)
-    check_limits(limits, file.limits.unusual, document)
-    places = {
-        name: _place(name, entry, file, coordinates, document)
-        for name, entry in file.places.items()
-    }
-    regions = (place.region.outline() or () for place in places.values())
-    walled = (wall.corners for wall in walls)
-    _check_corners([fence or (), *walled, *keep_out.values(), *regions], document)
-    return Space(grid, map_file, walls, limits, places)
+    return map_file, walls, grid
 
 
 def _map_corner(coordinates: Coordinates, corner: Corner, *keys: str | int) -> NorthEast:
@@ -148,30 +203,25 @@ def _fence(
     return None
 
 
-def _keep_out(
-    file: MissionFile, fence: Sequence[NorthEast], coordinates: Coordinates, document: Document
-) -> dict[str, tuple[NorthEast, ...]]:
-    zones = {}
-    for name, written in file.limits.keep_out.items():
-        keys = ("limits", "keep_out", name)
-        with _located(document, *keys):
-            corners = [coordinates.corner(c, *keys, i) for i, c in enumerate(written)]
-            zones[name] = polygon(corners, f"the keep-out zone {name}")
-            if not do_overlap(zones[name], fence):
-                what = f"the keep-out zone {name} lies outside the fence"
-                raise MissionError(what, hint="nobody flies there anyway; correct or remove it")
-    return zones
-
-
-def _check_corners(polygons: Iterable[Sequence[NorthEast]], document: Document) -> None:
-    """Refuses more corners than can be looked at for each setpoint."""
-    count = sum(map(len, polygons))
-    if count > MAX_CORNERS:
-        raise MissionError(
-            f"the mission's polygons have {count} corners, at most {MAX_CORNERS} are allowed",
-            document.where(),
-            "leave out what a metre more or less makes no difference to",
+def _zone(
+    name: str,
+    fence: Sequence[NorthEast],
+    file: MissionFile,
+    coordinates: Coordinates,
+    document: Document,
+) -> tuple[NorthEast, ...]:
+    """A keep-out zone."""
+    keys = ("limits", "keep_out", name)
+    with _located(document, *keys):
+        written = enumerate(file.limits.keep_out[name])
+        zone = polygon(
+            [coordinates.corner(corner, *keys, i) for i, corner in written],
+            f"the keep-out zone {name}",
         )
+        if not do_overlap(zone, fence):
+            what = f"the keep-out zone {name} lies outside the fence"
+            raise MissionError(what, hint="nobody flies there anyway; correct or remove it")
+    return zone
 
 
 @contextmanager

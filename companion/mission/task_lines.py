@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-from companion.documents import Document, MistakeGathering, did_you_mean
+from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import MissionError
 from companion.ltl.formula import eventually
 from companion.ltl.parser import parse, parse_line
@@ -30,13 +30,38 @@ def line_names(file: MissionFile) -> list[str]:
 
 
 def read_task(
-    file: MissionFile, document: Document, vocabulary: Vocabulary
-) -> tuple[dict[str, Line], dict[str, int]]:
-    """The formulas of all lines, and the priorities of those that may be dropped.
+    file: MissionFile, document: Document, vocabulary: Vocabulary, reading: DocumentReading
+) -> dict[str, Line]:
+    """The formulas of all lines; left out are those that are none."""
 
-    Raises:
-        MissionError: there are none, one is no formula, or all of them may be dropped.
-    """
+    def read(name: str, text: str) -> Line:
+        with document.locating("task", name, "formula"):
+            line = parse_line(text)
+            vocabulary.check(text)
+        return line
+
+    def read_goal(text: str) -> Line:
+        with document.locating(GOAL):
+            parse_literals(text)
+            vocabulary.check(text)
+        return eventually(parse(text))
+
+    task: dict[str, Line] = {}
+    for name, entry in file.task.items():
+        part = partial(read, name, entry.formula)
+        if (line := reading.read(part, "task", name, "formula")) is not None:
+            task[name] = line
+    if file.goal is not None:
+        line = reading.read(partial(read_goal, file.goal), GOAL)
+        if line is not None:
+            task[GOAL] = line
+    if all(map(reading.knows, ("task", GOAL, "tree"))):
+        reading.read(partial(_check_lines, file, document))
+    return task
+
+
+def _check_lines(file: MissionFile, document: Document) -> None:
+    """Refuses a task of no lines, and two lines of one name."""
     if file.goal is None and not file.task and not file.tree:
         raise MissionError(
             "the mission has neither a task nor a goal nor a tree", document.where(), _TASK_HINT
@@ -47,25 +72,6 @@ def read_task(
             document.key_at("task", GOAL),
             "choose another name for the line",
         )
-
-    def read(name: str, text: str) -> Line:
-        with document.locating("task", name, "formula"):
-            line = parse_line(text)
-            vocabulary.check(text)
-        return line
-
-    mistakes = MistakeGathering()
-    task: dict[str, Line] = {}
-    for name, entry in file.task.items():
-        if (line := mistakes.read(partial(read, name, entry.formula))) is not None:
-            task[name] = line
-    mistakes.tell()
-    if file.goal is not None:
-        with document.locating("goal"):
-            parse_literals(file.goal)
-            vocabulary.check(file.goal)
-        task[GOAL] = eventually(parse(file.goal))
-    return task, _priorities(file, document)
 
 
 def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) -> tuple[str, ...]:
@@ -98,7 +104,12 @@ def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) 
     return tuple(file.ready)
 
 
-def _priorities(file: MissionFile, document: Document) -> dict[str, int]:
+def priorities_of(file: MissionFile, document: Document) -> dict[str, int]:
+    """The priorities of lines that may be dropped.
+
+    Raises:
+        MissionError: all of them may be.
+    """
     given = {name: line.priority for name, line in file.task.items() if line.priority is not None}
     if given and len(given) == len(line_names(file)) and not file.tree:
         raise MissionError(

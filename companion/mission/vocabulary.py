@@ -31,6 +31,9 @@ class Vocabulary:
         objects: names of things that are no places.
         declared: predicates with what each argument may be, besides those that skills name.
         skills: what each makes true, as it is written; for advice alone.
+        things_are_known: whether there are no other places and objects.
+        is_open: whether there may be other facts: not all that makes some could be read.
+        told: facts that are said to be unknown already.
     """
 
     def __init__(
@@ -40,14 +43,24 @@ class Vocabulary:
         objects: Iterable[str] = (),
         declared: Mapping[str, tuple[Domain, ...]] | None = None,
         skills: Mapping[str, str | None] | None = None,
+        things_are_known: bool = True,
+        is_open: bool = False,
+        told: Iterable[str] = (),
     ) -> None:
         self._skills = skills or {}
+        self._things_are_known = things_are_known
+        self._is_open = is_open or not things_are_known
+        self._told: set[object] = set(told)
         self._places = tuple(places)
         self._objects = tuple(objects)
         self._uses: dict[str, list[tuple[Domain, ...]]] = {AT: [(self._places,)]}
         self._uses |= {event: [()] for event in events}
         for name, domains in (declared or {}).items():
             self._uses.setdefault(name, [domains])
+
+    def leave_open(self) -> None:
+        """From now on there may be facts that are not known."""
+        self._is_open = True
 
     def learn(self, text: str, domains: Mapping[str, Domain]) -> None:
         """Adds the facts of a skill's text, where new predicates may appear.
@@ -64,7 +77,10 @@ class Vocabulary:
             atom = Atom.parse(fact)
             for argument in atom.arguments:
                 known = [*domains, *self._places, *self._objects]
+                if (argument, *domains) in self._told or not self._things_are_known:
+                    continue
                 if argument not in known:
+                    self._told.add((argument, *domains))
                     kinds = "parameters, places and objects"
                     if not self._objects:
                         kinds = "parameters and places"
@@ -75,31 +91,46 @@ class Vocabulary:
                 self._check_arity(atom, text, offset, length)
             use = tuple(domains.get(argument, (argument,)) for argument in atom.arguments)
             strange = [m for domain in use for m in domain if m not in self._places]
-            if atom.predicate == AT and strange:
+            if atom.predicate == AT and strange and self._things_are_known:
                 hint = f"the vehicle can be at {_listing(self._places)}"
                 what = f"{fact} speaks of {strange[0]}, which is no place"
                 raise FormulaError(what, text, offset, length, hint)
             self._uses.setdefault(atom.predicate, []).append(use)
 
     def check(self, text: str) -> None:
-        """Checks every fact of a formula.
+        """Checks every fact of a formula. What was told once, counts as known afterwards.
 
         Raises:
-            FormulaError: at the first that does not exist.
+            FormulaError: at those that do not exist.
         """
-        for fact, offset, length in occurrences(text):
-            atom = Atom.parse(fact)
-            if atom.predicate not in self._uses:
-                names = [self._example(name) for name in self._uses]
-                hint = f"facts are {_listing(names)}. {self._similar(atom)}".rstrip()
-                raise FormulaError(f"unknown fact {fact}", text, offset, length, hint)
+        unknown = []
+        for fact, *place in occurrences(text):
+            if fact not in self._told and (mistake := self._mistake(fact, text, *place)):
+                unknown.append(mistake)
+                self._told.add(fact)
+        if unknown:
+            raise unknown[0].beside(unknown[1:])
+
+    def _mistake(self, fact: str, text: str, offset: int, length: int) -> FormulaError | None:
+        """Why a fact does not exist; None if it does, or may."""
+        atom = Atom.parse(fact)
+        if atom.predicate not in self._uses:
+            if self._is_open:
+                return None
+            names = [self._example(name) for name in self._uses]
+            hint = f"facts are {_listing(names)}. {self._similar(atom)}".rstrip()
+            return FormulaError(f"unknown fact {fact}", text, offset, length, hint)
+        try:
             self._check_arity(atom, text, offset, length)
-            uses = self._uses[atom.predicate]
-            if not any(
-                all(a in d for a, d in zip(atom.arguments, use, strict=True)) for use in uses
-            ):
-                hint = f"{self._domain_listing(atom)}. {self._similar(atom)}".rstrip()
-                raise FormulaError(f"unknown fact {fact}", text, offset, length, hint)
+        except FormulaError as error:
+            return error
+        if self._is_open and not (atom.predicate == AT and self._things_are_known):
+            return None
+        uses = self._uses[atom.predicate]
+        if any(all(a in d for a, d in zip(atom.arguments, use, strict=True)) for use in uses):
+            return None
+        hint = f"{self._domain_listing(atom)}. {self._similar(atom)}".rstrip()
+        return FormulaError(f"unknown fact {fact}", text, offset, length, hint)
 
     def _check_arity(self, atom: Atom, text: str, offset: int, length: int) -> None:
         arity = self._arity(atom.predicate)

@@ -7,8 +7,9 @@ place in the file.
 from __future__ import annotations
 
 import json
+from functools import partial
 
-from companion.documents import Document, did_you_mean
+from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import MissionError
 from companion.mavlink.framing import dialect
 from sitl.world.battery_schema import check_battery_event, check_pad_event
@@ -22,11 +23,15 @@ from sitl.world.scenario_events import (
     TimeTrigger,
     VisitTrigger,
 )
-from sitl.world.schema import ObstacleModel, ScenarioEventModel, ScenarioModel
+from sitl.world.schema import ScenarioEventModel, ScenarioModel
 from sitl.world.visits import Circle
 
 AUTOPILOT = 1
 TRIGGERS = ("at_s", "place", "command")
+DEVICES = ("target", "payload", "lidar", "marker_camera", "cameras", "gimbal", "gripper")
+"""Keys of what has a component id."""
+TOLD_OF = (*DEVICES, "map", "obstacles", "pads")
+"""Keys of what events are about."""
 
 
 def command_number(name: str, document: Document, *keys: str | int) -> int:
@@ -40,23 +45,30 @@ def command_number(name: str, document: Document, *keys: str | int) -> int:
     return number
 
 
-def read_obstacles(model: ScenarioModel, document: Document) -> tuple[Obstacle, ...]:
+def read_obstacles(
+    model: ScenarioModel, document: Document, reading: DocumentReading
+) -> tuple[Obstacle, ...]:
     """The obstacles; each has a name and a shape of its own."""
+    if reading.is_whole("map"):
+        reading.read(partial(_refuse_nowhere, model, document), "obstacles")
+    parts = [partial(_obstacle, model, document, i) for i in range(len(model.obstacles))]
+    read = [reading.read(part, "obstacles", i) for i, part in enumerate(parts)]
+    return tuple(obstacle for obstacle in read if obstacle)
+
+
+def _refuse_nowhere(model: ScenarioModel, document: Document) -> None:
     if model.obstacles and model.map is None:
         raise MissionError(
             "obstacles need a map", document.where("obstacles"), "say which with the key map"
         )
-    names: set[str] = set()
-    for i, entry in enumerate(model.obstacles):
-        if entry.name in names:
-            raise MissionError(
-                f"there are two obstacles {entry.name}", document.where("obstacles", i, "name")
-            )
-        names.add(entry.name)
-    return tuple(_obstacle(entry, document, i) for i, entry in enumerate(model.obstacles))
 
 
-def _obstacle(entry: ObstacleModel, document: Document, i: int) -> Obstacle:
+def _obstacle(model: ScenarioModel, document: Document, i: int) -> Obstacle:
+    entry = model.obstacles[i]
+    if entry.name in [other.name for other in model.obstacles[:i]]:
+        raise MissionError(
+            f"there are two obstacles {entry.name}", document.where("obstacles", i, "name")
+        )
     if entry.circle and not entry.box:
         centre = (entry.circle.north_m, entry.circle.east_m)
         return Obstacle(entry.name, centre, centre, entry.circle.radius_m, entry.present)
@@ -76,9 +88,15 @@ def _obstacle(entry: ObstacleModel, document: Document, i: int) -> Obstacle:
     )
 
 
-def read_events(model: ScenarioModel, document: Document) -> tuple[ScenarioEvent, ...]:
+def read_events(
+    model: ScenarioModel, document: Document, reading: DocumentReading
+) -> tuple[ScenarioEvent, ...]:
     """The events, in the order of the file."""
-    return tuple(_event(entry, model, document, i) for i, entry in enumerate(model.happens))
+    if not all(map(reading.is_whole, TOLD_OF)):
+        return ()
+    parts = [partial(_event, each, model, document, i) for i, each in enumerate(model.happens)]
+    read = [reading.read(part, "happens", i) for i, part in enumerate(parts)]
+    return tuple(event for event in read if event)
 
 
 def _event(

@@ -30,9 +30,18 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
-from companion.documents import Document, Given, Source, did_you_mean, read_source, validate
+from companion.documents import (
+    Document,
+    DocumentReading,
+    Given,
+    Source,
+    begin_reading,
+    did_you_mean,
+    read_source,
+)
 from companion.drawn_maps import MapEntry, drawn_map, walls_of
 from companion.errors import Location, MissionError
 from companion.geometry import GlobalOrigin, Ned, ned_from_enu
@@ -56,7 +65,7 @@ from sitl.world.markers import MarkerCameraSpec
 from sitl.world.obstacles import Obstacle, TrueMap
 from sitl.world.pads import PadSpec
 from sitl.world.payload import PayloadAnswer, PayloadScript, PayloadSite
-from sitl.world.reading import command_number, read_events, read_obstacles
+from sitl.world.reading import DEVICES, command_number, read_events, read_obstacles
 from sitl.world.scenario_events import ScenarioEvent, VisitTrigger
 from sitl.world.schema import GlobalModel, PayloadModel, ScenarioModel
 from sitl.world.vary import Data, Factor, read_factors
@@ -170,22 +179,23 @@ def _parse(
     if isinstance(source.content, str) and re.search(r"^(skills|task):", source.content, re.M):
         hint = "the world in which MISSION.yaml is flown is MISSION.sim.yaml (docs/scenario.md)"
         raise MissionError("the file is a mission, and no world", Location(source.name, 1, 1), hint)
-    model, document = validate(source.content, source.name, ScenarioModel)
+    model, document, reading = begin_reading(
+        source.content, source.name, ScenarioModel, {("version",): 1}
+    )
     map_ = source.folder / model.map if isinstance(model.map, str) else model.map
     if map_ is None and has_default_map:
         model = model.model_copy(update={"map": DEFAULT_MAP})
-    for name, value in model.parameters.items():
-        _check_parameter(name, value, document)
-    _check_components(model, document)
+    checked = _checked(model, source.folder, document, reading)
+    reading.tell()
 
     def varied(data: Data) -> object:
         return _parse(replace(source, content=data, path=None), default_home, has_default_map)
 
     start, home, wind = model.start, model.home, model.wind
     lidar = model.lidar_on_board
-    scenario = Scenario(
+    scenario = replace(
+        checked,
         home=_on_earth(home) if home else default_home,
-        vehicle=read_vehicle(model.vehicle, source.folder, document),
         start=ned_from_enu(start.east_m, start.north_m, 0.0),
         yaw_rad=math.radians(start.heading_deg),
         airframe=model.airframe,
@@ -194,22 +204,48 @@ def _parse(
         turbulence_mps=wind.turbulence_mps,
         battery=battery(model.battery),
         drains_always=model.battery.drains == "always",
-        parameters=dict(model.parameters),
         detector=model.target.component if model.target else None,
-        payload=_payload(model.payload, document) if model.payload else None,
         lidar=LidarSpec(lidar.component, lidar.range_m, lidar.noise_m) if lidar else None,
-        obstacles=read_obstacles(model, document),
-        pads=pads(model.pads, document),
-        events=_first_sighting(model) + read_events(model, document),
+        events=_first_sighting(model) + checked.events,
         origin=_on_earth(model.origin) if model.origin else None,
         map=map_,
-        marker_camera=marker_camera(model.marker_camera, document) if model.marker_camera else None,
         cameras=tuple(map(camera, model.cameras)),
-        gimbal=gimbal(model.gimbal, document) if model.gimbal else None,
         gripper=gripper(model.gripper) if model.gripper else None,
         factors=read_factors(model.vary, document, varied),
     )
     return scenario, document
+
+
+def _checked(
+    model: ScenarioModel, folder: Path, document: Document, reading: DocumentReading
+) -> Scenario:
+    """The parts of a scenario that can be wrong; without those that are."""
+    for name, value in model.parameters.items():
+        reading.read(partial(_check_parameter, name, value, document), "parameters", name)
+    if all(map(reading.is_whole, DEVICES)):
+        reading.read(partial(_check_components, model, document))
+    vehicle = reading.read(partial(read_vehicle, model.vehicle, folder, document), "vehicle")
+    payload = markers = pointed = None
+    if model.payload:
+        payload = reading.read(partial(_payload, model.payload, document), "payload")
+    if model.marker_camera:
+        part = partial(marker_camera, model.marker_camera, document)
+        markers = reading.read(part, "marker_camera")
+    if model.gimbal:
+        pointed = reading.read(partial(gimbal, model.gimbal, document), "gimbal")
+    obstacles = read_obstacles(model, document, reading)
+    charging = reading.read(partial(pads, model.pads, document), "pads")
+    events = read_events(model, document, reading)
+    return Scenario(
+        vehicle=vehicle or VehicleProfile(),
+        parameters=dict(model.parameters),
+        payload=payload,
+        obstacles=obstacles,
+        pads=charging or (),
+        events=events,
+        marker_camera=markers,
+        gimbal=pointed,
+    )
 
 
 def _on_earth(place: GlobalModel) -> GlobalOrigin:

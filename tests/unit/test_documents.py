@@ -32,6 +32,10 @@ class Kit(BaseModel):
     is_open: bool = False
 
 
+class Anything(BaseModel):
+    model_config = ConfigDict(extra="allow")
+
+
 def error_of(text: str) -> MissionError:
     with pytest.raises(MissionError) as caught:
         validate(text, "kit.yaml", Kit)
@@ -126,9 +130,19 @@ def test_depth_is_limited(opening: str) -> None:
 )
 def test_unsafe_yaml_is_refused(text: str, line: int, column: int, what: str) -> None:
     with pytest.raises(MissionError) as caught:
-        TextDocument(text, "f")
+        validate(text, "f", Anything)
     assert caught.value.where == Location("f", line, column)
     assert what in caught.value.what
+
+
+def test_what_is_refused_is_told_with_what_else_is_wrong() -> None:
+    error = error_of("title: !a\nis_open: 1\nparts: {p: {weight_kg: .inf}}\ncount: 2\ncount: 3")
+    assert [each.what for each in error.each] == [
+        "YAML tag !a is not allowed",
+        "is_open is 1, expected true or false",
+        ".inf is not a finite number",
+        "the key count is given twice",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ from companion.mission.model import (
     Wait,
 )
 from companion.mission.signals import Condition, Signal
-from companion.mission.skills import MAX_INSTANCES, MAX_STEPS
+from companion.mission.skill_numbers import MAX_INSTANCES, MAX_STEPS
 from companion.vehicle_profile import VehicleProfile
 
 QUAD = VehicleProfile()

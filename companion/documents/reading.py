@@ -1,0 +1,91 @@
+"""One reading of a file: what is wrong with it, told at once, and what of it could not be read.
+
+A file is read in stages: keys and values, names, places, events, skills, the task. A mistake in
+one of them does not end the reading. What it makes useless is remembered as unread, by its keys,
+and a later check that needs it is left out: it would tell the same mistake in other words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+from companion.documents.diagnostics import Keys
+from companion.errors import FormulaError, Location, MissionError
+
+MOST = 10
+"""Mistakes that are told at once."""
+
+T = TypeVar("T")
+
+
+class DocumentReading:
+    """Reads the parts of a file, and tells what is wrong with all of them.
+
+    >>> reading = DocumentReading(unread=[("limits", "speed_mps")])
+    >>> reading.read(lambda: 1, "places"), reading.read(lambda: 2, "limits")
+    (1, None)
+    >>> reading.knows("limits"), reading.is_whole("limits")
+    (True, False)
+    >>> reading.tell()
+
+    Args:
+        found: mistakes that are known already.
+        unread: keys of what they have made useless.
+    """
+
+    def __init__(self, found: Iterable[MissionError] = (), unread: Iterable[Keys] = ()) -> None:
+        self._found = list(found)
+        self._unread = set(unread)
+
+    def read(self, part: Callable[[], T], *keys: str | int) -> T | None:
+        """What reading a part gives; None where it cannot be used, or something in it is unread.
+
+        Args:
+            part: reads it.
+            keys: of the part, if others depend on it.
+        """
+        if keys and not self.is_whole(*keys):
+            return None
+        try:
+            return part()
+        except MissionError as error:
+            self._found += error.each
+            if keys:
+                self._unread.add(keys)
+            return None
+
+    def knows(self, *keys: str | int) -> bool:
+        """Whether a part is there with all its keys; their values may be unread."""
+        return not any(keys[: len(other)] == other for other in self._unread)
+
+    def is_whole(self, *keys: str | int) -> bool:
+        """Whether nothing of a part is unread."""
+        inside = any(other[: len(keys)] == keys for other in self._unread)
+        return self.knows(*keys) and not inside
+
+    def tell(self) -> None:
+        """Raises what was found, in the order of the file; the first mistakes of many."""
+        found = sorted(self._found, key=_place)
+        if len(found) > MOST:
+            more = MissionError(f"and {len(found) - MOST} more mistakes")
+            found = [*found[:MOST], more]
+        if found:
+            first, *others = _without_repeats(found)
+            raise first.beside(others) if others else first
+
+
+def _place(error: MissionError) -> tuple[int, int]:
+    where = error.where
+    return (where.line, where.column) if isinstance(where, Location) else (0, 0)
+
+
+def _without_repeats(found: list[MissionError]) -> list[MissionError]:
+    """The same, in which each hint is given once."""
+    told: set[str] = set()
+    kept = []
+    for each in found:
+        is_repeated = each.hint in told and not isinstance(each, FormulaError)
+        kept.append(MissionError(each.what, each.where) if is_repeated else each)
+        told.add(each.hint)
+    return kept

@@ -1,0 +1,86 @@
+"""The names of a mission: what they cannot be, and the members of its sets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import partial
+
+from companion.documents import Document, DocumentReading, did_you_mean
+from companion.errors import FormulaError, MissionError
+from companion.ltl.formula import Operator
+from companion.ltl.parser import parse
+from companion.mission.facts import AT, HERE
+from companion.mission.schema import MissionFile
+
+_SHOWN = 20  # names listed in a message
+
+
+def check_names(file: MissionFile, document: Document, reading: DocumentReading) -> None:
+    """Refuses names that formulas cannot use or that mean two things, and wrong members of sets."""
+    if HERE in file.places:
+        reading.read(partial(_refuse_here, document))
+    for name in file.events:
+        reading.read(partial(_check_event, name, document))
+    reading.read(partial(_check_objects, file, document), "objects")
+    if all(map(reading.knows, ("places", "objects"))):
+        things = dict.fromkeys([*file.places, *file.objects])
+        for name in file.sets:
+            reading.read(partial(_check_set, name, things, file, document), "sets", name)
+
+
+def _refuse_here(document: Document) -> None:
+    raise MissionError(
+        f"a place cannot be called {HERE}",
+        document.key_at("places", HERE),
+        "the planner uses this name for the vehicle's present position",
+    )
+
+
+def _check_event(name: str, document: Document) -> None:
+    if _operator(name) is not Operator.ATOM or name == AT:
+        raise MissionError(
+            f"an event cannot be called {name}",
+            document.key_at("events", name),
+            "this word has a meaning of its own in formulas; choose another name",
+        )
+
+
+def _check_objects(file: MissionFile, document: Document) -> None:
+    for index, name in enumerate(file.objects):
+        if name in file.places or name in file.objects[:index]:
+            raise MissionError(
+                f"{name} is twice among the places and objects",
+                document.where("objects", index),
+                "an object is a thing that is no place; remove one of the two",
+            )
+
+
+def _check_set(
+    name: str, things: Mapping[str, None], file: MissionFile, document: Document
+) -> None:
+    members = file.sets[name]
+    for index, member in enumerate(members):
+        if member not in things:
+            kinds = "place or object" if file.objects else "place"
+            raise MissionError(
+                f"unknown {kinds} {member} in the set {name}",
+                document.where("sets", name, index),
+                f"{kinds.replace(' or ', 's and ')}s are {_listing(things)}. "
+                f"{did_you_mean(member, things)}".rstrip(),
+            )
+        if member in members[:index]:
+            where = document.where("sets", name, index)
+            raise MissionError(f"{member} is twice in the set {name}", where, "remove one of them")
+
+
+def _listing(names: Iterable[str]) -> str:
+    listed = list(names)
+    return ", ".join(listed[:_SHOWN]) + (", ..." if len(listed) > _SHOWN else "")
+
+
+def _operator(name: str) -> Operator | None:
+    """Returns the operator that a name is in formulas; None if it cannot stand alone."""
+    try:
+        return parse(name).operator
+    except FormulaError:
+        return None

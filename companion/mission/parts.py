@@ -1,0 +1,161 @@
+"""The parts of a mission, each read as far as it can be without those that cannot be used.
+
+In goes what the file says (schema.py), out come all parts, or one MissionError that tells what is
+wrong with any of them. A part that cannot be read is remembered as unread (documents/reading.py):
+its names stay known, and what would need it is not looked at. Whether the parts fit together is
+looked at by loader.py, which is handed whole ones alone.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from companion.documents import Document, DocumentReading
+from companion.errors import MissionError
+from companion.ltl.timed_formula import Line
+from companion.mission.battery import MissionBattery, read_battery
+from companion.mission.coordinates import Coordinates, coordinates_of
+from companion.mission.event_entries import read_events
+from companion.mission.facts import AT, Fact
+from companion.mission.facts import at as at_place
+from companion.mission.literals import parse_fact
+from companion.mission.model import Event, Place, Skill
+from companion.mission.names import check_names
+from companion.mission.one_place import check_one_place
+from companion.mission.pddl_domain import Predicates
+from companion.mission.schema import MissionFile
+from companion.mission.sites import check_places
+from companion.mission.skills import build_skills
+from companion.mission.space import Space, check_corners, read_places, read_space
+from companion.mission.task_lines import read_task
+from companion.mission.vocabulary import Vocabulary
+from companion.vehicle_files import read_vehicle
+from companion.vehicle_profile import VehicleProfile
+
+
+class MissionParts(NamedTuple):
+    """What a mission file says; as in `Mission`."""
+
+    coordinates: Coordinates
+    vehicle: VehicleProfile
+    space: Space
+    places: dict[str, Place]
+    events: dict[str, Event]
+    vocabulary: Vocabulary
+    skills: dict[str, Skill]
+    initially: frozenset[Fact]
+    task: dict[str, Line]
+    battery: MissionBattery | None
+
+
+def read_parts(
+    file: MissionFile,
+    declared: Predicates,
+    folder: Path,
+    document: Document,
+    reading: DocumentReading,
+) -> MissionParts:
+    """All parts of a mission.
+
+    Args:
+        file: what of it could be read.
+        declared: facts that a PDDL domain declares.
+        folder: what the names of other files are relative to.
+        document: where its keys stand.
+        reading: what is wrong, and unread, so far.
+
+    Raises:
+        MissionError: with all that is wrong.
+    """
+    check_names(file, document, reading)
+    coordinates = _coordinates(file, document, reading)
+    vehicle = reading.read(lambda: read_vehicle(file.vehicle, folder, document), "vehicle")
+    places: dict[str, Place] = {}
+    space = None
+    if coordinates:
+        places = read_places(file, coordinates, document, reading)
+        space = read_space(file, folder, coordinates, document, reading)
+    if space:
+        reading.read(partial(check_corners, space, places.values(), document))
+    if space and vehicle and coordinates:
+        about_room = space.limits, space.grid, vehicle, coordinates
+        check_places(places, *about_room, document, reading)
+    events = read_events(file, document, reading)
+    vocabulary = _vocabulary(file, declared, reading)
+    skills = build_skills(file, document, vocabulary, coordinates, reading)
+    if len(skills) == len(file.skills) and reading.knows("places"):
+        reading.read(partial(check_one_place, skills, file.places, document), "skills")
+    initially = _initially(file, document, vocabulary, reading)
+    task = read_task(file, document, vocabulary, reading)
+    battery = None
+    if vehicle:
+        battery = reading.read(partial(read_battery, file.battery, vehicle, document), "battery")
+    reading.tell()
+    assert coordinates and vehicle and space
+    about = coordinates, vehicle, space, places, events, vocabulary, skills, initially
+    return MissionParts(*about, task, battery)
+
+
+def _coordinates(
+    file: MissionFile, document: Document, reading: DocumentReading
+) -> Coordinates | None:
+    """What coordinates mean; on the earth that depends on where the mission begins."""
+    needed = ("frame", "places", "initially") if file.frame == "wgs84" else ("frame",)
+    if not all(map(reading.is_whole, needed)):
+        return None
+    if file.frame == "wgs84" and not reading.is_whole("limits", "up_m"):
+        return None
+    return reading.read(lambda: coordinates_of(file, document), "frame")
+
+
+def _vocabulary(file: MissionFile, declared: Predicates, reading: DocumentReading) -> Vocabulary:
+    """The facts that there may be; the skills add theirs."""
+    unread = [members for name, members in file.sets.items() if not reading.is_whole("sets", name)]
+    return Vocabulary(
+        file.places,
+        file.events,
+        file.objects,
+        declared,
+        {name: entry.effect for name, entry in file.skills.items()},
+        things_are_known=all(map(reading.knows, ("places", "objects"))),
+        is_open=not all(map(reading.knows, ("events", "skills"))),
+        told=[at_place(member) for members in unread for member in members],
+    )
+
+
+def _initially(
+    file: MissionFile, document: Document, vocabulary: Vocabulary, reading: DocumentReading
+) -> frozenset[Fact]:
+    """The facts that are listed; exactly one of them says where the vehicle is."""
+    facts = [
+        reading.read(partial(_listed_fact, index, file, document, vocabulary), "initially", index)
+        for index in range(len(file.initially))
+    ]
+    if reading.is_whole("initially"):
+        where_it_is = partial(_refuse_nowhere, file, document)
+        reading.read(partial(where_it_is, [fact for fact in facts if fact]), "initially")
+    return frozenset(fact for fact in facts if fact)
+
+
+def _listed_fact(index: int, file: MissionFile, document: Document, vocabulary: Vocabulary) -> Fact:
+    text = file.initially[index]
+    with document.locating("initially", index):
+        fact = parse_fact(text).instantiate({})
+        vocabulary.check(text)
+    return fact
+
+
+def _refuse_nowhere(file: MissionFile, document: Document, facts: list[Fact]) -> None:
+    """Refuses a vehicle that is nowhere, or at two places."""
+    indices = [index for index, fact in enumerate(facts) if fact.predicate == AT]
+    if not indices:
+        hint = f"add to initially the place where it starts, e.g. at({next(iter(file.places))})"
+        raise MissionError("no fact says where the vehicle is", document.where("initially"), hint)
+    if len(indices) > 1:
+        raise MissionError(
+            "the vehicle cannot be at two places",
+            document.where("initially", indices[1]),
+            "keep one fact at(PLACE)",
+        )
