@@ -3,6 +3,7 @@
     CompanionError            exit 1, anything of ours
     +- MissionError           exit 2, a file from outside is wrong: file:line:column
     |  +- FormulaError        with a caret under the offending token
+    +- LibraryMissing         exit 2, something is not installed; with the line that installs it
     +- NoPlanError            exit 3, the task cannot be done, and why
     +- LinkError              exit 4, no vehicle to talk to
     |  +- LinkTimeout
@@ -175,6 +176,20 @@ class FormulaError(MissionError):
     def located(self, where: Location | KeyPath) -> FormulaError:
         """The same error, placed in a file."""
         return FormulaError(self.what, self.text, self.offset, self.length, self.advice, where)
+
+
+class LibraryMissing(CompanionError):
+    """A library that is asked for is not installed.
+
+    Args:
+        what: is asked for, and what it needs.
+        remedy: the line that installs it, or what else to do.
+    """
+
+    exit_code = 2
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(f"{what}\n    {remedy}")
 
 
 class NoPlanError(CompanionError):

@@ -13,9 +13,10 @@ import signal
 import sys
 from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import replace
+from importlib import metadata
 from pathlib import Path
 from types import FrameType
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -24,12 +25,16 @@ from companion.errors import Collided, CompanionError, printable
 from companion.geometry import GlobalOrigin
 from companion.mavlink.key_file import signing_by
 from companion.mavlink.signing import Signing, harmless
+from sitl.installed import demand_jsbsim
 from sitl.link.report_sender import ReportSender
 from sitl.link.routing import LinkName
 from sitl.link.server import GROUND_PORT, LOCAL_PORTS, Server
-from sitl.simulation import Simulation
 from sitl.world.scenario import PX4_HOME, Scenario, read_scenario
 
+if TYPE_CHECKING:
+    from sitl.simulation import Simulation
+
+DISTRIBUTION = "mav-companion"
 Reports = Annotated[
     str | None,
     typer.Option(
@@ -90,6 +95,12 @@ def default_home(environment: dict[str, str]) -> GlobalOrigin:
     return parse_home(f"{latitude},{longitude},{altitude}")
 
 
+def _print_version(is_wanted: bool) -> None:
+    if is_wanted:
+        typer.echo(f"sitl {metadata.version(DISTRIBUTION)}")
+        raise typer.Exit
+
+
 def simulate(
     scenario: Annotated[
         Path | None, typer.Option(help="NAME.sim.yaml; without it, no walls.")
@@ -125,6 +136,12 @@ def simulate(
     check: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Check a scenario, fly nothing.")
     ] = None,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
 ) -> None:
     """Simulate one PX4-like vehicle on PX4's UDP ports.
 
@@ -138,6 +155,7 @@ def simulate(
             plural = "" if count == 1 else "s"
             typer.echo(f"{check}: a good scenario, {count} event{plural}")
             return
+        demand_jsbsim()
         with (
             signing_by(signing_key, f"sitl-{instance}", harmless) as signing,
             Server(instance, ground_port) as server,
@@ -163,6 +181,8 @@ def _simulate(
     signing: Signing | None,
 ) -> bool:
     """Simulates until it is to end, and on until the vehicle is at rest; whether it is damaged."""
+    from sitl.simulation import Simulation
+
     fallback = home or default_home(dict(os.environ))
     world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
     if home:

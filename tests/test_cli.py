@@ -302,10 +302,20 @@ def test_help_does_not_wait_for_slow_imports() -> None:
 
 
 def test_a_machine_without_jsbsim(companion: Companion, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("companion.api.simulating.find_spec", lambda name: None)
+    monkeypatch.setattr("sitl.installed.find_spec", lambda name: None)
     ended = companion("sim", SURVEILLANCE)
-    assert ended.code == 1
-    assert "needs jsbsim" in ended.err
+    assert ended.code == 2
+    assert "needs jsbsim" in ended.err and "pip install jsbsim" in ended.err
+
+
+def test_a_machine_without_dask(
+    companion: Companion, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("companion.campaigns.dask_cluster.find_spec", lambda name: None)
+    about = ("campaign", "corridor", "--runs", "1", "--out", tmp_path / "out")
+    ended = companion(*about, "--dask", "tcp://127.0.0.1:8786")
+    assert ended.code == 2
+    assert "pip install 'mav-companion[cluster]'" in ended.err
 
 
 @pytest.mark.slow

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -89,7 +88,7 @@ def simulate(
 
     Raises:
         MissionError: the scenario cannot be read, or does not fit.
-        CompanionError: jsbsim is not installed.
+        LibraryMissing: jsbsim is not installed.
     """
     world = world_of(mission, scenario)
     limit = FlightLimit(laps, limit_s)
@@ -213,9 +212,11 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
 
     Raises:
         MissionError: the scenario cannot be read, or does not fit.
-        CompanionError: jsbsim is not installed.
+        LibraryMissing: jsbsim is not installed.
     """
-    _demand_jsbsim()
+    from sitl.installed import demand_jsbsim
+
+    demand_jsbsim()
     from sitl.world.scenario import PX4_HOME, read_scenario
 
     source, grid = _scenario_source(mission, scenario)
@@ -227,23 +228,16 @@ def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedSc
 
     Raises:
         MissionError: the scenario cannot be read, or does not fit.
-        CompanionError: jsbsim is not installed.
+        LibraryMissing: jsbsim is not installed.
     """
-    _demand_jsbsim()
+    from sitl.installed import demand_jsbsim
+
+    demand_jsbsim()
     from sitl.world.scenario import PX4_HOME
     from sitl.world.varied_scenario import read_varied
 
     source, grid = _scenario_source(mission, scenario)
     return read_varied(source, mission.anchor or PX4_HOME, grid)
-
-
-def _demand_jsbsim() -> None:
-    """The simulator cannot be imported without it."""
-    if find_spec("jsbsim") is None:
-        raise CompanionError(
-            "the simulator needs jsbsim, which has no wheel for Linux on ARM\n"
-            "    fly a simulator on another machine: companion run MISSION --connect URL"
-        )
 
 
 def _scenario_source(

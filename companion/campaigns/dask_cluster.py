@@ -21,7 +21,7 @@ from companion.campaigns.outcomes import FlownRow
 from companion.campaigns.processes import Deaths, accepted, died
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import fly_row
-from companion.errors import CompanionError, LinkError
+from companion.errors import CompanionError, LibraryMissing, LinkError
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -40,16 +40,14 @@ class DaskCluster:
             says with which certificates.
 
     Raises:
-        CompanionError: Dask is not installed.
+        LibraryMissing: Dask is not installed.
         LinkError: no scheduler answers.
     """
 
     def __init__(self, packed: bytes, address: str) -> None:
         if find_spec("distributed") is None:
-            raise CompanionError(
-                "--dask needs Dask, which is not installed\n"
-                "    pip install 'mav-companion[cluster]', in the release of the cluster"
-            )
+            remedy = "pip install 'mav-companion[cluster]', in the release of the cluster"
+            raise LibraryMissing("--dask needs Dask, which is not installed", remedy)
         from distributed import Client
 
         logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # we tell it ourselves

@@ -2,6 +2,7 @@
 
 import socket
 from contextlib import closing
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,23 @@ def test_a_wrong_scenario_ends_with_code_2(
         main(["--scenario", str(path)])
     assert end.value.code == 2
     assert f"{path}:1:10" in capsys.readouterr().err
+
+
+def test_the_version_needs_no_scenario_and_no_port(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(["--version"])
+    assert end.value.code == 0
+    assert capsys.readouterr().out == f"sitl {metadata.version('mav-companion')}\n"
+
+
+def test_a_machine_without_jsbsim(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sitl.installed.find_spec", lambda name: None)
+    with pytest.raises(SystemExit) as end:
+        main([])
+    assert end.value.code == 2
+    assert "pip install jsbsim" in capsys.readouterr().err
 
 
 @pytest.fixture
