@@ -119,10 +119,6 @@ class Companion:
             return self._host is None and self._run.sortie.has_ended
         return self._is_stopping or (self._host is None and self.failure is not None)
 
-    def reads(self, message_id: int) -> bool:
-        """Whether a message changes anything; before a run has begun each of them may."""
-        return self._run is None or self.wire.reads(message_id)
-
     @property
     def is_idle(self) -> bool:
         """Whether it hosts and nothing is flown, nor will be in the next step."""
@@ -273,7 +269,9 @@ class Companion:
     def _launch(self, host: Host, preparation: Preparation) -> None:
         """Begins the run that was asked for; in a tick of its own, after the answer has left."""
         self._preparation, self._is_prepared = None, False
-        if not self._is_stopping and (refusal := self._begin_prepared(host, preparation)):
+        if self._is_stopping:
+            return
+        if refusal := self._begin_prepared(host, preparation):
             self._say(RunNotBegun(refusal.reason))
 
     def _begin_prepared(self, host: Host, preparation: Preparation) -> Refusal | None:
@@ -305,8 +303,10 @@ class Companion:
         if self._preparation is not None:
             self._is_prepared = self._preparation.done()
             return
-        uploads = self._host.uploads if self._host is not None else None
-        if self._host is not None and uploads and (path := uploads.take_active()) is not None:
+        if self._host is None or self._host.uploads is None:
+            return
+        path = self._host.uploads.take_active()
+        if path is not None:
             self._take(self._host, path)
 
     def _take(self, host: Host, path: Path) -> None:

@@ -13,7 +13,6 @@ from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.errors import LinkTimeout
 from companion.geometry import Ned
-from sitl.link.autopilot_link import UNREAD, Outgoing
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 
@@ -41,11 +40,13 @@ class LockstepFlight:
 
     def tick(self) -> None:
         """One tick of both."""
-        heard = _heard(self.simulation.step(self.now_s, self._to_vehicle))
+        from_vehicle = self.simulation.step(self.now_s, self._to_vehicle)
         self.truth.append((self.now_s, self.simulation.flight.position))
+        heard = [datagram for link, datagram in from_vehicle if link is LinkName.OFFBOARD]
         if answers := self.companion.wire.answers(self.now_s, heard):
             at_once = [(LinkName.OFFBOARD, answer) for answer in answers]
-            heard += _heard(self.simulation.step(self.now_s, at_once))
+            from_vehicle = self.simulation.step(self.now_s, at_once)
+            heard += [datagram for link, datagram in from_vehicle if link is LinkName.OFFBOARD]
         reports = self.simulation.take_reports()
         sent = self.companion.step(self.now_s, heard, reports=reports)
         self._to_vehicle = [(LinkName.OFFBOARD, datagram) for datagram in sent]
@@ -76,8 +77,3 @@ class LockstepFlight:
         for _ in self.ticks(timeout_s):
             pass
         self.simulation.settle()
-
-
-def _heard(frames: Outgoing) -> list[bytes]:
-    """What arrives at the companion, without what it does not read."""
-    return [frame for link, frame in frames if link is LinkName.OFFBOARD and frame != UNREAD]

@@ -31,12 +31,13 @@ from sitl.flight.local_frame import LocalFrame
 from sitl.flight.physics import FlightState, Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.autopilot_component import AutopilotComponent
-from sitl.link.autopilot_link import AUTOPILOT, IsRead, Outgoing
+from sitl.link.autopilot_link import AUTOPILOT, Outgoing
 from sitl.link.component_sender import PackedMessage
 from sitl.link.disturbance import Disturbance
 from sitl.link.on_board import components_on_board
 from sitl.link.routing import LinkName, Router, target
 from sitl.link.signed_links import signed, verified
+from sitl.link.streams import StreamReader
 from sitl.link.time_offset import TimeOffset
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.world.faults import Direction, Reboot
@@ -59,7 +60,8 @@ class Simulation:
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
         signing: with a key, as PX4 on all links; None for links without signatures.
-        is_read: whether somebody reads a streamed message, asked each time; without `signing` only.
+        reader: of the streams, on a link that nothing disturbs; if it is the only one, streams
+            that it does not read are not packed.
 
     Attributes:
         event_log: time and text of each event of the scenario so far.
@@ -74,9 +76,9 @@ class Simulation:
         instance: int = 0,
         links: frozenset[LinkName] = ALL_LINKS,
         signing: Signing | None = None,
-        is_read: IsRead = lambda _: True,
+        reader: StreamReader | None = None,
     ) -> None:
-        self._signing, self._is_read = signing, is_read
+        self._signing, self._reader = signing, reader
         self._system = system = 1 + instance
         self._airframe = airframe = AIRFRAMES[scenario.airframe]
         self._physics = _physics(scenario, airframe, seed)
@@ -193,7 +195,7 @@ class Simulation:
             datagrams: with the link on which each arrived.
 
         Returns:
-            Frames to send, in order, each with its link; `UNREAD` for one that nobody reads.
+            Frames to send, in order, each with its link.
         """
         out: Outgoing = []
         arrived = self._arriving.step(now_s, datagrams)
@@ -206,7 +208,7 @@ class Simulation:
         out += self._autopilot_component.flush()
         due = int(now_s / DT_S + 1e-6)
         while self._steps < due:
-            self._advance(out)
+            self._advance(due * DT_S, out)
         self._look()
         if self._signing is not None:
             out = signed(self._signing, now_s, out, self._local)
@@ -215,7 +217,7 @@ class Simulation:
     @property
     def _is_silent(self) -> bool:
         """The autopilot restarts, and nothing passes its ports."""
-        return self._truth.time_s < self._silent_until_s
+        return self._steps * DT_S < self._silent_until_s
 
     def _start_autopilot(self) -> None:
         """Its end of the links, with default streams, and nobody heard yet."""
@@ -227,7 +229,7 @@ class Simulation:
             self._router,
             self._world.answers,
             self._refusals,
-            self._is_read,
+            self._reader,
         )
 
     def _reboot(self, reboot: Reboot) -> None:
@@ -267,19 +269,23 @@ class Simulation:
         if system in (0, self._system) and not getattr(message, "confirmation", 0):
             self._world.note_command(message.command, component, self._truth.time_s)
 
-    def _advance(self, out: Outgoing) -> None:
+    def _advance(self, until_s: float, out: Outgoing) -> None:
+        """One step; what is sent until a time arrives together."""
         if self._steps % CONTROL_STEPS == 0:
             self._physics.follow(self._autopilot.step(self._vehicle.state, CONTROL_S))
+            self._autopilot_component.follow()
         if not self._world.is_wreck:
             self._physics.step()
         self._steps += 1
         if self._steps % CONTROL_STEPS == 0:
-            self._act(out)
-        elif self._autopilot_component.is_due(self._steps * DT_S):
+            self._act(until_s, out)
+        elif self._autopilot_component.is_asked:
             self._look()
-            self._speak(out)
+            self._speak(until_s, out)
+        else:
+            self._stream(until_s, out)
 
-    def _act(self, out: Outgoing) -> None:
+    def _act(self, until_s: float, out: Outgoing) -> None:
         """What happens at 50 Hz."""
         state = self._truth = self._true_state()
         self._vehicle.state = self._frame.seen(self._estimator.step(state, state.time_s))
@@ -290,15 +296,25 @@ class Simulation:
             self._reboot(reboot)
         for origin in self._world.take_origins():
             self._lay_origin(origin)
-        self._speak(out)
+        self._speak(until_s, out)
         for component in self._on_board:
             said = component.step(state)
             if not self._is_silent:
                 self._route(said, out)
 
-    def _speak(self, out: Outgoing) -> None:
+    def _speak(self, until_s: float, out: Outgoing) -> None:
         if not self._is_silent:
-            out += self._autopilot_component.step()
+            out += self._autopilot_component.step(until_s)
+
+    def _stream(self, until_s: float, out: Outgoing) -> None:
+        """Streams that are due between two steps of the autopilot, with the state of this one."""
+        component = self._autopilot_component
+        if self._is_silent or not (due := component.due(self._steps * DT_S, until_s)):
+            return
+        if any(is_read for _, _, is_read in due):
+            self._look()
+        component.stream(due)
+        out += component.flush()
 
     def _look(self) -> None:
         """Takes the state of this step."""

@@ -162,14 +162,14 @@ def lockstep(
     companion = Companion(
         mission, recorder, page=page, limit=limit, engine=engine, functions=functions
     )
-    links = frozenset({LinkName.OFFBOARD})
+    links, is_all_read = frozenset({LinkName.OFFBOARD}), keeps_packets or scenario.disturbs_links
     simulation = Simulation(
         scenario,
         grid,
         seed=seed,
         instance=instance,
         links=links,
-        is_read=lambda message_id: keeps_packets or companion.reads(message_id),
+        reader=None if is_all_read else companion.wire,
     )
     return LockstepFlight(companion, simulation)
 

@@ -28,14 +28,16 @@ class Wire:
 
     Attributes:
         time: answers the autopilot's questions for it.
+        wanted: ids of the messages that are decoded.
+        continual: of these, those of which only the newest of a tick is.
     """
 
     def __init__(self) -> None:
         self.time = TimeAnswers()
         self._answered: list[bytes] = []
         self._codec = MavlinkCodec(0, COMPONENT)
-        self._wanted: frozenset[int] = frozenset()
-        self._continual: frozenset[int] = frozenset()
+        self.wanted: frozenset[int] = frozenset()
+        self.continual: frozenset[int] = frozenset()
         self._telling: frozenset[int] = frozenset()
 
     @property
@@ -56,17 +58,13 @@ class Wire:
             continual: those of which only the newest of a tick counts.
             telling: those that may tell an event of the mission.
         """
-        self._wanted = _ids(wanted | {"HEARTBEAT"})
-        self._continual = _ids(continual)
+        self.wanted = _ids(wanted | {"HEARTBEAT"})
+        self.continual = _ids(continual)
         self._telling = _ids(telling)
-
-    def reads(self, message_id: int) -> bool:
-        """Whether somebody reads a message."""
-        return message_id in self._wanted
 
     def parse(self, datagrams: list[bytes]) -> list[Message]:
         """The messages of a tick, in order, from whomever and for whomever."""
-        frames = choose(datagrams, self._wanted, self._continual)
+        frames = choose(datagrams, self.wanted, self.continual)
         messages = [message for message in map(decode, frames) if message is not None]
         if self.system:
             return messages

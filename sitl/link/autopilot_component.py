@@ -18,7 +18,7 @@ from companion.mavlink.statustext import chunks
 from sitl.autopilot.modes import FLIGHT_MODES
 from sitl.autopilot.situation import heading
 from sitl.link import parameters, setpoints
-from sitl.link.autopilot_link import AUTOPILOT, AutopilotLink, IsRead, Outgoing
+from sitl.link.autopilot_link import AUTOPILOT, AutopilotLink, Outgoing
 from sitl.link.commands import ACCEPTED_FIRST, execute, request_from
 from sitl.link.events import EventService
 from sitl.link.messages import compose
@@ -26,12 +26,24 @@ from sitl.link.mission_items import MissionType, WireItem, areas_from, item_from
 from sitl.link.mission_progress import MissionProgressReporter
 from sitl.link.mission_service import MissionService
 from sitl.link.routing import MAV_TYPE_GCS, LinkName, Router, is_for
+from sitl.link.streams import StreamReader
 from sitl.link.telemetry.system import status
 from sitl.link.time_offset import TimeOffset
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.results import MavResult
 from sitl.world.faults import ANSWERS, Answer
 
+CONTINUAL = frozenset(
+    {
+        "HEARTBEAT",
+        "SET_POSITION_TARGET_LOCAL_NED",
+        "SET_POSITION_TARGET_GLOBAL_INT",
+        "TIMESYNC",
+    }
+)
+"""Messages after which nothing is to be said that would not be said by itself."""
+DueStream = tuple[AutopilotLink, str, bool]
+"""A stream by its name, with its link, and whether it is read."""
 LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
 
 
@@ -45,7 +57,10 @@ class AutopilotComponent:
         router: knows where a ground station listens.
         answers: how a MAV_CMD is taken, other than it would be; read with every command.
         refusals: reasons of the scenario for which arming is refused.
-        is_read: of the streams.
+        reader: of the streams, if nobody else reads them.
+
+    Attributes:
+        is_asked: something is to be said before the autopilot's next step.
     """
 
     def __init__(
@@ -56,7 +71,7 @@ class AutopilotComponent:
         router: Router,
         answers: Mapping[int, Answer],
         refusals: Iterable[str],
-        is_read: IsRead,
+        reader: StreamReader | None = None,
     ) -> None:
         self.address = (system, AUTOPILOT)
         self._vehicle = vehicle
@@ -66,11 +81,11 @@ class AutopilotComponent:
         self._out: Outgoing = []
         self._events = EventService(refusals)
         self._links = {
-            name: AutopilotLink(name, system, vehicle, self._events, self._out, is_read)
+            name: AutopilotLink(name, system, vehicle, self._events, self._out, reader)
             for name in LinkName
             if name in links
         }
-        self._is_asked = False
+        self.is_asked = False
         self._reported_status = status(vehicle.autopilot)
         self._text_count = 0
         self._progress = MissionProgressReporter()
@@ -84,15 +99,21 @@ class AutopilotComponent:
 
     def receive(self, name: LinkName, message: Message) -> None:
         """Handles a message that came in on a link."""
-        self._is_asked = True
+        self.is_asked |= message.get_type() not in CONTINUAL
         service = self.SERVICES.get(message.get_type())
         link = self._links.get(name)
         if service and link and is_for(self.address, message):
             service(self, link, message)
 
-    def step(self) -> Outgoing:
-        """The frames that leave now."""
-        self._is_asked = False
+    def follow(self) -> None:
+        """The autopilot has gone on; what it has come to is told with the next step."""
+        autopilot = self._vehicle.autopilot
+        if autopilot.status_texts or status(autopilot) != self._reported_status:
+            self.is_asked = True
+
+    def step(self, until_s: float) -> Outgoing:
+        """The frames that leave now; what leaves until `until_s` arrives together."""
+        self.is_asked = False
         vehicle, now_s = self._vehicle, self._vehicle.state.time_s
         now = status(vehicle.autopilot)
         for origin, message in self._missions.due(now_s):
@@ -108,9 +129,9 @@ class AutopilotComponent:
                 link.next_step.clear()
             if link.listing:
                 self._list_parameters(link)
+                self.is_asked |= bool(link.listing)
             link.tell_origin()
-            for name in link.streams.due(now_s):
-                link.stream(name)
+        self.stream(self.due(now_s, until_s))
         if self._late:
             for due_s, link, message in self._late:
                 if due_s <= now_s:
@@ -119,9 +140,21 @@ class AutopilotComponent:
         self._send_status_texts()
         return self.flush()
 
-    def is_due(self, now_s: float) -> bool:
-        """Something is to be sent before the autopilot's next step: answers, streams."""
-        return self._is_asked or any(link.is_due(now_s) for link in self._links.values())
+    def due(self, now_s: float, until_s: float) -> list[DueStream]:
+        """The streams that are due now, of all links."""
+        return [
+            (link, name, is_read)
+            for link in self._links.values()
+            for name, is_read in link.streams.due(now_s, until_s)
+        ]
+
+    def stream(self, due: list[DueStream]) -> None:
+        """Sends streams with the present state."""
+        for link, name, is_read in due:
+            if is_read:
+                link.stream(name)
+            else:
+                link.skip()
 
     def _list_parameters(self, link: AutopilotLink) -> None:
         known = self._vehicle.autopilot.parameters

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import MavlinkCodec, Message, dialect
 from sitl.link.events import EventService
 from sitl.link.files import FileServer
 from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose, message_name
 from sitl.link.routing import LinkName
-from sitl.link.streams import Streams
+from sitl.link.streams import StreamReader, Streams
 from sitl.link.time_offset import TimeOffset
 from sitl.link.vehicle import SimulatedVehicle
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
 ORIGIN_S = 1.0  # how often it is looked whether the origin has changed
 Outgoing = list[tuple[LinkName, bytes]]
-IsRead = Callable[[int], bool]
-"""Whether somebody reads a streamed message, by its id."""
-UNREAD = b""
-"""In the place of a frame that nobody reads: it has its number, and meets what others meet."""
 
 
 class AutopilotLink:
@@ -32,7 +26,7 @@ class AutopilotLink:
         vehicle: the owner keeps `vehicle.state` current.
         events: shared by all links.
         out: where frames are put, in order.
-        is_read: of the streams; what is not read is not packed.
+        reader: of the streams, if nobody else reads them.
 
     Attributes:
         files: what the link reads by FTP.
@@ -49,15 +43,14 @@ class AutopilotLink:
         vehicle: SimulatedVehicle,
         events: EventService,
         out: Outgoing,
-        is_read: IsRead,
+        reader: StreamReader | None,
     ) -> None:
         self.name = name
         self.files = FileServer(events.files)
         self._events = events
         self.vehicle = vehicle
         self._out = out
-        self._is_read = is_read
-        self.streams = Streams(name, vehicle.state.time_s)
+        self.streams = Streams(name, vehicle.state.time_s, reader)
         self.next_step: list[Message] = []
         self.listing: list[str] = []
         self.time_offset = TimeOffset()
@@ -75,22 +68,18 @@ class AutopilotLink:
             self._told_origin = origin
             self.stream("GPS_GLOBAL_ORIGIN")
 
-    def is_due(self, now_s: float) -> bool:
-        """A stream or more of a list is due."""
-        return self.streams.due_s <= now_s or bool(self.listing)
-
     def send(self, message: Message) -> None:
         """Packs a message for this link."""
         self._out.append((self.name, self._codec.pack(message)))
 
     def stream(self, name: str) -> None:
-        """Packs a message of the telemetry for this link, if somebody reads it."""
-        kind, frame = MESSAGE_CLASSES[name], UNREAD
-        if self._is_read(kind.id):
-            frame = self._codec.frame(kind, MESSAGES[name](self.vehicle))
-        else:
-            self._codec.skip()
+        """Packs a message of the telemetry for this link."""
+        frame = self._codec.frame(MESSAGE_CLASSES[name], MESSAGES[name](self.vehicle))
         self._out.append((self.name, frame))
+
+    def skip(self) -> None:
+        """Goes on as if a message had been sent."""
+        self._codec.skip()
 
     def send_if(self, message: Message | None) -> None:
         """Packs a message, if there is one."""

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import heapq
 import math
+from collections.abc import Container
+from typing import Protocol
 
 from sitl.link.messages import MESSAGE_CLASSES
 from sitl.link.routing import LinkName
@@ -50,15 +52,31 @@ RATES_HZ: dict[str, tuple[float, float]] = {
 _COLUMN = {LinkName.GCS: 0, LinkName.OFFBOARD: 1}
 
 
+class StreamReader(Protocol):
+    """Who reads the streams of a link, and nobody else does."""
+
+    @property
+    def wanted(self) -> Container[int]:
+        """Ids of the messages that it reads."""
+
+    @property
+    def continual(self) -> Container[int]:
+        """Of these, those of which it reads only the newest that arrives together."""
+
+
 class Streams:
     """The schedule of one link.
 
     Args:
         link: whose defaults to start with.
         now_s: the first messages are due now.
+        reader: at the other end; without one everything may be read.
     """
 
-    def __init__(self, link: LinkName, now_s: float = 0.0) -> None:
+    def __init__(
+        self, link: LinkName, now_s: float = 0.0, reader: StreamReader | None = None
+    ) -> None:
+        self._reader = reader
         self._defaults_s = {
             name: 1 / rates[_COLUMN[link]] if rates[_COLUMN[link]] else 0.0
             for name, rates in RATES_HZ.items()
@@ -72,18 +90,33 @@ class Streams:
         """When the next message is due."""
         return self._queue[0][0] - EARLY_S if self._queue else math.inf
 
-    def due(self, now_s: float) -> list[str]:
-        """The messages to send now; each keeps its rate over the long run."""
-        names = []
+    def due(self, now_s: float, until_s: float) -> list[tuple[str, bool]]:
+        """The messages to send now; each keeps its rate over the long run.
+
+        Args:
+            now_s: the time.
+            until_s: what is sent until then arrives together.
+
+        Returns:
+            Each with whether it is read.
+        """
+        messages = []
         while self.due_s <= now_s:
             due_s, message_id, name = self._queue[0]
-            names.append(name)
             interval_s = self._intervals_s[name]
             after_s = due_s + interval_s
             if after_s <= now_s:  # an interval shorter than a step: once each step
                 after_s = now_s + interval_s
             heapq.heapreplace(self._queue, (after_s, message_id, name))
-        return names
+            is_newest = after_s - EARLY_S > until_s
+            messages.append((name, self._is_read(message_id, is_newest)))
+        return messages
+
+    def _is_read(self, message_id: int, is_newest: bool) -> bool:
+        reader = self._reader
+        if reader is None:
+            return True
+        return message_id in reader.wanted and (is_newest or message_id not in reader.continual)
 
     def set_interval(self, name: str, interval_us: float, now_s: float) -> bool:
         """Changes a message's interval: 0 is the default, negative is off.

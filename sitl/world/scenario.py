@@ -129,6 +129,12 @@ class Scenario:
     factors: tuple[Factor, ...] = ()
 
     @property
+    def disturbs_links(self) -> bool:
+        """Whether its events lose, delay or double datagrams, or restart the autopilot."""
+        kinds = {key for event in self.events for key, _ in event.effects}
+        return not kinds.isdisjoint({"link", "reboot"})
+
+    @property
     def arming_refusals(self) -> tuple[str, ...]:
         """Reasons for which its events refuse arming."""
         values = [v for event in self.events for key, v in event.effects if key == "arming"]

@@ -1,22 +1,21 @@
 """What clients ask of the autopilot besides flying: streams, parameters, requests, forwarding."""
 
 import struct
-from collections.abc import Callable
 from random import Random
 
 import pytest
 from wire import Wire, companion_heartbeat, gcs_heartbeat
 
-from companion.mavlink.framing import MavlinkCodec, dialect, message_id
+from companion.mavlink.framing import MavlinkCodec, choose, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from sitl.autopilot.autopilot import Autopilot
 from sitl.autopilot.parameters import PARAMETERS, Parameters
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import Physics
 from sitl.flight.sensors import Sensors
-from sitl.link.autopilot_link import UNREAD
 from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose
 from sitl.link.routing import LinkName
+from sitl.link.streams import StreamReader
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.simulation import Simulation
 from sitl.world.scenario import Scenario
@@ -288,15 +287,22 @@ def test_links_without_a_peer_get_nothing() -> None:
     assert {link for link, _ in simulation.step(1.0, [])} == {LinkName.OFFBOARD}
 
 
-def test_what_nobody_reads_is_not_packed_and_leaves_the_rest_as_it_is() -> None:
-    def leaving(is_read: Callable[[int], bool]) -> list[tuple[LinkName, bytes]]:
-        return Simulation(Scenario(), None, seed=0, is_read=is_read).step(1.0, [])
+class Ear:
+    """Reads two messages, and of one of them only the newest."""
 
-    unread = {dialect.MAVLINK_MSG_ID_ATTITUDE, dialect.MAVLINK_MSG_ID_ODOMETRY}
-    everything = leaving(lambda _: True)
-    kept = [(link, UNREAD if message_id(f) in unread else f) for link, f in everything]
-    assert kept != everything
-    assert leaving(lambda number: number not in unread) == kept
+    wanted = frozenset({dialect.MAVLINK_MSG_ID_SYS_STATUS, dialect.MAVLINK_MSG_ID_ATTITUDE})
+    continual = frozenset({dialect.MAVLINK_MSG_ID_ATTITUDE})
+
+
+def test_of_streams_that_one_reads_alone_what_it_does_not_read_is_not_packed() -> None:
+    def leaving(reader: StreamReader | None) -> list[list[bytes]]:
+        offboard = frozenset({LinkName.OFFBOARD})
+        simulation = Simulation(Scenario(), None, seed=0, links=offboard, reader=reader)
+        return [[f for _, f in simulation.step(0.05 * i, [])] for i in range(1, 40)]
+
+    everything = [choose(frames, Ear.wanted, Ear.continual) for frames in leaving(None)]
+    packed = leaving(Ear())
+    assert [choose(frames, Ear.wanted, frozenset()) for frames in packed] == everything
 
 
 def test_a_file_that_is_not_there_is_refused_at_once_and_to_whom_asked() -> None:
