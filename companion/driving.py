@@ -16,7 +16,7 @@ from companion.errors import LinkTimeout
 from companion.ground.operations import SystemStatus
 from companion.slices import abandon_all
 from companion.vehicle.control_watch import PAUSED_S
-from companion.vehicle.endpoints import SerialPort
+from companion.vehicle.endpoints import SerialPort, TcpServer
 from companion.vehicle.link import Link
 from companion.vehicle.report_port import ReportPort
 
@@ -103,13 +103,19 @@ def _timed_out(link: Link, timeout_s: float, missing: str) -> LinkTimeout:
             "    an autopilot has a position and a home when its GPS is good, minutes after a cold "
             "start; --timeout waits longer"
         )
-    advice = (
-        "    is it the port that the autopilot is wired to, and its speed that of SER_*_BAUD?\n"
-        "    companion doctor --connect tells what is heard there"
-        if isinstance(link.endpoint, SerialPort)
-        else "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
-        "    QGroundControl must not listen on this port"
-    )
+    match link.endpoint:
+        case SerialPort():
+            advice = (
+                "    is it the port that the autopilot is wired to, and its speed that of "
+                "SER_*_BAUD?\n    companion doctor --connect tells what is heard there"
+            )
+        case TcpServer():
+            advice = "    is a program running there that waits for connections?"
+        case _:
+            advice = (
+                "    PX4 SITL and `sitl` send to port 14540 by themselves; is one running?\n"
+                "    QGroundControl must not listen on this port"
+            )
     return LinkTimeout(
         f"no vehicle on {link.endpoint} after {timeout_s:.0f} s: {link.account()}\n{advice}"
     )

@@ -101,6 +101,13 @@ def _print_version(is_wanted: bool) -> None:
         raise typer.Exit
 
 
+Check = Annotated[Path | None, typer.Option(metavar="FILE", help="Check a scenario, fly nothing.")]
+Version = Annotated[
+    bool,
+    typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version."),
+]
+
+
 def simulate(
     scenario: Annotated[
         Path | None, typer.Option(help="NAME.sim.yaml; without it, no walls.")
@@ -133,15 +140,8 @@ def simulate(
     attended: Annotated[
         bool, typer.Option("--attended", help="End when standard input does.", hidden=True)
     ] = False,
-    check: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Check a scenario, fly nothing.")
-    ] = None,
-    version: Annotated[
-        bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version."
-        ),
-    ] = False,
+    check: Check = None,
+    version: Version = False,
 ) -> None:
     """Simulate one PX4-like vehicle on PX4's UDP ports.
 

@@ -91,6 +91,18 @@ LOGIC: Table = {
     "a pattern with too little": _task("delayed_reaction(at(A))", "write delayed_reaction("),
     "quotes of books": _task("\u201cF at(Home)\u201d", "is made of names"),
     "priority as a word": _task("{formula: F at(A), priority: high}", "expected a whole number"),
+    "an arrow of others": _task("at(A) --> F at(B)", "write ->"),
+    "a power of X": _task("X^2 at(A)", "write X X at(A)"),
+    "since": _task("at(A) S at(B)", "formulas look forwards"),
+    "once": _task("O at(A)", "formulas look forwards"),
+    "paths": _task("EF at(Home)", "a plan is one path"),
+    "two places at once": _task("F at(A, B)", "write at(A) | at(B)"),
+    "a bound below": _task("F_[0,60] at(A)", "write F[<=60s] at(A)"),
+    "a bound in braces": _task("'F_{<=60} at(A)'", "write F[<=60s] at(A)"),
+    "every so often": _task("revisit(A) every 5 min", "write revisit(A) <= 5 min"),
+    "a list for a pattern": _task("patrolling([A, B])", "write e.g. patrolling(A, B)"),
+    "a landing": _task("F land", "The vehicle lands where the task is done"),
+    "a goal in time": Mistake("task:", "goal: F at(A)\ntask:", "goal", "stand in the task alone"),
     "no line has a name": Mistake(
         FIELD[FIELD.index("task:") : FIELD.index("\n\n# What is done")],
         "task: F at(A) & F at(B)",
@@ -123,6 +135,15 @@ SKILLS: Table = {
     "another word for fly": Mistake("fly(to)", "goto(to)", "    exec", "Did you mean fly?"),
     "coordinates to fly to": Mistake("fly(to)", "fly(40, 0, 6)", "    exec", "fly(parameter)"),
     "a script": Mistake("photo(camera)", "photo.py", "    exec", "python(name, arguments)"),
+    "a mode": Mistake("photo(camera)", "rtl()", "    exec", "a line of the task: F G at(Home)"),
+    "a component that has no name": Mistake(
+        "photo(camera)", "command(1, MAV_CMD_USER_1)", "    exec", "add others there, {NAME: ID}"
+    ),
+    "a place to fly to": Mistake("fly(to)", "fly(A)", "    exec", "A plan says which place"),
+    "a step without brackets": Mistake("photo(camera)", "photo", "    exec", "write photo(camera)"),
+    "two steps": Mistake("fly(to)", "fly(to), wait(2)", "    exec", "[fly(to), wait(2)]"),
+    "what does not hold": Mistake("[at(Home)]", "[at(Home), '!at(A)']", "initially", "leave it"),
+    "half a fact": Mistake("[at(Home)]", "[at(Home), x(A, B)]", "initially", "put quotes around"),
     "a wait with its unit": Mistake("photo(camera)", "wait(5s)", "    exec", "write e.g. 1.5"),
     "no execute": Mistake(
         "    execute: photo(camera)", "    #", "  shoot:", "execute: What the vehicle does"
@@ -162,6 +183,10 @@ EVENTS: Table = {
     "a field misspelt": _event("BATTERY_STATUS.remaining < 30", "fields are id"),
     "a number with its unit": _event('"BATTERY_STATUS.battery_remaining < 30%"', "without %"),
     "a command alone": _event("MAV_CMD_USER_1", "write COMMAND.MAV_CMD_USER_1"),
+    "a share": _event("BATTERY_STATUS.battery_remaining < 0.3", "write percent: 30"),
+    "true": _event('"EVENT[alarm] == true"', "> 0 for true"),
+    "a value by its name": _event("HEARTBEAT.custom_mode == RTL", "compare with a NUMBER"),
+    "a topic of uORB": _event("vehicle_status.failsafe > 0", "uORB topics are none"),
     "a topic": _event("/alarm", "write MESSAGE.field > NUMBER"),
     "yes": Mistake("latch: true", "latch: yes", "  alarm:", "expected true or false"),
     "a time without its unit": Mistake("latch: true", "for: 5", "  alarm:", "mean for_s?"),
@@ -170,6 +195,10 @@ EVENTS: Table = {
 
 PLACES: Table = {
     "a unit": Mistake("speed_mps: 5", "speed_mps: 5 m/s", "  speed", "the number alone: 5."),
+    "a comment at once": Mistake("speed_mps: 5", "speed_mps: 5#m/s", "  speed", "space before #"),
+    "PX4's name of a zone": Mistake(
+        "  fence:", "  no_fly: {a: [[0, 0], [1, 0], [1, 1]]}\n  fence:", "  no_fly", "keep_out?"
+    ),
     "a decimal comma": Mistake("speed_mps: 5", "speed_mps: 2,5", "  speed", "a point: 2.5"),
     "a number in quotes": Mistake("speed_mps: 5", "speed_mps: '5'", "  speed", "Greatest speed"),
     "km/h": Mistake("speed_mps: 5", "speed_kmh: 18", "  speed", "Did you mean speed_mps?"),
@@ -254,6 +283,12 @@ BATTERY: Table = {
 YAML: Table = {
     "no version": Mistake("version: 1\n", "", "", "Version of this format: 1"),
     "a name with spaces": Mistake("name: first", "name: my first!", "name", "letters, digits"),
+    "a number for a name": Mistake("name: first", "name: 2024", "name", 'around it: "2024"'),
+    "an equals sign": Mistake("speed_mps: 5", "speed_mps = 5", "  up_m", "write speed_mps: 5"),
+    "a dash of books": Mistake("sets:", "sets:\n  \u2013 x", "  Place", "dash of a word processor"),
+    "! in brackets": Mistake(
+        "at(to) & !at(from)", "[at(to), !at(from)]", "    cost", "begins with !: put quotes"
+    ),
     "a tab": Mistake("  speed_mps", "\tspeed_mps", "\tspeed_mps", "indent with spaces"),
     "a minus of books": Mistake("[[-20", "[[\u221220", "  fence", "of the keyboard: -20."),
     "no space after a colon": Mistake(
@@ -279,6 +314,17 @@ YAML: Table = {
 """Of YAML, and files that are none; in the FIELD."""
 
 WORLDS: Table = {
+    "a charge in percent": Mistake(
+        "wind:", "battery: {charge: 50%}\nwind:", "battery", "write a share: 0.5"
+    ),
+    "a button": Mistake("report: {alarm: 1}", "operator: RTL", "  - ", "MAV_CMD_NAV_RETURN_TO"),
+    "another distribution": Mistake(
+        "wind:", "vary: {wind.east_mps: {uniform: [0, 5]}}\nwind:", "vary", "mean within?"
+    ),
+    "a report as a text": Mistake(
+        "report: {alarm: 1}", "report: alarm", "  - ", "{NAME: NUMBER}: a program"
+    ),
+    "a condition for a time": Mistake("at_s: 40", "when: 40", "  - ", "Did you mean at_s?"),
     "a wind with its unit": Mistake("east_mps: 3", "east_mps: 3 m/s", "wind", "alone: 3."),
     "a wind of one number": Mistake("wind: {", "wind: 5\n# {", "wind", "keys are east_mps"),
     "a time without its unit": Mistake("at_s: 40", "at: 40", "  - ", "Did you mean at_s?"),

@@ -38,11 +38,14 @@ from companion.cli.simulated_flight import sim
 from companion.cli.skills import skills
 from companion.cli.terminal import give_up
 from companion.cli.trees import tree
+from companion.cli.words import WordyGroup
 from companion.errors import CompanionError
 
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 app = typer.Typer(
+    cls=WordyGroup,
+    context_settings={"help_option_names": ["--help", "-h"]},
     help="Plans a mission in linear temporal logic and flies it on a PX4-style vehicle.",
     epilog="Try: companion sim surveillance --speed max",
     no_args_is_help=True,

@@ -15,9 +15,19 @@ from companion.errors import CompanionError
 from companion.monitor.child import Child, listen, url
 
 DEFAULT_ADDRESS = "127.0.0.1:8080"
+
+
+def _checked(address: str | None) -> str | None:
+    """Refuses what is no address before anything is recorded."""
+    if address not in (None, "off"):
+        _host_and_port(address)
+    return address
+
+
 Monitor = Annotated[
     str | None,
     typer.Option(
+        callback=_checked,
         metavar="HOST:PORT|off",
         help="Where the page of the run is served.",
         show_default=f"{DEFAULT_ADDRESS}, off at --speed max",

@@ -24,6 +24,9 @@ _UNIT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*[A-Za-z%°/]+[A-Za-z0-9/²]*\s*")
 """A number with a unit behind it."""
 _OTHER_MINUS = re.compile(r"\s*[\u2010-\u2015\u2212](\d+(?:\.\d+)?)\s*")
 """A number behind a dash, or behind the minus of books."""
+_PERCENT = re.compile(r"\s*(\d+(?:\.\d+)?)\s*%\s*")
+_COMMENT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)#.*")
+"""A number with a comment that no space is before."""
 _COMMA = re.compile(r"\s*([-+]?\d+),(\d+)\s*")
 """A number with a decimal comma."""
 _SIMILAR = 0.6  # difflib's own cutoff for close matches
@@ -36,9 +39,14 @@ _ELSEWHERE = {
     **dict.fromkeys(("yaw", "heading"), ("heading_deg",)),
     **dict.fromkeys(("percent", "level", "soc"), ("charge",)),
     "event": ("report",),
-    "velocity": ("speed_mps",),
+    **dict.fromkeys(("when", "time", "t", "at"), ("at_s",)),
+    **dict.fromkeys(("mode", "command"), ("operator",)),
+    **dict.fromkeys(("uniform", "range", "between"), ("within",)),
+    **dict.fromkeys(("velocity", "max_speed", "cruise_speed"), ("speed_mps",)),
+    **dict.fromkeys(("max_alt", "max_altitude", "ceiling", "min_altitude"), ("up_m",)),
+    **dict.fromkeys(("no_fly", "no_fly_zones", "exclusion", "obstacles"), ("keep_out",)),
     "geofence": ("fence",),
-    "waypoints": ("places",),
+    **dict.fromkeys(("waypoints", "home"), ("places",)),
     "actions": ("skills",),
 }
 """What other programs call a key -> ours."""
@@ -176,7 +184,8 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
     explained, keys_there = _explanation(root, keys), schema_at(root, keys).get("properties", ())
     if keys_there:
         explained = f"{explained.rstrip('.')}. keys are {', '.join(keys_there)}."
-    return _wrong_value(details, keys, explained, _at(data, keys))
+    is_share = schema_at(root, keys).get("maximum") == 1
+    return _wrong_value(details, keys, explained, _at(data, keys), is_share)
 
 
 def meant_key(word: str, known: Sequence[str]) -> str:
@@ -197,7 +206,9 @@ def _explanation(root: Schema, keys: Keys) -> str:
     return _sentence(_subject(()), root.get("description", ""))
 
 
-def _wrong_value(details: list[Detail], keys: Keys, explained: str, value: object) -> Diagnostic:
+def _wrong_value(
+    details: list[Detail], keys: Keys, explained: str, value: object, is_share: bool
+) -> Diagnostic:
     subject = keys[-1] if keys and isinstance(keys[-1], str) else _subject(keys)
     kind, message = details[0]["type"], details[0]["msg"]
     if kind not in _RULES:  # a validator's own words
@@ -208,20 +219,28 @@ def _wrong_value(details: list[Detail], keys: Keys, explained: str, value: objec
     hint = explained
     if isinstance(value, str):
         words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
-        number = _number_in(value) if "a number" in expected else ""
+        number = _number_in(value, is_share) if "a number" in expected else ""
         hint = f"{number or did_you_mean(value, words)} {hint}".strip()
+    elif isinstance(value, bool | int | float) and "a text" in expected:
+        hint = f'put quotes around it: "{_short(value)}". {hint}'
     what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"
     return Diagnostic(what, keys, hint, False)
 
 
-def _number_in(text: str) -> str:
+def _number_in(text: str, is_share: bool = False) -> str:
     """What to write for a text that is nearly a number; empty if it is none.
 
     >>> _number_in("2,5"), _number_in("2.5 m/s"), _number_in("fast")
     ('write a point: 2.5.', 'write the number alone: 2.5.', '')
+    >>> _number_in("50 %", is_share=True)
+    'write a share: 0.5.'
     """
+    if is_share and (percent := _PERCENT.fullmatch(text)):
+        return f"write a share: {float(percent[1]) / 100:g}."
     if minus := _OTHER_MINUS.fullmatch(text):
         return f"write the minus of the keyboard: -{minus[1]}."
+    if comment := _COMMENT.fullmatch(text):
+        return f"write a space before #, after {comment[1]}."
     if comma := _COMMA.fullmatch(text):
         return f"write a point: {comma[1]}.{comma[2]}."
     number = _UNIT.fullmatch(text)

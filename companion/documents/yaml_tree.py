@@ -141,6 +141,14 @@ _NO_SPACE = re.compile(r"^\s*([A-Za-z_]\w*):([^\s/:].*?)\s*$")
 """A key whose colon no space follows."""
 
 
+_EQUALS = re.compile(r"^\s*([A-Za-z_]\w*)\s*=\s*(\S.*?)\s*$")
+"""A key with an equals sign."""
+_DASH = re.compile(r"^\s*[\u2010-\u2015\u2022\u2212]\s")
+"""A list's entry with a dash or a dot of word processors."""
+_TAG = re.compile(r"[\[{,]\s*![A-Za-z(]")
+"""A text with ! inside brackets."""
+
+
 def _syntax_hint(problem: str, error: MarkedYAMLError) -> str:
     hint = next((hint for part, hint in _SYNTAX_HINTS if part in problem), "")
     begun, met = error.context_mark, error.problem_mark
@@ -158,6 +166,14 @@ def _hidden_fault(text: str, number: int) -> str:
             return f"line {n} has a space that is none, U+{ord(strange[0]):04X}: write a plain one"
         if found := _NO_SPACE.match(line):
             return f"line {n} lacks a space after the colon: write {found[1]}: {found[2]}"
+        if found := _EQUALS.match(line):
+            return f"line {n} has = after a key: write {found[1]}: {found[2]}"
+        if _DASH.match(line):
+            return (
+                f"line {n} begins with a dash of a word processor: write the minus of the keyboard"
+            )
+        if _TAG.search(line):
+            return f"line {n} has a text that begins with !: put quotes around it, e.g. '!at(A)'"
     return ""
 
 

@@ -99,7 +99,10 @@ async def _vehicle(
         others = f"; heard: system {heard}" if heard else ""
         raise LinkTimeout(f"no vehicle with system id {number} on {url}{others}")
     if not vehicles:
-        raise LinkTimeout(f"no vehicle on {url} after {timeout_s:.0f} s")
+        raise LinkTimeout(
+            f"no vehicle on {url} after {timeout_s:.0f} s\n"
+            "    is `companion run` or `companion sim` running? does QGroundControl have the port?"
+        )
     if len(vehicles) > 1:
         raise LinkError(
             f"several vehicles on {url}: systems {heard}\n    name one of them with --system"

@@ -125,7 +125,11 @@ def misplaced(token: Token, before: str) -> tuple[str, str]:
         token: the bound.
         before: the text up to it.
     """
+    if token.type == "BOUND" and before.rstrip().endswith(("(", ",")):
+        return "a list has no brackets of its own here", "write e.g. patrolling(A, B)"
     name = re.search(r"(\w+)\s*$", before)
+    if name is not None and name[1] in ("F_", "G_", "U_"):
+        return f"{name[1]}{token} is another notation", _WRITE["BOUND"]
     if name is not None and name[1] not in {operator.value for operator in TEMPORAL}:
         if token.type == "BOUND":
             return f"{name[1]}{token} is no fact", "write the name that it has under events alone"

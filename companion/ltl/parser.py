@@ -215,11 +215,15 @@ _EXPECTED = (
 
 
 _FOREIGN = {
-    "=>": "->", "→": "->", "⇒": "->", "implies": "->",
+    "=>": "->", "--": "->", "==>": "->", "→": "->", "⇒": "->", "implies": "->",
     "<=>": "<->", "↔": "<->", "==": "<->", "iff": "<->",
     "□": "G", "[]": "G", "always": "G", "globally": "G", "◇": "F", "<>": "F", "eventually": "F",
     "finally": "F", "○": "X", "next": "X", "until": "U", "release": "R", "and": "&", "∧": "&",
     "or": "|", "∨": "|", "not": "!", "¬": "!", "~": "!", "within": "F[<=60s] at(A)",
+    "every": "revisit(A) <= 5 min", "AG": "G", "AF": "F", "AX": "X",
+    **dict.fromkeys(("EF", "EG", "EX"), "F, G or X: a plan is one path"),
+    **dict.fromkeys(("S", "since", "O", "once", "H", "Y"),
+                    "what has to come: formulas look forwards, with X F G U R W"),
     "forall": "at(A) & at(B), or a pattern such as visit(A, B)", "exists": "at(A) | at(B)",
 }  # fmt: skip
 """Spellings of other tools and books, and ours."""
@@ -242,6 +246,10 @@ def _in_another_notation(text: str, offset: int) -> FormulaError | None:
 def _meaningless(text: str, offset: int) -> FormulaError:
     if foreign := _in_another_notation(text, offset):
         return foreign
+    if text[offset] in "{^" and re.search(r"\b[XFGU]_?$", text[:offset]):
+        what = f"{text[offset]!r} is another notation"
+        ours = "X X at(A)" if text[offset] == "^" else "F[<=60s] at(A)"
+        return FormulaError(what, text, offset, 1, f"write {ours}")
     if text[offset] == "[" and re.search(r"\bF\s*$", text[:offset]):
         what = "the [ of a time bound has no ]"
         return FormulaError(what, text, offset, 1, "write F[<=60s] at(A)")

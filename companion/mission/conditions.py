@@ -97,6 +97,10 @@ def _remedy(text: str, offset: int) -> str:
         return "write =="
     if re.match(r"(and|or|&+|\|+)\s", rest):
         return "an event has one condition: make an event of each, and join them in the task"
+    if re.match(r"[=!<>]=?\s*(true|false)\b", rest, re.IGNORECASE):
+        return "compare with a number: > 0 for true, == 0 for false"
+    if re.match(r"[=!<>]=?\s*[A-Za-z]", rest):
+        return "compare with a NUMBER: names of values are not known here"
     if re.match(r"[A-Za-z%°]", rest) and text[:offset].rstrip()[-1:].isdigit():
         return f"write the number alone, without {rest}"
     return "write MESSAGE.field > NUMBER, EVENT[name] > NUMBER or COMMAND.MAV_CMD_NAME"
@@ -108,6 +112,9 @@ def _demand_change(condition: Condition, match: re.Match[str]) -> None:
     units = message.fieldunits_by_name if message is not None else {}
     if units.get(condition.signal.field) != "%":
         return
+    if 0 < condition.threshold < 1 and condition.comparison not in ("==", "!="):
+        hint = f"write percent: {100 * condition.threshold:g}"
+        raise _error(match, "threshold", f"{condition.threshold:g} is a share", hint)
     truths = set(map(condition.is_met_by, PERCENT))
     if len(truths) == 1:
         what = "always" if truths.pop() else "never"
@@ -146,7 +153,9 @@ def _field_signal(match: re.Match[str]) -> Signal:
     name, field, instance = match["message"], match["field"], match["instance"]
     message = _MESSAGES.get(name)
     if message is None:
-        hint = did_you_mean(name, [*_MESSAGES, COMMAND])
+        hint = "MAVLink's common.xml lists them, e.g. BATTERY_STATUS; uORB topics are none"
+        if not name.islower():
+            hint = did_you_mean(name, [*_MESSAGES, COMMAND]) or hint
         raise _error(match, "message", f"unknown MAVLink message {name}", hint)
     sizes = dict(zip(message.ordered_fieldnames, message.array_lengths, strict=True))
     numbers = [n for n in message.fieldnames if sizes[n] == 0]

@@ -79,7 +79,10 @@ def parse_execution(
     match = _CALL.fullmatch(text)
     forms = ", ".join(kind.form for kind in KINDS.values())
     if match is None:
-        raise FormulaError("not something to execute", text, 0, len(text), f"write {forms}")
+        hint = f"write {KINDS[text.strip()].form}" if text.strip() in KINDS else f"write {forms}"
+        if text.count("(") > 1:
+            hint = f"write a list: [{text}]"
+        raise FormulaError("not something to execute", text, 0, len(text), hint)
     verb = match["verb"]
     arguments = list(_arguments(match))
     if verb in skills:
@@ -88,7 +91,9 @@ def parse_execution(
     if kind is None:
         ours = _ELSEWHERE.get(verb.lower(), "")
         meant = f"Did you mean {ours}?" if ours else did_you_mean(verb, [*KINDS, *skills])
-        hint = f"write {forms}. {meant}".rstrip()
+        if verb.lower() in _NO_STEP:
+            meant = _NO_STEP[verb.lower()]
+        hint = f"{meant} Write {forms}".lstrip() if meant else f"write {forms}"
         raise FormulaError(f"unknown primitive {verb}", text, match.start("verb"), len(verb), hint)
     if not kind.fewest <= len(arguments) <= kind.most:
         what = f"{verb} has {len(arguments)} arguments"
@@ -115,6 +120,7 @@ def _parameter(place: _Argument, known: _Known) -> str:
     parameters = known.parameters
     if place.word not in parameters:
         listing = f"parameters are {', '.join(parameters)}." if parameters else "it has none."
+        listing += " A plan says which place a parameter is."
         hint = f"{listing} {did_you_mean(place.word, parameters)}".rstrip()
         raise place.error(f"{place.word} is not a parameter of this skill", hint)
     return place.word
@@ -173,7 +179,8 @@ def _addressee(component: _Argument, known: _Known) -> int:
     components = known.components
     if component.word not in components:
         hint = (
-            f"components are {', '.join(components)}. {did_you_mean(component.word, components)}"
+            f"components are {', '.join(components)}; add others there, {{NAME: ID}}. "
+            f"{did_you_mean(component.word, components)}"
             if components
             else f"add components: {{{component.word}: 100}}, with its MAVLink component id"
         ).rstrip()
@@ -257,3 +264,14 @@ _ELSEWHERE = {
     **dict.fromkeys(("picture", "image", "take_photo", "take_picture"), "photo"),
 }
 """What other programs call a step -> ours."""
+
+_NO_STEP = {
+    **dict.fromkeys(
+        ("rtl", "return_home", "return_to_launch", "go_home", "home"),
+        "The way home is a line of the task: F G at(Home).",
+    ),
+    **dict.fromkeys(
+        ("arm", "disarm"), "The vehicle is armed for the flight, and disarmed after it."
+    ),
+}
+"""What other programs have as steps, and is none here."""

@@ -12,6 +12,7 @@ from pathlib import Path
 from companion.documents import Document, read_source, validate
 from companion.errors import MissionError
 from companion.maps import image_of
+from companion.mission.other_files import refuse_other_files
 from companion.mission.schema import MissionFile
 from companion.vehicle_files import profile_path
 
@@ -26,7 +27,9 @@ def files_of(path: Path, within: Path) -> tuple[Path, ...]:
     Raises:
         MissionError: the mission or its map cannot be read, or a file lies elsewhere.
     """
-    file, document = validate(read_source(path, "mission").content, str(path), MissionFile)
+    source = read_source(path, "mission")
+    refuse_other_files(source)
+    file, document = validate(source.content, source.name, MissionFile)
     others: list[Path] = []
     if isinstance(file.map, str):
         others += _map_files(path.parent, file.map, within, document)

@@ -63,7 +63,10 @@ def parse_fact(text: str) -> Atom:
         )
     formula = parse(text)
     if formula.operator is not Operator.ATOM:
-        raise FormulaError("not a fact", text, 0, len(text), "a fact looks like at(A)")
+        hint = "a fact looks like at(A)"
+        if formula.operator is Operator.NOT:
+            hint = "leave it out: what is not listed does not hold"
+        raise FormulaError("not a fact", text, 0, len(text), hint)
     return Atom.parse(formula.atom)
 
 
@@ -76,6 +79,6 @@ def _literal(part: Formula, text: str) -> Literal:
             text,
             len(text) - len(text.lstrip()),
             len(text.strip()),
-            "write facts joined by &, each with ! for not",
+            "write facts joined by &, each with ! for not; X F G U R W stand in the task alone",
         )
     return Literal(Atom.parse(fact.atom), is_positive)

@@ -129,10 +129,12 @@ def _initially(
     file: MissionFile, document: Document, vocabulary: Vocabulary, reading: DocumentReading
 ) -> frozenset[Fact]:
     """The facts that are listed; exactly one of them says where the vehicle is."""
-    facts = [
-        reading.read(partial(_listed_fact, index, file, document, vocabulary), "initially", index)
-        for index in range(len(file.initially))
-    ]
+    facts, is_split = [], False
+    for index, text in enumerate(file.initially):
+        if not (is_split and text.count(")") > text.count("(")):  # else the rest of half a fact
+            part = partial(_listed_fact, index, file, document, vocabulary)
+            facts.append(reading.read(part, "initially", index))
+        is_split = text.count("(") > text.count(")")
     if reading.is_whole("initially"):
         where_it_is = partial(_refuse_nowhere, file, document)
         reading.read(partial(where_it_is, [fact for fact in facts if fact]), "initially")

@@ -20,6 +20,17 @@ Domain = tuple[str, ...]
 """The places or objects that one argument of a predicate may be."""
 
 _SHOWN = 20  # names listed in a message
+_BY_ITSELF = {
+    **dict.fromkeys(
+        ("land", "landed", "rtl", "return_home", "returned"),
+        "The vehicle lands where the task is done: write F G at(PLACE).",
+    ),
+    **dict.fromkeys(
+        ("takeoff", "take_off", "arm", "armed", "airborne"),
+        "The vehicle takes off before the first skill, by itself.",
+    ),
+}
+"""What other programs are told to do -> what happens here."""
 
 
 class Vocabulary:
@@ -137,6 +148,9 @@ class Vocabulary:
         if len(atom.arguments) != arity:
             count = {0: "no arguments", 1: "1 argument"}.get(arity, f"{arity} arguments")
             hint = f"write {self._example(atom.predicate)}"
+            if atom.predicate == AT and atom.arguments:
+                hint = f"write {' | '.join(spelled(AT, (each,)) for each in atom.arguments)}"
+                hint += ", or &, with F before each of them"
             raise FormulaError(f"{atom.predicate} has {count}", text, offset, length, hint)
 
     def _example(self, name: str) -> str:
@@ -151,6 +165,8 @@ class Vocabulary:
                 effect = self._skills[atom.predicate]
                 made = f", as its effect is: {effect}" if effect else ""
                 return f"{atom.predicate} is a skill: write what it makes true{made}."
+            if advice := _BY_ITSELF.get(atom.predicate.lower()):
+                return advice
             known = [name for name in self._uses if self._arity(name) == len(atom.arguments)]
             name = most_similar(atom.predicate, [*known, *(PATTERNS if atom.arguments else ())])
             return f"Did you mean {spelled(name, atom.arguments)}?" if name else ""

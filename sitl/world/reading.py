@@ -40,7 +40,9 @@ def command_number(name: str, document: Document, *keys: str | int) -> int:
     if not name.startswith("MAV_CMD_") or not isinstance(number, int):
         commands = [known for known in vars(dialect) if known.startswith("MAV_CMD_")]
         raise MissionError(
-            f"MAVLink has no command {name}", document.where(*keys), did_you_mean(name, commands)
+            f"MAVLink has no command {name}",
+            document.where(*keys),
+            did_you_mean(name, commands) or "write e.g. MAV_CMD_NAV_RETURN_TO_LAUNCH",
         )
     return number
 

@@ -252,7 +252,7 @@ class ScenarioEventModel(Strict):
     gripper: Annotated[GripperEventModel | None, described("what becomes of the gripper")] = None
     report: Annotated[
         dict[str, float | dict[str, float]] | None,
-        described("a program on board reports this to the companion's --events port, once"),
+        described("{NAME: NUMBER}: a program on board reports this to the --events port, once"),
     ] = None
 
 

@@ -1,0 +1,35 @@
+"""What is typed in place of a command, and which command does it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from typer.core import TyperGroup
+
+_FILES = (".yaml", ".yml", ".plan")
+_COMMANDS = {
+    **dict.fromkeys(("fly", "start", "launch"), "sim, in the simulator, or run, on a vehicle"),
+    **dict.fromkeys(("simulate", "simulator", "sitl"), "sim"),
+    **dict.fromkeys(("validate", "lint", "verify"), "check"),
+    **dict.fromkeys(("init", "create"), "new"),
+    **dict.fromkeys(("list", "ls", "logs"), "runs"),
+    **dict.fromkeys(("convert", "load"), "import"),
+    **dict.fromkeys(("plot", "draw"), "figure"),
+    **dict.fromkeys(("version",), "companion --version"),
+}
+"""Words of other programs -> ours."""
+
+
+class WordyGroup(TyperGroup):
+    """The commands, with advice for words that are none."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """As typer's; refuses a file, and words of other programs, with what to write."""
+        word = args[0]
+        if word in self.commands:
+            return super().resolve_command(ctx, args)
+        if word.endswith(_FILES):
+            ctx.fail(f"{word} is no command: companion sim {word} flies it")
+        if word in _COMMANDS:
+            ctx.fail(f"there is no command {word}: write {_COMMANDS[word]}")
+        return super().resolve_command(ctx, args)
