@@ -29,7 +29,6 @@ from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.run_clocks import ClockReading
-from sitl.link.autopilot_link import UNREAD
 from sitl.link.routing import LinkName
 from sitl.results import MavResult
 from sitl.simulation import Simulation
@@ -199,13 +198,8 @@ class Lockstep(Happened):
         self._resumes, self._functions = resumes, functions
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
-        is_alone = not has_station and vehicle is None
         self.simulation = Simulation(
-            *(scenario, grid),
-            seed=seed,
-            links=frozenset(links),
-            signing=vehicle,
-            is_read=lambda message_id: not is_alone or self.companion.reads(message_id),
+            scenario, grid, seed=seed, links=frozenset(links), signing=vehicle
         )
         self.companion = self._companion(None)
         self.is_companion_alive = True
@@ -371,9 +365,7 @@ class Lockstep(Happened):
 
     def _watch(self, now_s: float, sent: list[tuple[LinkName, bytes]]) -> list[bytes]:
         """Notes what the vehicle does; returns what it sent towards the companion."""
-        heard = [
-            datagram for link, datagram in sent if link is LinkName.OFFBOARD and datagram != UNREAD
-        ]
+        heard = [datagram for link, datagram in sent if link is LinkName.OFFBOARD]
         for link, datagram in sent:
             if link is LinkName.GCS and datagram[6] == COMPANION:
                 self.heard += [Said(now_s, m) for m in self._station_ear.parse(datagram)]
