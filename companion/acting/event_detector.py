@@ -60,7 +60,7 @@ class EventDetector:
                 del self._values[signal]
                 changes += self._changes(now_s)
         changes += self._changes(now_s)
-        return list(_last_two(changes))
+        return list(_last_two(changes)) if changes else changes
 
     def silences(self, now_s: float) -> list[tuple[Event, bool]]:
         """The events whose signal has fallen silent, or is heard again, since this was asked."""

@@ -120,14 +120,18 @@ class MavlinkVehicle:
         devices: list[Service] = [self.payloads, self.cameras, self.gimbals]
         services: list[Service] = [self._goals, *devices, self.fence, self.rally]
         self._services = (*services, self.markers) if marker_components else tuple(services)
+        kinds = frozenset[str]().union(*(service.wanted for service in self._services))
+        self._takers = {
+            kind: tuple(service for service in self._services if kind in service.wanted)
+            for kind in kinds
+        }
 
     # -- messages ------------------------------------------------------------------------------
 
     @property
     def wanted(self) -> frozenset[str]:
         """Names of the messages that are read here."""
-        of_services = (service.wanted for service in self._services)
-        return PROTOCOL.union(TELEMETRY, self.telling, *of_services)
+        return PROTOCOL.union(TELEMETRY, self.telling, self._takers)
 
     @property
     def continual(self) -> frozenset[str]:
@@ -276,9 +280,8 @@ class MavlinkVehicle:
         system, component = source(message)
         if system != self._wire.system:
             return
-        for service in self._services:
-            if kind in service.wanted:
-                service.take(self._moment, message)
+        for service in self._takers.get(kind, ()):
+            service.take(self._moment, message)
         if component == AUTOPILOT:
             if kind == "PARAM_VALUE":
                 self._parameters.take(message)
