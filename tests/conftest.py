@@ -1,7 +1,7 @@
 """The paper's mission for all tests; its routes are found once. No property is timed.
 
 Properties draw the same examples in each run, so that what fails is what was changed; with
-EXPLORE=1 they draw new ones.
+EXPLORE=1 they draw new ones, and more.
 
 Tests that fly in the simulator are marked `flight`, and properties `slow`: `scripts/test --fast`
 leaves both out.
@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 from commands import Companion, Ended
+from drawn import EXPLORES, number
 from hypothesis import HealthCheck, settings
 
 from companion.api.simulating import lockstep, world_of
@@ -31,7 +32,8 @@ from companion.record.run_folder import RunFolder
 settings.register_profile(
     "untimed",
     deadline=None,  # machines are noisy
-    derandomize="EXPLORE" not in os.environ,
+    derandomize=not EXPLORES,
+    max_examples=number(100),
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile("untimed")

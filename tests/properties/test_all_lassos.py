@@ -11,7 +11,8 @@ import itertools
 import random
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from problems import problem, random_legs, unit_legs
 from random_missions import random_mission
@@ -138,7 +139,7 @@ LETTERS: list[Letter] = [
 WORDS = st.lists(st.sampled_from(LETTERS), max_size=3)
 
 
-@settings(max_examples=100)
+@drawn(100)
 @given(st.sampled_from(FORMULAS), WORDS, WORDS, st.sampled_from(LETTERS))
 def test_the_reference_says_what_the_semantics_says(
     text: str, prefix: list[Letter], loop: list[Letter], last: Letter

@@ -20,7 +20,8 @@ from pathlib import Path
 from typing import TypeVar
 
 import pytest
-from hypothesis import given, reject, settings
+from drawn import drawn
+from hypothesis import given, reject
 from hypothesis import strategies as st
 from problems import action, asking, histories, problem, random_legs, surveillance
 from reference_lassos import TooLarge, best_lap_and_prefix, best_sum
@@ -129,7 +130,7 @@ def by_definition(reference: Callable[..., T], *asked: object) -> T:
         reject()
 
 
-@settings(max_examples=150)
+@drawn(150)
 @given(problems(ENDING + RECURRING) | problems(ONE_SHOT, at_most=1))
 def test_the_lap_and_then_the_prefix_are_the_shortest(asked: Problem) -> None:
     found = solutions(asked)
@@ -141,7 +142,7 @@ def test_the_lap_and_then_the_prefix_are_the_shortest(asked: Problem) -> None:
         assert found[-1].is_optimal
 
 
-@settings(max_examples=100)
+@drawn(100)
 @given(problems(ENDING + RECURRING) | problems(ONE_SHOT, at_most=1))
 def test_the_sum_of_prefix_and_lap_is_the_least(asked: Problem) -> None:
     found = solutions(asked, Objective.SUM)
@@ -149,7 +150,7 @@ def test_the_sum_of_prefix_and_lap_is_the_least(asked: Problem) -> None:
     assert all(solution.is_optimal for solution in found[-1:])
 
 
-@settings(max_examples=60)
+@drawn(60)
 @given(problems(ENDING + RECURRING), st.sampled_from([NOTHING_EXACT, HARDLY_ANYTHING]))
 def test_what_is_not_exact_still_finds_a_plan_and_never_promises_too_much(
     asked: Problem, effort: Effort
@@ -161,7 +162,7 @@ def test_what_is_not_exact_still_finds_a_plan_and_never_promises_too_much(
         assert best is not None and solution.bound_ms <= best[0] <= solution.cost_ms
 
 
-@settings(max_examples=60)
+@drawn(60)
 @given(problems(ONE_SHOT, at_most=1))
 def test_one_shot_goals_in_any_order_still_find_a_plan_with_the_shortest_lap(
     asked: Problem,
@@ -227,7 +228,7 @@ def bottleneck_ms(asked: Problem, solution: Solution, facts: list[str]) -> int:
     return longest
 
 
-@settings(max_examples=40)
+@drawn(40)
 @given(st.data(), st.sampled_from(sorted(BOTTLENECKS)))
 def test_the_bottleneck_is_what_the_plan_has_and_within_its_bound(
     data: st.DataObject, task: str
@@ -354,7 +355,7 @@ def test_a_tour_takes_paths_over_other_places() -> None:
 # -- The history -----------------------------------------------------------------------------------
 
 
-@settings(max_examples=120)
+@drawn(120)
 @given(st.data(), problems(ENDING + RECURRING))
 def test_after_any_history_the_whole_word_satisfies_the_task(
     data: st.DataObject, asked: Problem

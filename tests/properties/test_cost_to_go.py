@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.motion import cost_to_go as module
@@ -22,7 +23,7 @@ from companion.motion.cost_to_go import (
 from companion.motion.grid_graph import GridGraph, edges_entering, grid_graph, union
 from tests.discs import disc
 
-FAST = settings(max_examples=150, deadline=None, derandomize=True)
+FAST = drawn(150)
 SHAPE = (24, 31)
 GOAL = (11, 9)
 
@@ -128,7 +129,7 @@ def test_no_edge_makes_a_path_shorter(frees: list[Mask], without: GridGraph) -> 
     np.testing.assert_allclose(to_go.cost, costs, rtol=0, atol=1e-9)
 
 
-@settings(FAST, max_examples=60)
+@drawn(60)
 @given(maps(), barred(), st.integers(1, 200))
 def test_what_is_final_in_an_unfinished_search_stays(
     frees: list[Mask], without: GridGraph, part: int

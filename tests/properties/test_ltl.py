@@ -5,7 +5,8 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from oracle import Sample, accepted, random_words, satisfying, small_words
 
@@ -83,7 +84,7 @@ def test_every_form_has_the_same_meaning(formula: Formula, words: list[Word]) ->
 SAMPLE = Sample(small_words(NAMES, 700) + random_words(NAMES, random.Random(1), 1500))
 
 
-@settings(max_examples=300)
+@drawn(300)
 @given(FORMULAS)
 def test_an_automaton_accepts_what_satisfies_the_formula(formula: Formula) -> None:
     satisfied = satisfying(formula, SAMPLE)

@@ -14,7 +14,8 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import assume, given, settings
+from drawn import drawn
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy import ndimage
 
@@ -32,7 +33,7 @@ from companion.motion.trajectory import Trajectory, motion_of, run_out
 JERK = 8.0  # m/s3
 
 
-FAST = settings(max_examples=60, deadline=None, derandomize=True)
+FAST = drawn(60)
 WIDE: list[NorthEast] = [(-99, -99), (-99, 99), (99, 99), (99, -99)]
 Array = npt.NDArray[np.floating[Any]]
 
@@ -207,7 +208,7 @@ def test_legs_keep_the_clearance_and_exist_where_cells_connect(
             assert grid.clearance_m((point[0], point[1])) >= clearance_m - 1e-6
 
 
-@settings(FAST, max_examples=25)
+@drawn(25)
 @given(grids(edge=14), st.data())
 def test_lengths_are_close_to_the_optimum_of_a_visibility_graph(
     grid: OccupancyGrid, data: st.DataObject
@@ -359,7 +360,7 @@ def test_a_rounded_path_keeps_the_clearance_and_enters_no_other_region(
     assert away_m.min() >= places["X"].region.inner_m((0, 0, 0)) - 1e-9
 
 
-@settings(FAST, max_examples=30)
+@drawn(30)
 @given(grids(edge=24), st.floats(0.3, 4.0), st.floats(0.3, 5.0), st.data())
 def test_along_a_rounded_route_neither_velocity_nor_acceleration_jumps(
     grid: OccupancyGrid, speed: float, acceleration: float, data: st.DataObject

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from rig import Rig
 from synthetic import event, mission, reading
@@ -29,7 +30,7 @@ CHANGES = st.lists(
 
 
 @given(PRIORITIES, CHANGES)
-@settings(max_examples=12, deadline=None)
+@drawn(12)
 def test_an_audit_finds_what_the_flight_has_found(
     priorities: dict[str, int], changes: list[tuple[float, str]]
 ) -> None:

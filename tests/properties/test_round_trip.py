@@ -7,7 +7,8 @@ and again.
 
 from __future__ import annotations
 
-from hypothesis import assume, given, settings
+from drawn import drawn
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from rig import Rig
 from synthetic import command, mission
@@ -61,7 +62,7 @@ def fly(rig: Rig) -> list[str]:
     return completed
 
 
-@settings(max_examples=60)
+@drawn(60)
 @given(st.lists(st.sampled_from(PARTS), min_size=1, max_size=3, unique=True))
 def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: list[str]) -> None:
     rig = rig_of(parts)

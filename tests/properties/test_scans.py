@@ -11,7 +11,8 @@ from random import Random
 
 import numpy as np
 import numpy.typing as npt
-from hypothesis import assume, given, settings
+from drawn import drawn
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy import ndimage
 
@@ -21,7 +22,7 @@ from companion.motion.range_scan import REACH_M, RangeScan
 from companion.motion.sensed_map import SensedMap
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
 
-FAST = settings(max_examples=25, deadline=None, derandomize=True)
+FAST = drawn(25)
 EDGE, CELL_M = 60, 0.1
 Bools = npt.NDArray[np.bool_]
 

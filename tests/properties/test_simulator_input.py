@@ -3,7 +3,8 @@
 import math
 from typing import Any
 
-from hypothesis import HealthCheck, given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.framing import MavlinkCodec, dialect
@@ -63,7 +64,7 @@ datagrams = st.one_of(
 )
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@drawn(60)
 @given(st.lists(datagrams, max_size=8))
 def test_any_datagrams_leave_a_flying_simulator(received: list[bytes]) -> None:
     simulation = Simulation(Scenario(), None, seed=0)

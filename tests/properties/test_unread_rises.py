@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import pytest
 from compiled import outcome
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from problems import action, asking, find_lasso, histories, move, names
 from synthetic import facts_of
@@ -83,7 +84,7 @@ def best_of_first_actions(asked: Problem, unread: Letter) -> tuple[int, int] | N
     return min(found, default=None)
 
 
-@settings(max_examples=200)
+@drawn(200)
 @given(problems())
 def test_the_best_plan_is_the_best_first_action_and_the_best_plan_after_it(
     asked: tuple[Problem, Letter],
@@ -101,7 +102,7 @@ def test_the_best_plan_is_the_best_first_action_and_the_best_plan_after_it(
 
 
 @pytest.mark.slow
-@settings(max_examples=40)
+@drawn(40)
 @given(problems(), st.sampled_from(Encoding))
 def test_every_encoding_has_them_in_the_first_letter(
     drawn: tuple[Problem, Letter], encoding: Encoding

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 from autopilot import Autopilot, of_type
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from notes import Notes
 from synthetic import event, mission, move, skill
@@ -198,7 +199,7 @@ def quiet() -> Line:
     return Line(patrol(green=GREEN)).fly()
 
 
-@settings(max_examples=5, deadline=None)
+@drawn(5)
 @given(
     st.lists(
         st.floats(9.0, 12.0).filter(lambda at_s: not is_on_grid(at_s)), min_size=1, max_size=20

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from rig import Rig
 from synthetic import command, event, mission, reading
@@ -139,7 +140,7 @@ def test_an_event_that_only_restarts_lines_makes_a_new_plan() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None)
+@drawn(25)
 @given(
     st.lists(st.tuples(st.integers(1, 60), st.sampled_from("xy"), st.integers(0, 40)), max_size=6),
     st.sampled_from(

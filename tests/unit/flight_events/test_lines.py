@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from json_schema import is_valid
 from made_events import events_of
@@ -52,7 +53,7 @@ def written(event: FlightEvent, time_s: float = 1.25) -> str:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", RECORDED, ids=lambda kind: kind.__name__)
-@settings(max_examples=25)
+@drawn(25)
 @given(st.data())
 def test_what_was_written_is_read_back(kind: type[FlightEvent], data: st.DataObject) -> None:
     """The line is; an event of a class that shares its kind may have the very same line."""

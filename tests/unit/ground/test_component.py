@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 from autopilot import ACCEPTED, ARM, Autopilot, of_type
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.acting.flight import TICK_S
@@ -382,7 +383,7 @@ def test_files_are_refused_at_once_where_nobody_takes_them(radio: Radio) -> None
     assert answer.payload[3] == 129  # NAK
 
 
-@settings(max_examples=100, deadline=None)
+@drawn(100)
 @given(
     st.lists(
         st.tuples(st.sampled_from(sorted(WANTED)), st.binary(min_size=1, max_size=255)), max_size=8

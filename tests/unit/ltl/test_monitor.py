@@ -12,7 +12,8 @@ from itertools import pairwise
 
 import networkx as nx
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from oracle import Sample, random_words, satisfying, small_words
 
@@ -81,7 +82,7 @@ def marks(runs: Runs) -> range:
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@drawn(150)
 @given(FORMULAS, HISTORIES)
 def test_false_iff_no_continuation_satisfies_and_true_iff_all_do(
     formula: Formula, letters: list[Letter]

@@ -6,7 +6,8 @@ import itertools
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.ltl.automaton import BuchiAutomaton, successors
@@ -44,7 +45,7 @@ def accepts_from(automaton: BuchiAutomaton, states: list[int], loop: list[Letter
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@drawn(200)
 @given(
     st.sampled_from(FORMULAS),
     VALUES,
@@ -64,7 +65,7 @@ def test_it_accepts_the_words_of_the_formula_in_which_the_constants_are_constant
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@drawn(100)
 @given(st.sampled_from(FORMULAS), VALUES, st.data())
 def test_any_set_of_states_accepts_as_much_as_before(
     formula: str, constants: dict[str, bool], data: st.DataObject

@@ -6,7 +6,8 @@ import random
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.ground.ftp import FtpServer
@@ -62,7 +63,7 @@ def test_a_file_of_any_size_is_read_and_closed(tmp_path: Path, size: int) -> Non
     assert link.now_s / 2 < 1.0 + size / DATA_BYTES / AT_ONCE * TICK_S * 1.5
 
 
-@settings(max_examples=30, deadline=None)
+@drawn(30)
 @given(st.floats(0.0, 0.5), st.integers(0, 2**32), st.integers(0, 6000))
 def test_a_link_that_loses_gives_the_same_file_or_none(
     tmp_path_factory: pytest.TempPathFactory, loss: float, seed: int, size: int

@@ -11,7 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.errors import FormulaError, MissionError
@@ -475,7 +476,7 @@ EDITS = st.lists(
 
 @pytest.mark.slow
 @given(edits=EDITS)
-@settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@drawn(250)
 def test_edits_raise_nothing_but_mission_errors(
     load: Load, good: str, edits: list[tuple[int, int, str]]
 ) -> None:

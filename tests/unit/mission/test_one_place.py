@@ -6,7 +6,8 @@ import itertools
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.documents.document import TextDocument
@@ -66,7 +67,7 @@ NAMES = ["from", "to", "Home", "A"]
 LITERALS = [f"{sign}at({name})" for sign in ("", "!") for name in NAMES]
 
 
-@settings(max_examples=300)
+@drawn(300)
 @given(
     st.sets(st.sampled_from(LITERALS), max_size=2),
     st.sets(st.sampled_from(LITERALS), min_size=1, max_size=3),

@@ -8,7 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.errors import MissionError
@@ -315,7 +316,7 @@ TOKENS = [*_tokens(DOMAIN), *_tokens(PROBLEM), "or", "exists", "=", "#t", "5", "
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@drawn(25)
 @given(
     st.sampled_from([DOMAIN, PROBLEM]),
     st.lists(st.tuples(st.integers(0, 250), st.none() | st.sampled_from(TOKENS)), max_size=3),

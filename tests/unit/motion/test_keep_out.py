@@ -6,7 +6,8 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from hypothesis import assume, given, settings
+from drawn import drawn
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from companion.geometry import NorthEast, is_in_polygon
@@ -49,7 +50,7 @@ CELLS = st.sampled_from([0.1, 0.25, 0.5])
 POINTS = st.tuples(st.floats(0.8, 11.2), st.floats(0.8, 15.2))
 
 
-@settings(max_examples=20, deadline=None)
+@drawn(20)
 @given(ZONES, POINTS, POINTS, CELLS)
 def test_no_route_comes_nearer_to_a_zone_than_the_clearance(
     zone: list[Point], start: NorthEast, goal: NorthEast, cell_m: float
@@ -65,7 +66,7 @@ def test_no_route_comes_nearer_to_a_zone_than_the_clearance(
     assert route.waypoints[-1, :2].tolist() == [*goal]
 
 
-@settings(max_examples=20, deadline=None)
+@drawn(20)
 @given(stars((6.0, 8.0), 1.5, 4.5), st.floats(0, 7), st.floats(0, 1), CELLS)
 def test_from_a_zone_the_first_leg_is_about_the_shortest_way_out(
     zone: list[Point], angle: float, away_m: float, cell_m: float

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from drawn import drawn
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from companion.drawn_maps import Wall, walled
@@ -70,7 +71,7 @@ def test_on_the_spot_the_profile_of_the_vehicle_says_how_long(
     assert duration_s(route) == pytest.approx(expected_s, rel=1e-6)
 
 
-@settings(max_examples=30, deadline=None)
+@drawn(30)
 @given(st.floats(0.7, 9.0), st.floats(-9.0, 9.0))
 def test_a_slope_takes_what_its_trajectory_takes(away_m: float, rise_m: float) -> None:
     start, goal = (*WEST, -10.0), (WEST[0], WEST[1] + away_m, -10.0 - rise_m)
@@ -206,7 +207,7 @@ def test_what_is_seen_counts_in_all_layers() -> None:
     assert routes.route((*WEST, -3.0), "B") is None
 
 
-@settings(max_examples=25, deadline=None)
+@drawn(25)
 @given(
     stars((6.0, 8.0), 0.5, 5.0),
     stars((4.0, 10.0), 0.5, 4.0),

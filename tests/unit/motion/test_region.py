@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from drawn import drawn
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from companion.geometry import is_in_polygon
@@ -35,7 +36,7 @@ def test_the_disc_inside() -> None:
     assert Area(L_SHAPE).inner_m((1.5, 1.5, 0.0)) == pytest.approx(math.hypot(0.5, 0.5))
 
 
-@settings(max_examples=30, deadline=None)
+@drawn(30)
 @given(stars((0.0, 0.0), 0.6, 6.0), st.floats(0.0, 0.5))
 def test_waypoints_lie_in_the_region(corners: list[Point], inside_m: float) -> None:
     centre = (0.0, 0.0, -2.0)
@@ -48,7 +49,7 @@ def test_waypoints_lie_in_the_region(corners: list[Point], inside_m: float) -> N
         assert point[2] == -2.0
 
 
-@settings(max_examples=40, deadline=None)
+@drawn(40)
 @given(stars((0.0, 0.0), 0.6, 6.0), st.integers(0, 999))
 def test_a_leg_enters_where_its_points_do(corners: list[Point], seed: int) -> None:
     """By many points along it, each judged by the rule that the fence has."""
@@ -98,7 +99,7 @@ def test_no_leg_comes_back_into_another_arm_of_the_area_that_it_leaves() -> None
     assert inside[0] and not any(inside[inside.index(False) :])
 
 
-@settings(max_examples=30, deadline=None)
+@drawn(30)
 @given(stars((6.2, 7.1), 0.6, 6.0), st.booleans())
 def test_edges_into_an_area_are_those_that_enter_it(corners: list[Point], is_round: bool) -> None:
     """Of all edges of the map, not only of those near its border, also where that is on lines."""
@@ -119,7 +120,7 @@ FENCE = [(0.0, 0.0), (0.0, 16.0), (12.0, 16.0), (12.0, 0.0)]
 POINTS = st.tuples(st.floats(0.8, 11.2), st.floats(0.8, 15.2))
 
 
-@settings(max_examples=20, deadline=None)
+@drawn(20)
 @given(stars((6.0, 8.0), 0.6, 4.0), POINTS, POINTS)
 def test_no_route_enters_the_area_of_another_place(
     corners: list[Point], start: Point, goal: Point

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from drawn import drawn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plan_files import HOME, RETURN, TAKE_OFF, imported, item, plan, polygon, square, waypoint
@@ -50,7 +51,7 @@ ON_EARTH = st.tuples(st.floats(0.01, 66), st.floats(-179, 179), st.sampled_from(
 AREA = ((-160, -30), (-160, 160), (160, 160), (160, -30))
 
 
-@settings(max_examples=8, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(drawn(8), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(drawn=POINTS, home=ON_EARTH)
 def test_positions_survive_the_way_to_a_mission_and_back_to_a_centimetre(
     drawn: list[tuple[int, int, float, float]], home: tuple[float, float], tmp_path: Path

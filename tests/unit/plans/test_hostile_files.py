@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from drawn import drawn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from plan_files import TAKE_OFF, circle, imported, item, plan, polygon, square, waypoint
@@ -55,7 +56,7 @@ def changed(data: Any, keys: tuple[Any, ...], value: Any) -> Any:
     return copy
 
 
-@settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(drawn(80), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(where=st.sampled_from(paths(WHOLE)), value=st.one_of(st.just(...), ODD))
 def test_a_plan_with_anything_anywhere_is_read_or_refused(
     where: tuple[Any, ...], value: Any, tmp_path: Path
@@ -72,7 +73,7 @@ def test_the_whole_plan_is_read(tmp_path: Path) -> None:
     assert imported(tmp_path, WHOLE, "field.plan", UP)
 
 
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(drawn(60), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(ending=st.sampled_from(sorted(READERS)), data=st.binary(max_size=60))
 def test_bytes_are_read_or_refused(ending: str, data: bytes, tmp_path: Path) -> None:
     with pytest.raises(MissionError):
@@ -95,9 +96,9 @@ def test_many_items_are_refused_before_each_is_compared_with_each(tmp_path: Path
 
 def test_many_points_and_corners_of_a_map_are_refused(tmp_path: Path) -> None:
     line = [[8.5 + 1e-5 * index, 47.4] for index in range(MAX_POINTS + 1)]
-    for kind, drawn in (("LineString", line), ("Polygon", [line])):
+    for kind, corners in (("LineString", line), ("Polygon", [line])):
         with pytest.raises(MissionError, match=f"more than {MAX_POINTS}"):
-            imported(tmp_path, {"type": kind, "coordinates": drawn}, "map.geojson", UP)
+            imported(tmp_path, {"type": kind, "coordinates": corners}, "map.geojson", UP)
     corners = " ".join(f"{east},{north}" for east, north in line)
     path = f"<LineString><coordinates>{corners}</coordinates></LineString>"
     with pytest.raises(MissionError, match=f"more than {MAX_POINTS}"):

@@ -5,7 +5,8 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from drawn import drawn
+from hypothesis import example, given
 from hypothesis import strategies as st
 from wire import Wire, companion_heartbeat
 
@@ -33,7 +34,7 @@ def touching(grid: OccupancyGrid, north: float, east: float) -> list[bool]:
     return [is_free(grid, north + a, east + b) for a in (-1e-7, 1e-7) for b in (-1e-7, 1e-7)]
 
 
-@settings(deadline=None, max_examples=6)
+@drawn(6)
 @example(0, 0.3, 0.0, 0.0)
 @given(st.integers(0, 10**6), st.floats(-0.3, 0.3), st.floats(-0.3, 0.3), st.floats(-4.0, 4.0))
 def test_every_beam_is_free_up_to_its_hit(

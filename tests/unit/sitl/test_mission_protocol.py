@@ -5,7 +5,8 @@ import struct
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from plans import (
     ACCEPTED,
@@ -148,7 +149,7 @@ def conversations(draw: st.DrawFn) -> list[tuple[str, int, Any]]:
     return talk
 
 
-@settings(max_examples=300)
+@drawn(300)
 @given(talk=conversations())
 def test_a_store_is_as_before_or_what_one_client_has_sent_as_a_whole(
     talk: list[tuple[str, int, Any]],
@@ -415,7 +416,7 @@ def garbage(draw: st.DrawFn) -> Any:
     return kind(**values | {"target_system": 1, "target_component": 1})
 
 
-@settings(max_examples=200, deadline=None)
+@drawn(200)
 @given(messages=st.lists(garbage(), max_size=20))
 def test_nothing_that_can_be_sent_raises(messages: list[Any]) -> None:
     wire = Wire()

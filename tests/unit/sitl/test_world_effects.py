@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from wire import NAN, Wire, gcs_heartbeat
 
@@ -266,7 +267,7 @@ places = st.floats(-2.5, 2.5)
 sizes = st.floats(0.05, 2.0)
 
 
-@settings(max_examples=30, deadline=None)
+@drawn(30)
 @given(places, places, sizes, sizes, st.booleans())
 def test_an_obstacle_occupies_exactly_the_cells_that_it_touches(
     north: float, east: float, height: float, width: float, is_round: bool

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from drawn import drawn
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from companion.geometry import is_in_polygon
@@ -111,7 +112,7 @@ def test_a_corner_of_a_zone_may_be_cut_by_nobody() -> None:
     assert refusal((5.5, 15.0), (5.5, 16.0), wedge) is None
 
 
-@settings(max_examples=40, deadline=None)
+@drawn(40)
 @given(zone=stars((5.0, 0.0), 0.5, 4.0), point=st.tuples(st.floats(0.3, 9.7), st.floats(-8, 8)))
 def test_in_a_zone_is_what_others_call_inside_or_too_near(zone: list[Point], point: Point) -> None:
     north, east = (np.array([metres]) for metres in point)
@@ -123,7 +124,7 @@ def test_in_a_zone_is_what_others_call_inside_or_too_near(zone: list[Point], poi
     assert (found == IN) is is_in
 
 
-@settings(max_examples=40, deadline=None)
+@drawn(40)
 @given(
     here=st.tuples(st.integers(2, 38), st.integers(-30, 30)),
     there=st.tuples(st.integers(2, 38), st.integers(-30, 30)),

@@ -21,7 +21,8 @@ from autopilot import (
     named,
     of_type,
 )
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.geofence import KeptFence
@@ -326,7 +327,7 @@ SIGNALS = frozenset({TARGET, CHARGE, CALL, Signal("STATUSTEXT", "", "severity")}
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@drawn(150)
 @given(st.lists(frames() | st.binary(max_size=300), max_size=12))
 def test_no_datagram_raises_or_lets_anything_but_good_setpoints_out(datagrams: list[bytes]) -> None:
     meeting = in_offboard(Meeting(ENVELOPE, SIGNALS))

@@ -16,7 +16,8 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.geometry import GlobalOrigin
@@ -195,7 +196,7 @@ def test_without_losses_it_is_made_at_once() -> None:
 LATE_S, AFTER_S = st.floats(0.3, 12.0), st.floats(0.1, PHOTO_S - 1.0)
 
 
-@settings(max_examples=60, deadline=None)
+@drawn(60)
 @given(
     st.builds(
         World,

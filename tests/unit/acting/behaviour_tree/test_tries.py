@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from rig import Rig
 from synthetic import POSITIONS, command, mission, move, skill
@@ -214,7 +215,7 @@ def skills_of(node: object, name: str) -> list[Skill]:
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@drawn(60)
 @given(NESTED, st.lists(st.booleans(), min_size=20, max_size=20))
 def test_any_refinement_does_what_the_reference_does(node: object, outcomes: list[bool]) -> None:
     log: list[bool] = []

@@ -6,7 +6,8 @@ from dataclasses import replace
 from itertools import accumulate, pairwise
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from synthetic import POSITIONS, mission
 
@@ -58,7 +59,7 @@ def entries(problem: Problem, lasso: Lasso, patrol: Planner) -> list[Lasso]:
 COSTS = st.lists(st.integers(1, 30), min_size=12, max_size=12)
 
 
-@settings(max_examples=100)
+@drawn(100)
 @given(COSTS, st.lists(st.integers(0, 90), min_size=3, max_size=3))
 def test_no_entry_of_the_loop_has_a_lesser_worst_age(costs: list[int], met: list[int]) -> None:
     pairs = [(a, b) for a in "HABC" for b in "HABC" if a != b]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from reference_tours import best_tour, cost_of, costs_of, shortest
 
@@ -26,7 +27,7 @@ def cases(draw: st.DrawFn, most: int = 5) -> tuple[Costs, Marks]:
 
 
 @pytest.mark.slow
-@settings(max_examples=100)
+@drawn(100)
 @given(cases())
 def test_the_shortest_tour_is_that_of_brute_force(case: tuple[Costs, Marks]) -> None:
     between, marks = case
@@ -37,7 +38,7 @@ def test_the_shortest_tour_is_that_of_brute_force(case: tuple[Costs, Marks]) -> 
     assert cost_of(between, cycle) == tours.cost_ms
 
 
-@settings(max_examples=100)
+@drawn(100)
 @given(cases(4))
 def test_through_every_target_as_well(case: tuple[Costs, Marks]) -> None:
     between, marks = case
@@ -51,7 +52,7 @@ def test_through_every_target_as_well(case: tuple[Costs, Marks]) -> None:
         assert cost_of(between, [node, *order]) == costs[node]
 
 
-@settings(max_examples=60)
+@drawn(60)
 @given(cases(4), st.integers(0, 3))
 def test_through_a_node_that_is_no_target(case: tuple[Costs, Marks], chosen: int) -> None:
     """One target is taken for a node without marks, if the others have all marks."""

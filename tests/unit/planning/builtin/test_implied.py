@@ -6,7 +6,8 @@ import random
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from problems import Legs, asking, histories, problem, random_legs, unit_legs
 
@@ -117,7 +118,7 @@ LETTERS = ["at(H)", "at(A)", "at(B)", "at(C)"]
 
 
 @pytest.mark.slow
-@settings(max_examples=150)
+@drawn(150)
 @given(
     st.lists(st.sampled_from(LINES), min_size=2, max_size=4, unique=True),
     st.lists(st.sampled_from(LETTERS), max_size=3),

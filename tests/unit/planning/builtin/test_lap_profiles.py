@@ -6,7 +6,8 @@ import itertools
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.ltl.automaton import BuchiAutomaton
@@ -43,7 +44,7 @@ def profiles(formula: str) -> LapProfiles:
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@drawn(200)
 @given(st.sampled_from(FORMULAS), st.lists(st.sampled_from(LETTERS), min_size=1, max_size=5))
 def test_a_lap_is_accepted_from_the_states_that_accept_it_for_ever(
     formula: str, lap: list[frozenset[str]]

@@ -9,7 +9,8 @@ import itertools
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from problems import action, asking, find_lasso, histories, names, problem, unit_legs
 from synthetic import facts_of
@@ -86,7 +87,7 @@ def test_the_history_is_kept() -> None:
     assert found is not None and fault(later, found, [gone, gone]) is None
 
 
-@settings(max_examples=40)
+@drawn(40)
 @given(data=st.data(), sites=st.integers(2, 4))
 def test_patrolling_is_the_shortest_tour(data: st.DataObject, sites: int) -> None:
     places = "HABCD"[: sites + 1]
@@ -136,7 +137,7 @@ def test_every_plan_passes_the_independent_check(task: str, objective: Objective
     assert fault(asked, found, histories(asked)) is None
 
 
-@settings(max_examples=25)
+@drawn(25)
 @given(data=st.data())
 def test_no_lasso_of_few_steps_is_cheaper(data: st.DataObject) -> None:
     """Brute force over all short lassos finds no shorter lap, whatever the automata say."""

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import pytest
 from compiled import Outcome, action, cheapest_plan, history, outcome, problem, unit_costs
-from hypothesis import given, settings
+from drawn import drawn
+from hypothesis import given
 from hypothesis import strategies as st
 from synthetic import facts_of
 
@@ -93,7 +94,7 @@ def test_an_impossible_task_has_no_plan(task: str, encoding: Encoding) -> None:
     assert planned(asked, encoding, Objective.SUM).names is None
 
 
-@settings(max_examples=25)
+@drawn(25)
 @given(
     costs=st.lists(st.integers(2, 30), min_size=6, max_size=6),
     task=st.sampled_from(TASKS),
