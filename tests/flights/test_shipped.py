@@ -225,13 +225,20 @@ def flies_as_told(shipped: Shipped, seed: int) -> None:
 
 
 ENDLESS = next(shipped for shipped in SHIPPED if shipped.mission == "endless_patrol")
+ELSEWHERE = {
+    "endless_patrol",  # eleven minutes; tests/flights/test_energy.py flies between two docks
+    "field",  # tests/flights/test_open_field.py
+    "return_home",  # tests/flights/test_operator.py
+    "surveillance",  # without any upload site: tests/flights/test_safety.py
+}
+"""Missions that are flown with the sweeps, and by other tests in every run."""
 
 
 @pytest.mark.parametrize(
     "shipped",
     [
-        *(shipped for shipped in SHIPPED if shipped is not ENDLESS),
-        pytest.param(ENDLESS, marks=pytest.mark.long),  # eleven minutes
+        pytest.param(shipped, marks=[pytest.mark.long] if shipped.mission in ELSEWHERE else [])
+        for shipped in SHIPPED
     ],
     ids=lambda shipped: shipped.scenario,
 )

@@ -125,7 +125,7 @@ def some_published() -> list[tuple[str, str]]:
     with TABLE.open(encoding="utf-8", newline="") as stream:
         rows = [row for row in csv.reader(stream, delimiter="\t") if not row[0].startswith("#")]
     small = [r for r in rows if r[0] in ("dac", "eh", "sb") or r[1].endswith("-3")]
-    return [(row[1], row[2]) for row in small[::6] if row[0] != "paper"]
+    return [(row[1], row[2]) for row in small[::12] if row[0] != "paper"]
 
 
 def test_mutants_are_caught() -> None:
@@ -146,7 +146,7 @@ def test_mutants_are_caught() -> None:
                 unnoticed.append(mutant)
         larger = words_for(formula, [automaton, opposite, *unnoticed], rng, effort=4)
         missed += [name for mutant in unnoticed if errs(mutant, formula, larger)]
-    assert caught > 60
+    assert caught > 30
     assert len(missed) < 0.05 * (caught + len(missed)), missed
 
 

@@ -103,7 +103,7 @@ def test_a_mission_is_the_same_in_both_models(mission: Recording) -> None:
 
 
 def test_equal_commands_move_both_alike(mission: Recording) -> None:
-    apart_m = [mission.apart_after_a_second(i) for i in range(SECOND, STEPS - SECOND, SECOND)]
+    apart_m = [mission.apart_after_a_second(i) for i in range(SECOND, STEPS - SECOND, 2 * SECOND)]
     assert max(apart_m) <= 0.005
     assert float(np.median(apart_m)) <= 0.0003
 
@@ -115,5 +115,5 @@ def test_a_coefficient_that_is_off_by_a_twentieth_shows(
     mission: Recording, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     monkeypatch.setattr(second_model, name, 1.05 * getattr(second_model, name))
-    departures = (1750, 3000, 3250, 4750, 6000)
-    assert max(mission.apart_after_a_second(i) for i in departures) > 0.005
+    departures = (3000, 1750, 3250, 4750, 6000)
+    assert any(mission.apart_after_a_second(i) > 0.005 for i in departures)

@@ -19,7 +19,7 @@ from companion.planning.energy.search import energy_solutions
 from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Problem, Solution
 
-DEFAULT, ALL = 60, 400
+DEFAULT, ALL = 30, 400
 CHANGES = 6
 
 

@@ -14,7 +14,7 @@ from companion.planning.energy.search import energy_solutions
 from companion.planning.energy_check import energy_fault
 
 LAPS = 40
-DEFAULT, ALL = 40, 240
+DEFAULT, ALL = 25, 240
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ LAPS = 20
 
 @pytest.mark.parametrize(
     "seed",
-    [*range(40), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(40, 240))],
+    [*range(20), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(20, 240))],
 )
 def test_a_plan_keeps_the_charge_for_the_answer_wherever_the_event_comes(seed: int) -> None:
     asked, line = ready_problem(seed)

@@ -14,7 +14,8 @@ from companion.planning.lasso import Problem, Solution
 from companion.planning.time_check import time_fault
 from companion.planning.timed.search import TimedSearch
 
-SEEDS = range(100)
+SEEDS = range(50)
+SEEDS_OF_SWEEPS = range(50, 100)
 
 
 def planned(asked: Problem) -> Solution | None:
@@ -26,7 +27,10 @@ def planned(asked: Problem) -> Solution | None:
     return found[-1] if found else None
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    "seed",
+    [*SEEDS, *(pytest.param(seed, marks=pytest.mark.long) for seed in SEEDS_OF_SWEEPS)],
+)
 def test_a_plan_is_found_if_there_is_one_and_no_lap_is_shorter(seed: int) -> None:
     asked = timed_problem(seed)
     best_ms = TimeReference(asked).best_ms()
@@ -38,7 +42,7 @@ def test_a_plan_is_found_if_there_is_one_and_no_lap_is_shorter(seed: int) -> Non
 
 @pytest.mark.parametrize(
     "seed",
-    [*range(30), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(30, 400))],
+    [*range(15), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(15, 400))],
 )
 def test_plans_made_anew_are_as_good(seed: int) -> None:
     """With the laps that are known, and without them; where none is left, what is kept in hand."""
@@ -70,5 +74,5 @@ def test_bounded_laps_may_visit_a_place_several_times() -> None:
             continue
         *_, untimed = Search(asked.actions).solutions(asked)
         longer += solution.cost_ms > untimed.cost_ms
-    assert without >= 20
-    assert longer >= 5
+    assert without >= 10
+    assert longer >= 3
