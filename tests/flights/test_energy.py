@@ -62,7 +62,7 @@ def percent(flight: Lockstep) -> float:
 
 def test_it_goes_on_for_ever_and_keeps_the_reserve() -> None:
     flight = fly()
-    assert lowest(flight, 130.0) >= RESERVE
+    assert lowest(flight, 100.0) >= RESERVE
     assert charges(flight) >= 2
     assert not flight.of(PlanReplaced) and not flight.of(NoPlanFound), text(flight)
     assert {*flight.places} == {"A", "B", "E"}
@@ -73,7 +73,7 @@ def tells_its_charge(flight: Lockstep) -> None:
     """The gauge and the plans, lap after lap, are in the record: what is there lasts."""
     told = [stamped.event for stamped in flight.recorded]
     measured = [event.percent for event in told if isinstance(event, ChargeMeasured)]
-    assert len(measured) > 10 and all(a != b for a, b in pairwise(measured))
+    assert len(measured) > 8 and all(a != b for a, b in pairwise(measured))
     assert abs((measured[-1] or 0) - percent(flight)) <= 2
     plans = [event for event in told if isinstance(event, ChargePlanned)]
     assert len(plans) == 1 + len(flight.of(LapCompleted))
@@ -122,8 +122,8 @@ def test_with_too_little_for_any_plan_it_lands_where_it_can(at_s: float) -> None
 
 @pytest.fixture
 def soon_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A dock that does not charge, or too slowly, is left after half a minute, not two or four."""
-    monkeypatch.setattr(landing, "NO_CHARGE_S", 30.0)
+    """A dock that does not charge, or too slowly, is left after 15 s, not two or four minutes."""
+    monkeypatch.setattr(landing, "NO_CHARGE_S", 15.0)
     monkeypatch.setattr(landing, "SLOW_WINDOWS", 1)
 
 

@@ -66,7 +66,7 @@ class Flown(Happened):
     [
         pytest.param("fast-downward", Encoding.V1, marks=pytest.mark.long),
         ("fast-downward", Encoding.V4),
-        ("pyperplan", Encoding.V5),
+        pytest.param("pyperplan", Encoding.V5, marks=pytest.mark.long),
     ],
 )
 def test_the_paper_s_mission_is_flown_by_planners_off_the_shelf(

@@ -12,6 +12,7 @@ from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
 from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
+from companion.acting import authority
 from companion.acting.flight import TICK_S
 from companion.acting.journal import NoJournal
 from companion.acting.preflight.arming_terms import ArmingTerms
@@ -228,7 +229,11 @@ def test_a_search_for_a_plan_on_the_ground_is_no_wait_for_the_vehicle(
     assert world.companion.failure is None
 
 
-def test_a_vehicle_that_falls_silent_later_is_another_matter() -> None:
+def test_a_vehicle_that_falls_silent_later_is_another_matter(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert authority.NEVER_BACK_S == 1800.0
+    monkeypatch.setattr(authority, "NEVER_BACK_S", 60.0)
     world = World(mission("G F at(A) & G F at(B)"))
 
     def falls_silent(datagrams: list[bytes]) -> list[bytes]:
@@ -237,7 +242,7 @@ def test_a_vehicle_that_falls_silent_later_is_another_matter() -> None:
 
     world.neighbour = falls_silent
     world.fly(timeout_s=1.0)
-    assert str(world.companion.failure) == "no position from the vehicle for 1800 s"
+    assert str(world.companion.failure) == "no position from the vehicle for 60 s"
 
 
 def test_what_a_flood_has_lost_is_told_in_the_flight_and_on_its_record() -> None:
