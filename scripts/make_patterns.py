@@ -24,7 +24,7 @@ import automaton_picture
 import flight_picture
 
 from companion import Mission, Planner, load_mission, simulate
-from companion.ltl.formula import conjuncts
+from companion.ltl.conjuncts import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.patterns import PATTERNS
 from companion.ltl.translate import translate

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from companion.ltl.automaton import successors
-from companion.ltl.formula import conjuncts
+from companion.ltl.conjuncts import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 from companion.mission.facts import Atom, Fact, at

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 
 from companion.ltl.automaton import successors
-from companion.ltl.formula import Formula, conjuncts
+from companion.ltl.conjuncts import conjuncts
+from companion.ltl.formula import Formula
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 from companion.mission.facts import Atom, Fact, at

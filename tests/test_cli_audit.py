@@ -21,7 +21,7 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import ReturnBegun, RunFailed, TaskSatisfied
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.flight_events.writing import line_of
-from companion.ltl.formula import conjuncts
+from companion.ltl.conjuncts import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.semantics import holds
 from companion.mission.loader import load_mission

@@ -68,10 +68,10 @@ def ltl(
 ) -> None:
     """Prints the Büchi automata of a formula of linear temporal logic.
 
-    A formula is split at & and at G over &, as the planner does it, and each conjunct gets its own
-    automaton. A formula is made of propositions such as targetFound or at(A), of true, false, ( ),
-    ! & | -> <->, of X (next), F (eventually), G (always), U (until), R (release), W (weak until),
-    and of mission patterns such as patrolling(A, B).
+    A formula is split at &, at G over & and at & under |, as the planner does it, and each part
+    gets its own automaton. A formula is made of propositions such as targetFound or at(A), of true,
+    false, ( ), ! & | -> <->, of X (next), F (eventually), G (always), U (until), R (release),
+    W (weak until), and of mission patterns such as patrolling(A, B).
 
     \b
     Examples:
@@ -127,7 +127,7 @@ class _Request:
             line: where the formula comes from; said with each automaton.
         """
         from companion.ltl.budget import Budget
-        from companion.ltl.formula import conjuncts
+        from companion.ltl.conjuncts import conjuncts
         from companion.ltl.parser import parse
 
         formula, budget = parse(text), Budget()

@@ -2,7 +2,8 @@
 
 Conjuncts that share no proposition are translated apart and intersected. Of the others, those that
 have weak deterministic automata are tried apart from the rest, and so is each that depends on no
-finite prefix; the smaller graph is taken. An a U b that the other conjuncts imply is left out, as
+finite prefix; of a disjunction those that have such automata are followed beside the rest
+(`union.py`). The smallest graph is taken. An a U b that the other conjuncts imply is left out, as
 Spot does it (Duret-Lutz, LTL translation improvements in Spot 1.0, IJCCBS 2014): Spot leaves out
 any, we those alone that make automata larger.
 """
@@ -22,10 +23,12 @@ from companion.ltl.formula import (
     Operator,
     atoms,
     conjoin,
+    disjoin,
     negate,
     negation_normal_form,
     release,
     subformulas,
+    until,
 )
 from companion.ltl.graph import LabelledGraph, is_deterministic
 from companion.ltl.intersection import intersection
@@ -34,6 +37,7 @@ from companion.ltl.laws.sides import is_ageless
 from companion.ltl.reductions.strategy import reduced
 from companion.ltl.reductions.trimming import trimmed
 from companion.ltl.simplify import simplified
+from companion.ltl.union import union
 
 
 def decomposed(formula: Formula, construction: Construction) -> LabelledGraph[LetterSet]:
@@ -89,9 +93,10 @@ def _smaller(formula: Formula, construction: Construction) -> LabelledGraph[Lett
         if needed is not formula:
             found.append(extra.construct(needed).graph)
         found += _parted(needed, extra)
+        found += _united(needed, extra)
     except TranslationLimit:
         pass  # what was found so far is right as well
-    return min(found, key=lambda graph: len(graph.edges))
+    return min(found, key=lambda graph: (*graph.size[:2], not is_deterministic(graph)))
 
 
 def _without_implied(formula: Formula, construction: Construction) -> Formula:
@@ -131,6 +136,27 @@ def _parted(formula: Formula, construction: Construction) -> list[LabelledGraph[
     return [reduced(_intersected(graphs, construction.budget), construction.extra)]
 
 
+def _united(formula: Formula, construction: Construction) -> list[LabelledGraph[LetterSet]]:
+    """One of a disjunction of obligations and others, which are followed at once."""
+    parts = _disjuncts(formula, construction.budget)
+    if not parts[1:]:
+        return []
+    groups: dict[bool, list[Formula]] = {True: [], False: []}
+    for part in parts:
+        groups[construction.construct(part).is_weak].append(part)
+    if not groups[True] or not groups[False]:
+        return []
+    obligation, rest = (
+        simplified(disjoin(*groups[is_weak]), construction.budget) for is_weak in (True, False)
+    )
+    weak, other = construction.construct(obligation), construction.construct(rest).graph
+    if not weak.is_weak or not other.marks:
+        return []
+    every, suspending = construction.alphabet.every, is_ageless(rest)
+    both = union(weak.graph, other, every, construction.budget, suspending=suspending)
+    return [reduced(both, construction.extra)]
+
+
 def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:
     """The conjuncts of a simplified formula, split at & and at G over &; simplified as well."""
     parts: list[Formula] = []
@@ -141,3 +167,14 @@ def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:
         else:
             parts.append(part)
     return parts
+
+
+def _disjuncts(formula: Formula, budget: Budget) -> list[Formula]:
+    """The disjuncts of a simplified formula, split at | and at F over |; simplified as well."""
+    if formula.operator is Operator.OR:
+        return list(formula.operands)
+    if formula.operator is Operator.UNTIL:
+        before, event = formula.operands
+        if before is TRUE and event.operator is Operator.OR:
+            return [simplified(until(TRUE, operand), budget) for operand in event.operands]
+    return [formula]

@@ -259,26 +259,6 @@ def atoms(formula: Formula) -> frozenset[str]:
     return frozenset(f.atom for f in subformulas(formula) if f.operator is Operator.ATOM)
 
 
-def conjuncts(formula: Formula) -> tuple[Formula, ...]:
-    """The formulas whose conjunction is the given one, split at & and at G over &.
-
-    >>> from companion.ltl.parser import parse
-    >>> [str(f) for f in conjuncts(parse("G(a & F b & G(c & a)) & d"))]
-    ['G a', 'G F b', 'G c', 'd']
-    """
-    found: dict[Formula, None] = {}
-    pending = [(formula, False)]
-    while pending:
-        part, is_always = pending.pop()
-        if part.operator is Operator.AND:
-            pending += [(operand, is_always) for operand in reversed(part.operands)]
-        elif part.operator is Operator.ALWAYS:
-            pending.append((part.operands[0], True))  # G G a is G a
-        else:
-            found[always(part) if is_always else part] = None
-    return tuple(found)
-
-
 def dual(node: Formula, negated: Iterable[Formula]) -> Formula:
     """The negation of a node in negation normal form, given those of its operands."""
     if node.operator in (Operator.ATOM, Operator.NOT):

@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from companion.ltl.formula import Formula, Operator, conjoin, conjuncts, operand_text
+from companion.ltl.conjuncts import conjuncts
+from companion.ltl.formula import Formula, Operator, conjoin, operand_text
 from companion.ltl.time_bounds import TimeBound
 
 

@@ -12,9 +12,10 @@ from __future__ import annotations
 
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.budget import Budget, TranslationLimit
+from companion.ltl.conjuncts import conjuncts
 from companion.ltl.construction import Construction
 from companion.ltl.decomposition import decomposed
-from companion.ltl.formula import Formula, atoms, conjuncts, negation_normal_form
+from companion.ltl.formula import Formula, atoms, negation_normal_form
 from companion.ltl.graph import automaton_of, graph_of, with_cubes, with_letters
 from companion.ltl.labels import Alphabet
 from companion.ltl.reductions.degeneralisation import degeneralised

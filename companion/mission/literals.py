@@ -7,7 +7,8 @@ everywhere; of its operators only & and ! may be used here, and -> in effects.
 from __future__ import annotations
 
 from companion.errors import FormulaError
-from companion.ltl.formula import Formula, Operator, conjuncts
+from companion.ltl.conjuncts import conjuncts
+from companion.ltl.formula import Formula, Operator
 from companion.ltl.parser import parse
 from companion.mission.facts import Atom
 from companion.mission.model import ConditionalEffectTemplate, Literal

@@ -9,8 +9,10 @@ formula progression leaves of them (`companion/ltl/progression.py`); what always
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from itertools import groupby
 
-from companion.ltl.formula import FALSE, TEMPORAL, TRUE, Formula, Operator, conjuncts, subformulas
+from companion.ltl.conjuncts import conjuncts
+from companion.ltl.formula import FALSE, TEMPORAL, TRUE, Formula, Operator, subformulas
 from companion.ltl.progression import progressed
 from companion.ltl.semantics import Letter
 from companion.mission.facts import AT, Fact
@@ -43,12 +45,13 @@ class DueLine:
         self.met |= {goal for goal in self.goals if progressed(goal, letter) is TRUE}
 
     @property
+    def left(self) -> list[Formula]:
+        """The recurring goals that are due in this lap."""
+        return [] if self.is_met else [goal for goal in self.goals if goal not in self.met]
+
+    @property
     def words(self) -> list[str]:
-        """What is due of it, in words."""
-        if self.goals:
-            left = ", ".join(in_words(goal) for goal in self.goals if goal not in self.met)
-            instead = "".join(f", or {in_words(each)}" for each in self.otherwise)
-            return [] if self.is_met else [f"{left} still due in this lap{instead}"]
+        """What is due of a line that does not recur, in words."""
         if _size(self.rest) > MOST_TOLD:
             return []
         left_over = [each for each in conjuncts(self.rest) if each.operator is not Operator.ALWAYS]
@@ -102,10 +105,25 @@ class Obligations:
 
     @property
     def due(self) -> tuple[tuple[str, str], ...]:
-        """The name of a line and what is due of it, each in words."""
+        """The name of a line and what is due of it, each in words; goals of a line together."""
+        kept = (each for each in self.lines if not each.is_dropped)
+        kinds = groupby(kept, key=lambda each: (each.name, bool(each.goals), each.otherwise))
         return tuple(
-            (each.name, text) for each in self.lines if not each.is_dropped for text in each.words
+            (name, text)
+            for (name, recurs, otherwise), alike in kinds
+            for text in (
+                _due_in_lap([goal for each in alike for goal in each.left], otherwise)
+                if recurs
+                else [text for each in alike for text in each.words]
+            )
         )
+
+
+def _due_in_lap(goals: Sequence[Formula], otherwise: Sequence[Formula]) -> list[str]:
+    """What is due of the recurring goals of a line, in words."""
+    left = ", ".join(map(in_words, goals))
+    instead = "".join(f", or {in_words(each)}" for each in otherwise)
+    return [f"{left} still due in this lap{instead}"] if goals else []
 
 
 def in_words(formula: Formula) -> str:

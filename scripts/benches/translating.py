@@ -13,7 +13,8 @@ from statistics import median, quantiles
 
 from benches import ROOT, Row, spot_peer, timed
 from companion.ltl.automaton import BuchiAutomaton
-from companion.ltl.formula import Formula, conjuncts
+from companion.ltl.conjuncts import conjuncts
+from companion.ltl.formula import Formula
 from companion.ltl.parser import parse
 from companion.ltl.translate import state_based, translate
 

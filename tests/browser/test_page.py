@@ -54,8 +54,8 @@ def test_what_is_due_and_the_edges_just_taken(address: str, open_page: Open) -> 
     replay = opened(address, open_page)
     replay.page.locator("#lines button", has_text="at A").first.click()
     replay.page.keyboard.press("ArrowRight")
-    words = [f"search {goal} or targetFound still due in this lap" for goal in "BC"]
-    replay.until(f"{DUE} === '{'; '.join(words)}'")
+    words = "search B or targetFound, C or targetFound still due in this lap"
+    replay.until(f"{DUE} === '{words}'")
     taken = replay.texts(".arrow[data-taken] > text")
     assert len(taken) == 5 and "targetFound or A" in taken, taken
     replay.page.keyboard.press("End")

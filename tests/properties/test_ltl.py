@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from oracle import Sample, accepted, random_words, satisfying, small_words
 
 from companion.ltl.automaton import successors
+from companion.ltl.conjuncts import conjuncts
 from companion.ltl.formula import (
     FALSE,
     TRUE,
@@ -18,7 +19,6 @@ from companion.ltl.formula import (
     Operator,
     atoms,
     conjoin,
-    conjuncts,
     negate,
     negation_normal_form,
 )

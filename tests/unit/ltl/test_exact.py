@@ -17,7 +17,7 @@ import pytest
 from spot_authority import at_most_one, is_exact, needs_spot, random_formulas
 
 from companion.ltl import labels
-from companion.ltl.formula import Formula, atoms, negate
+from companion.ltl.formula import Formula, always, atoms, disjoin, eventually, negate
 from companion.ltl.parser import parse
 from companion.ltl.restriction import restricted
 from companion.ltl.translate import state_based, translate
@@ -105,6 +105,16 @@ def seeds(few: int, many: int) -> list[object]:
 def test_random_formulas(shape: str, seed: int) -> None:
     for formula in random_formulas(10, seed, **SHAPES[shape]):
         check(formula)
+
+
+@pytest.mark.parametrize("seed", seeds(1, 40))
+def test_an_obligation_or_something_else(seed: int) -> None:
+    """Where both are followed at once; the second half recurs, and is suspended."""
+    ends = random_formulas(10, seed, propositions=3, size=6, G=0, R=0, W=0)
+    others = random_formulas(10, seed + 1_000, propositions=3, size=8, F=4, G=4)
+    for count, (end, other) in enumerate(zip(ends, others, strict=True)):
+        recurring = other if count % 2 else always(eventually(other))
+        check(disjoin(negate(end) if seed % 2 else end, recurring))
 
 
 @pytest.mark.parametrize("seed", seeds(1, 10))

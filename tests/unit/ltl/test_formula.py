@@ -8,6 +8,7 @@ import pickle
 import pytest
 
 from companion.errors import FormulaError
+from companion.ltl.conjuncts import conjuncts
 from companion.ltl.formula import (
     FALSE,
     TRUE,
@@ -15,7 +16,6 @@ from companion.ltl.formula import (
     always,
     atoms,
     conjoin,
-    conjuncts,
     disjoin,
     eventually,
     implies,
@@ -171,6 +171,23 @@ def test_normal_form_uses_seven_operators() -> None:
         assert node.operator.value in allowed
         if node.operator is Operator.NOT:
             assert node.operands[0].operator is Operator.ATOM
+
+
+@pytest.mark.parametrize(
+    ("text", "parts"),
+    [
+        ("G F a & G b | F c | X d", ["G F a | F c | X d", "G b | F c | X d"]),
+        ("!F c -> G F a & (b U c & F d)", ["!F c -> G F a", "!F c -> b U c", "!F c -> F d"]),
+        ("F c | F a & X b | X d", ["F c | F a | X d", "F c | X b | X d"]),
+        ("G c | G F a & G F b", None),
+        ("G F c -> G F a & G F b", None),
+        ("a & b | F c", None),
+        ("G(G F a & G F b | F c)", None),
+        ("G F a & G F b -> F c", None),
+    ],
+)
+def test_what_holds_unless_something_happens_is_split(text: str, parts: list[str] | None) -> None:
+    assert [str(part) for part in conjuncts(parse(text))] == (parts or [str(parse(text))])
 
 
 def test_conjuncts_of_the_paper() -> None:

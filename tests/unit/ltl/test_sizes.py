@@ -16,7 +16,9 @@ import pytest
 from oracle import Sample, accepted, random_words, satisfying
 from yardstick import Stopwatch
 
-from companion.ltl.formula import atoms, conjuncts
+from companion.ltl.automaton import statistics
+from companion.ltl.conjuncts import conjuncts
+from companion.ltl.formula import atoms
 from companion.ltl.parser import parse
 from companion.ltl.translate import state_based, translate
 
@@ -111,6 +113,21 @@ def test_no_formula_takes_long(with_large: bool) -> None:
     assert passed[len(passed) // 2] < 3 * 0.02
     assert passed[len(passed) * 19 // 20] < 3 * 0.5
     assert passed[-1] < 10
+
+
+@pytest.mark.parametrize(
+    ("text", "states"),
+    [
+        ("G F a | F c", 2),
+        ("G F a | G c", 2),
+        ("G(a -> F b) | F c", 3),
+        ("G F a & G F b & G F c | F d", 2),
+    ],
+)
+def test_nothing_is_guessed_where_one_of_two_is_an_obligation(text: str, states: int) -> None:
+    """Spot needs a state more for the first, second and last, two more for the third."""
+    figures = statistics(translate(parse(text)))
+    assert (figures.states, figures.is_deterministic) == (states, True)
 
 
 def paper(sites: int) -> str:

@@ -1,0 +1,78 @@
+"""Union: the product of two graphs that accepts the words that one of them accepts.
+
+The first graph is weak and deterministic. Its one run is followed together with those of the
+second, and shows whether the first accepts: while it does all marks are met, otherwise those of the
+second. So nothing is guessed, as it is in a new initial node with the edges of both.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+from companion.ltl.budget import Budget
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, accepting_nodes
+from companion.ltl.labels import LetterSet
+
+_DEAD = -1
+"""Stands for the node of a graph that accepts nothing more."""
+
+_SUSPENDED = -2
+"""Stands for the node of a graph that does not run."""
+
+
+def union(
+    weak: LabelledGraph[LetterSet],
+    other: LabelledGraph[LetterSet],
+    every: LetterSet,
+    budget: Budget,
+    *,
+    suspending: bool = False,
+) -> LabelledGraph[LetterSet]:
+    """The words that one of two graphs accepts; with the marks of the second.
+
+    Args:
+        weak: deterministic; all cycles of a component accept, or none does.
+        other: has one mark at least.
+        every: the set of all letters.
+        suspending: whether the second is suspended while the first accepts; whether it accepts a
+            word must not depend on any finite prefix.
+
+    Raises:
+        TranslationLimit: the budget is spent.
+    """
+    width = every.bit_length()
+    every_mark = (1 << other.marks) - 1
+    accepting = accepting_nodes(weak)
+    idle = [LabelledEdge(every, 0, 0)]
+    halted = accepting if suspending else set[int]()
+    start = (0, _SUSPENDED if 0 in halted else 0)
+    number_of = {start: 0}
+    pending = [start]
+    edges: list[list[LabelledEdge[LetterSet]]] = []
+    for first, second in pending:  # grows while it is read
+        ways = _completed(weak, first, every)
+        beside = idle if second == _SUSPENDED else _completed(other, second, every)
+        budget.spend(5 * len(ways) * len(beside), width)
+        joint: dict[tuple[Marks, int], LetterSet] = defaultdict(LetterSet)
+        for label, _, target in ways:
+            for also, met, partner in beside:
+                pair = (target, _SUSPENDED if target in halted else partner)
+                if label & also and pair != (_DEAD, _DEAD):
+                    number = number_of.setdefault(pair, len(pending))
+                    if number == len(pending):
+                        pending.append(pair)
+                    joint[every_mark if first in accepting else met, number] |= label & also
+        budget.keep(len(joint), width)
+        edges.append([LabelledEdge(letters, *kind) for kind, letters in joint.items()])
+    return LabelledGraph(edges, other.marks)
+
+
+def _completed(
+    graph: LabelledGraph[LetterSet], node: int, every: LetterSet
+) -> list[LabelledEdge[LetterSet]]:
+    """The edges of a node, and one to the dead node with the letters that have none."""
+    leaving = [] if node == _DEAD else graph.edges[node]
+    missing = every
+    for label, _, _ in leaving:
+        missing &= ~label
+    return [*leaving, LabelledEdge(missing, 0, _DEAD)] if missing else leaving
