@@ -18,6 +18,7 @@ from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import NoPlanError, SearchLimit
 from companion.mission.altitudes import above_ground
 from companion.mission.model import Mission
+from companion.motion.cost_to_go import ALL
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.planning.energy.mission_energy import MissionEnergy
@@ -134,6 +135,7 @@ def prepare(
     if mission.battery is not None:
         energy = MissionEnergy(mission, ways, lambda: speed_limit.target)
     planner = Planner(mission, times, energy=energy)
+    routes.find(ALL)  # in flight they are repaired, which is quicker
     if mission.tree is not None:
         planner.actions_of(mission.tree)  # or says which one does not exist
         return PreparedMission(mission, ways, speed_limit, planner, None, functions=calls)

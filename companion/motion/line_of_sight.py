@@ -66,8 +66,8 @@ class LineOfSight:
         col = a[..., 1, None] + _SAMPLES * (b - a)[..., 1, None]
         rows, cols = self._shape
         cells = (
-            np.minimum(row.astype(np.intp), rows - 1),
-            np.minimum(col.astype(np.intp), cols - 1),
+            _clipped(0, row, rows - 1).astype(np.intp),
+            _clipped(0, col, cols - 1).astype(np.intp),
         )
         return np.asarray(self._free[cells].all(axis=-1))
 

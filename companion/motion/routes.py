@@ -152,7 +152,7 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
-        if not self.is_connected(start, place):
+        if self._is_in_sight(start, place) or not self.is_connected(start, place):
             return True
         for level in self._levels:
             max_cells -= level.search(start, place, max_cells)
@@ -199,16 +199,18 @@ class RouteMap:
         return self._least.space.is_connected(start, goal)
 
     def distance_m(self, start: NorthEast, place: str) -> float:
-        """Length of the path along cells to a place, in the plane; inf if there is none.
+        """Length of the leg to a place, or of the path along cells, in the plane; inf without any.
 
         Raises:
             KeyError: there is no such place.
         """
+        goal = self._goals[place][:2]
+        if self._is_in_sight(start, place):
+            return math.dist(start, goal)
         entry = self._entry(start, place)
         if entry is None:
             return math.inf
         (_, to_go, cell), grid = entry, self._grid
-        goal = self._goals[place][:2]
         if to_go.cost[cell] == 0:
             return math.dist(start, goal)
         first = math.dist(start, grid.centre(*cell))
@@ -251,19 +253,19 @@ class RouteMap:
         self, start: Ned, place: str, down_m: float | None, flown: list[Ned]
     ) -> Route | None:
         """A route to a place, after points that are flown anyway."""
-        entry = self._entry(start[:2], place)
-        if entry is None:
-            return None
-        level, to_go, cell = entry
-        space = level.around(*(point[:2] for point in (*flown, start)))
         goal, others = self._goals[place], self._others[place]
-        path = np.vstack([space.point(start), to_go.path(cell) + 0.5, space.point(goal)])
-        kept = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the clearance band
-        near = _ClearLegs(space, others.around(path))
-        way = path[[kept, -1]]  # straight, or along free cells
-        if not near.are_clear(way[:1], way[1:]).all():
-            way = pull_string(path[kept:], near)
-        points = np.vstack([path[:kept], way])
+        if self._is_in_sight(start[:2], place):
+            space = self._levels[0].space
+            points = space.point([start[:2], goal[:2]])
+        elif entry := self._entry(start[:2], place):
+            level, to_go, cell = entry
+            space = level.around(*(point[:2] for point in (*flown, start)))
+            path = np.vstack([space.point(start), to_go.path(cell) + 0.5, space.point(goal)])
+            kept = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the clearance band
+            way = pull_string(path[kept:], _ClearLegs(space, others.around(path)))
+            points = np.vstack([path[:kept], way])
+        else:
+            return None
         plane = points * self._grid.cell_m + self._grid.origin
         plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
         last_down_m = goal[2] if down_m is None else down_m
@@ -274,6 +276,13 @@ class RouteMap:
             return legs.are_clear(space.point(a), space.point(b))
 
         return Route(*rounded(waypoints, are_clear, first_moved=1 + len(flown)))
+
+    def _is_in_sight(self, start: NorthEast, place: str) -> bool:
+        """Whether a straight leg to a place is clear at the highest level; nothing is searched."""
+        space = self._levels[0].space
+        legs = _ClearLegs(space, self._others[place])
+        leg = space.point(start), space.point(self._goals[place][:2])
+        return bool(legs.may_be_clear(*leg) and legs.are_clear(*leg))
 
     def _entry(self, start: NorthEast, place: str) -> tuple[ClearanceLevel, CostToGo, Cell] | None:
         """Where a route to a place enters free cells, at the highest level that leads there."""

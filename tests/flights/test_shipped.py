@@ -108,10 +108,10 @@ SHIPPED = (
         [
             *("Gate", "Dock", "Store", "Gate"),
             *(MissionEventChanged("dockInUse", holds=True), LineDropped("dock", NO_PLAN_KEEPS_IT)),
-            *(Replanned("dock in use"), "Gate", "Store"),
+            *(Replanned("dock in use"), "Store"),
             MissionEventChanged("alarm", holds=True),
             MissionEventChanged("alarm", holds=False),
-            *(Replanned("alarm"), "Store"),
+            *("Gate", "Store"),
             *(MissionEventChanged("dockInUse", holds=False), "Gate"),
             *(LineTakenUp("dock", anew=False), Replanned("dock has a plan again"), "Dock"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
@@ -124,7 +124,7 @@ SHIPPED = (
             *("Shelf", "Bench"),
             *(RouteBlocked("Shelf", RouteResponse.ANOTHER_ROUTE), "Shelf"),
             *noticed("corridorClear", "corridor clear"),
-            *("Corridor", "Bench"),
+            *("Bench", "Corridor", "Shelf"),
             *(*noticed("calledHome", "called home"), "Home", TaskSatisfied()),
         ],
     ),
@@ -173,7 +173,7 @@ SHIPPED = (
         "hall_of_20",
         "hall_of_20",
         [
-            *("s2", "s6", "s10"),
+            *("s2", "s6", "s11"),
             *(*noticed("targetFound", "target found"), *refused("r2")),
             *("r1", SkillCompleted("upload(r1)"), "Home", TaskSatisfied()),
         ],
@@ -185,8 +185,8 @@ WAYS = {"corridor": (-0.6, 1.4), "doorway": (7.6, 9.4), "passage": (10.4, 13.8)}
 """The ways from one room of the corridor mission to the other, metres north."""
 BETWEEN_THE_ROOMS = [
     *("doorway", "passage"),  # the door closes before the vehicle comes back through it
-    *("doorway", "doorway"),  # it is seen open again; halfway through the corridor is clear
-    *("corridor", "corridor"),
+    "doorway",  # it is seen open again; halfway through the corridor is clear
+    *("corridor", "corridor", "corridor"),
 ]
 
 

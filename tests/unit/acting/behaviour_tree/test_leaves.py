@@ -162,7 +162,9 @@ def test_a_symbol_is_grounded_in_parts_while_the_vehicle_holds(
 ) -> None:
     monkeypatch.setattr("companion.acting.symbols.CELLS_PER_TICK", 1)
     monkeypatch.setattr("companion.slices.SLICE_US", 0.1)
-    rig = a_rig(grid=OccupancyGrid(np.zeros((100, 100), dtype=np.bool_), 0.1, (-2.0, -2.0)))
+    occupied = np.zeros((100, 100), dtype=np.bool_)
+    occupied[40:45, 15:25] = True  # on the way, so that it is searched
+    rig = a_rig(grid=OccupancyGrid(occupied, 0.1, (-2.0, -2.0)))
     rig.flight.routes.aim("A", (5.9, 0.0, -2.0))
     leaf = update_param(rig)
     ticks = 1

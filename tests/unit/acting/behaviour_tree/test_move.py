@@ -315,7 +315,7 @@ def test_a_way_that_is_not_found_in_time_is_waited_for_at_rest(
 def test_a_move_waits_for_its_way_and_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("companion.acting.behaviour_tree.move.CELLS_PER_TICK", 500)
     rig = a_finer_rig()
-    rig.flight.routes.see(crate(2.0, 2.0, 3.0, 3.0))
+    rig.flight.routes.see(crate(2.0, -0.5, 3.0, 0.5))
     rig.flight.routes.aim("A", (5.8, 0.1, -2.0))
     leaf = MoveCommand(rig.flight, "A", None)
     for _ in range(3):
