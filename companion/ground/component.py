@@ -124,12 +124,12 @@ class Component:
             self._ending.append(_exit_code(now_s, event.exit_code))
 
     def mark(self, name: str) -> None:
-        """Says which run this is, as the vehicle was armed; nothing of one without a record.
+        """Says which run this is, as the vehicle was armed, or that it is not recorded.
 
-        PX4 writes the texts of its own system into the log that it has begun with arming.
+        PX4 writes the texts of its own system into the log that it has begun with arming. A flight
+        sends as much without a record, so that a link that loses takes the same from both.
         """
-        if name:
-            self._texts.mark(f"run {name}")
+        self._texts.mark(f"run {name}" if name else "run is not recorded")
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
         """Returns the messages that leave now; at the end of a run all that are left."""

@@ -91,6 +91,16 @@ def test_equal_arguments_give_equal_flights(mission: Mission) -> None:
     assert not np.array_equal(other.trajectory.positions, first.trajectory.positions)
 
 
+@pytest.mark.parametrize("loss", [0.0, 0.2])
+def test_a_flight_is_the_same_with_a_record(mission: Mission, loss: float, tmp_path: Path) -> None:
+    """Both sides send as many datagrams: a link that loses takes the same ones."""
+    world = {"version": 1, "happens": [{"at_s": 0.5, "link": {"port": "companion", "loss": loss}}]}
+    without = simulate(mission, world, seed=3)
+    recorded = simulate(mission, world, seed=3, folder=tmp_path / "run")
+    assert np.array_equal(recorded.trajectory.positions, without.trajectory.positions)
+    assert recorded.events == without.events
+
+
 def test_a_failure_is_a_value(mission: Mission) -> None:
     hopeless = load_mission({**MISSION, "goal": "at(A) & at(Home)", "otherwise": "land"})
     assert hopeless.otherwise is Otherwise.LAND
