@@ -114,7 +114,7 @@ def test_an_alarm_ends_a_charge_and_is_answered_in_time() -> None:
     flight.run(30.0)
     assert answered_s(flight, alarm(flight)) < 20.0, text(flight)
     assert len(flight.of(ChargeCutShort)) == 1
-    flight.until_reported(SkillCompleted, limit_s=400.0, action="move(A, B)")
+    flight.until_reported(PlaceReached, limit_s=400.0, place="B")  # the lap goes on
     assert not violated(flight) and not flight.of(NoPlanFound), text(flight)
 
 
