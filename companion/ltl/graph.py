@@ -8,7 +8,7 @@ of nodes are bits of an int (`bitsets.py`).
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import or_
@@ -79,6 +79,39 @@ def renumbered(
                 pending.append(target)
         kept.append([LabelledEdge(x, met, number_of[target]) for x, met, target in edges[node]])
     return LabelledGraph(kept, marks), number_of
+
+
+def product(
+    start: tuple[int, int],
+    leaving: Callable[[tuple[int, int]], Iterable[tuple[LetterSet, Marks, tuple[int, int]]]],
+    marks: int,
+    budget: Budget,
+    width: int,
+) -> LabelledGraph[LetterSet]:
+    """The graph of the pairs that a pair of nodes reaches; equal edges are joined.
+
+    Args:
+        start: the pair that is initial.
+        leaving: the edges of a pair, with the pairs that they lead to.
+        marks: number of acceptance sets.
+        width: bits of a label.
+
+    Raises:
+        TranslationLimit: the budget is spent.
+    """
+    number_of = {start: 0}
+    pending = [start]
+    edges: list[list[LabelledEdge[LetterSet]]] = []
+    for pair in pending:  # grows while it is read
+        joint: dict[tuple[Marks, int], LetterSet] = defaultdict(LetterSet)
+        for letters, met, target in leaving(pair):
+            number = number_of.setdefault(target, len(pending))
+            if number == len(pending):
+                pending.append(target)
+            joint[met, number] |= letters
+        budget.keep(len(joint), width)
+        edges.append([LabelledEdge(letters, *kind) for kind, letters in joint.items()])
+    return LabelledGraph(edges, marks)
 
 
 def accepting_nodes(graph: LabelledGraph[L]) -> set[int]:

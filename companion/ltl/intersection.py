@@ -10,10 +10,10 @@ other improvements to LTL translation, SPIN 2013, for suspension.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections.abc import Iterator
 
 from companion.ltl.budget import Budget
-from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, accepting_nodes
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, accepting_nodes, product
 from companion.ltl.labels import LetterSet
 
 _SUSPENDED = -1
@@ -38,23 +38,17 @@ def intersection(
     """
     width = max((e.label.bit_length() for leaving in one.edges for e in leaving), default=0)
     running = accepting_nodes(one) if suspending else set(range(len(one.edges)))
-    start = (0, 0 if 0 in running else _SUSPENDED)
-    number_of = {start: 0}
-    pending = [start]
-    edges: list[list[LabelledEdge[LetterSet]]] = []
     idle = [LabelledEdge(~LetterSet(0), 0, 0)]
-    for first, second in pending:  # grows while it is read
+
+    def leaving(pair: tuple[int, int]) -> Iterator[tuple[LetterSet, Marks, tuple[int, int]]]:
+        first, second = pair
         beside = idle if second == _SUSPENDED else other.edges[second]
         budget.spend(5 * len(one.edges[first]) * len(beside), width)
-        joint: dict[tuple[Marks, int], LetterSet] = defaultdict(LetterSet)
         for label, marks, target in one.edges[first]:
             for also, more, partner in beside if target in running else idle:
-                if label & also:
-                    pair = (target, partner if target in running else _SUSPENDED)
-                    number = number_of.setdefault(pair, len(pending))
-                    if number == len(pending):
-                        pending.append(pair)
-                    joint[marks | more << one.marks, number] |= label & also
-        budget.keep(len(joint), width)
-        edges.append([LabelledEdge(letters, *kind) for kind, letters in joint.items()])
-    return LabelledGraph(edges, one.marks + other.marks)
+                if letters := label & also:
+                    after = partner if target in running else _SUSPENDED
+                    yield letters, marks | more << one.marks, (target, after)
+
+    start = (0, 0 if 0 in running else _SUSPENDED)
+    return product(start, leaving, one.marks + other.marks, budget, width)

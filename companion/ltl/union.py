@@ -7,10 +7,10 @@ second. So nothing is guessed, as it is in a new initial node with the edges of 
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections.abc import Iterator
 
 from companion.ltl.budget import Budget
-from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, accepting_nodes
+from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, accepting_nodes, product
 from companion.ltl.labels import LetterSet
 
 _DEAD = -1
@@ -45,26 +45,19 @@ def union(
     accepting = accepting_nodes(weak)
     idle = [LabelledEdge(every, 0, 0)]
     halted = accepting if suspending else set[int]()
-    start = (0, _SUSPENDED if 0 in halted else 0)
-    number_of = {start: 0}
-    pending = [start]
-    edges: list[list[LabelledEdge[LetterSet]]] = []
-    for first, second in pending:  # grows while it is read
+
+    def leaving(pair: tuple[int, int]) -> Iterator[tuple[LetterSet, Marks, tuple[int, int]]]:
+        first, second = pair
         ways = _completed(weak, first, every)
         beside = idle if second == _SUSPENDED else _completed(other, second, every)
         budget.spend(5 * len(ways) * len(beside), width)
-        joint: dict[tuple[Marks, int], LetterSet] = defaultdict(LetterSet)
         for label, _, target in ways:
             for also, met, partner in beside:
-                pair = (target, _SUSPENDED if target in halted else partner)
-                if label & also and pair != (_DEAD, _DEAD):
-                    number = number_of.setdefault(pair, len(pending))
-                    if number == len(pending):
-                        pending.append(pair)
-                    joint[every_mark if first in accepting else met, number] |= label & also
-        budget.keep(len(joint), width)
-        edges.append([LabelledEdge(letters, *kind) for kind, letters in joint.items()])
-    return LabelledGraph(edges, other.marks)
+                after = (target, _SUSPENDED if target in halted else partner)
+                if (letters := label & also) and after != (_DEAD, _DEAD):
+                    yield letters, every_mark if first in accepting else met, after
+
+    return product((0, _SUSPENDED if 0 in halted else 0), leaving, other.marks, budget, width)
 
 
 def _completed(
