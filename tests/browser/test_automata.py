@@ -16,8 +16,8 @@ pytestmark = pytest.mark.sockets
 
 PATTERNS = Path(__file__).parents[2] / "docs" / "patterns"
 
-PATROL = "G F at(A) & G F at(B) & G F at(C) & G F at(r1) | F targetFound"
-STATES = 8
+PATROL = "G F at(A) & G F at(B) & G F at(C) & G F at(r1) | G F targetFound"
+STATES = 9
 SMALL = {
     "chain": "F(at(A) & F(at(B) & F(at(C) & F at(r1))))",
     "detours": "G (at(A) -> X (!at(A) U at(B))) & G (at(B) -> X (!at(B) U at(C)))",
@@ -45,7 +45,7 @@ def test_many_states_stand_on_a_circle_with_their_edges(address: str, open_page:
     replay.page.keyboard.press("ArrowRight")
     states = replay.page.locator(".large .state")
     assert states.count() == STATES
-    assert replay.page.locator(".large .arrow:not(.entry)").count() == 30
+    assert replay.page.locator(".large .arrow:not(.entry)").count() == 33
     replay.until("document.querySelectorAll('.edges .taken').length > 0")
     assert "A (taken)" in " ".join(replay.texts(".edges .taken"))
     assert replay.violations() == []
