@@ -58,9 +58,9 @@ class _Deaf(_Bad):
             pass
 
 
-def _with(engine: type[_Bad], *arguments: Any) -> None:
-    engine_process._planner = lambda name, classical: engine()
-    _run(*arguments)
+def _with(engine: type[_Bad], /, *arguments: Any, **named: Any) -> None:
+    engine_process._planner = lambda name, parameters: engine()
+    _run(*arguments, **named)
 
 
 killed, eating, spinning, deaf = (partial(_with, e) for e in (_Killed, _Eating, _Spinning, _Deaf))

@@ -122,6 +122,17 @@ def test_a_planner_that_cannot(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("command", ["sim", "run"])
+def test_no_flight_begins_with_a_planner_that_is_not_there(
+    companion: Companion, tmp_path: Path, command: str
+) -> None:
+    ended = companion(command, SURVEILLANCE, "--engine", "nobody", "--monitor", "off")
+    assert ended.code == 2
+    assert "there is no engine nobody; installed are: fast-downward" in ended.err
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("encoding", ["v1", "v4", "v5"])
 def test_pddl_is_written(companion: Companion, tmp_path: Path, encoding: str) -> None:
     folder = tmp_path / "new" / "folder"

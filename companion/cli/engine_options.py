@@ -48,9 +48,15 @@ ENGINE_TIMEOUT_S = 10.0
 def engine_of(
     name: str, encoding: Encoding, timeout_s: float, duration_s: float | None = None
 ) -> Engine | None:
-    """Who plans; None for the built-in search."""
+    """Who plans; None for the built-in search.
+
+    Raises:
+        EngineMissing: there is no engine of this name here.
+    """
     if name == BUILT_IN:
         return None
     from companion.planning.engine_jobs import EngineJobs
+    from companion.planning.engines import require
 
+    require(name)
     return EngineJobs(name, encoding, timeout_s, duration_s)

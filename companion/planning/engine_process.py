@@ -40,8 +40,6 @@ INSTALL = {
 """The command that installs an engine, by the beginning of its name."""
 NO_COSTS = ("pyperplan",)
 """Engines that take no costs of actions and look for a plan of few actions."""
-NO_COSTS = ("pyperplan",)
-"""Engines that take no costs of actions and look for a plan of few actions."""
 GRACE_S = 2.0
 """Time beyond its limit after which a process is killed from outside."""
 MEMORY_BYTES = 1024 * MIB
@@ -140,7 +138,7 @@ def run(
     answer: EngineError | EngineAnswer
     try:
         classical = question.compiled()
-        planners.append(_planner(engine, classical))
+        planners.append(_planner(engine, _parameters(engine, classical)))
         answer = _answer(planners[0], classical, engine)
     except EngineMissing as error:
         answer = error
@@ -156,7 +154,20 @@ def run(
     pipe.send(answer)
 
 
-def _planner(engine: str, classical: ClassicalProblem) -> Any:
+def look_up(pipe: Connection, folder: str, engine: str) -> None:
+    """All that a process does that looks whether there is an engine of this name.
+
+    Sends an `EngineAnswer`, or `EngineMissing`.
+    """
+    answer: EngineMissing | EngineAnswer = EngineAnswer("THERE")
+    try:
+        _planner(engine, {})
+    except EngineMissing as error:
+        answer = error
+    pipe.send(answer)
+
+
+def _planner(engine: str, parameters: dict[str, Any]) -> Any:
     from unified_planning.exceptions import UPException
     from unified_planning.shortcuts import OneshotPlanner, get_environment
 
@@ -164,7 +175,7 @@ def _planner(engine: str, classical: ClassicalProblem) -> Any:
     factory = get_environment().factory
     known = [e for e in factory.engines if "[" not in e and factory.engine(e).is_oneshot_planner()]
     try:
-        return OneshotPlanner(name=engine, params=_parameters(engine, classical))
+        return OneshotPlanner(name=engine, params=parameters)
     except (UPException, ImportError, AssertionError) as error:
         line = next((text for name, text in INSTALL.items() if engine.startswith(name)), None)
         raise EngineMissing(

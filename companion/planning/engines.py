@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import multiprocessing
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from multiprocessing.connection import Connection, wait
 
 from companion.errors import CompanionError
@@ -33,6 +34,8 @@ FAILURES = {
     "UNSOLVABLE_INCOMPLETELY": f"found no plan and cannot say if there is one; {FAST_DOWNWARD} can",
 }
 """Texts for statuses without an answer: what the engine did, and what to do."""
+LOOK_UP_S = 10.0
+"""What may be waited for the word whether an engine is there; a plan tells it later, too."""
 
 _server = multiprocessing.get_context("forkserver")
 _server.set_forkserver_preload(
@@ -89,7 +92,8 @@ def solve_with(
             "engine out, so that the built-in search plans, or remove the bounds"
         )
     question = EngineQuestion(problem, histories, encoding, objective)
-    answer = _asked(question, engine, timeout_s, stop)
+    ask = partial(engine_process.run, question=question, engine=engine, timeout_s=timeout_s)
+    answer = _asked(ask, timeout_s, stop)
     if not answer.loop:
         _no_plan(answer.status, engine, timeout_s)
         return None
@@ -102,6 +106,15 @@ def solve_with(
     if objective is Objective.SUM:
         cost_ms += lasso.prefix_cost_ms
     return Solution(lasso, objective, cost_ms, 0, f"{engine} {encoding.value}")
+
+
+def require(engine: str) -> None:
+    """Refuses an engine that is not here, before anything is done for a flight with it.
+
+    Raises:
+        EngineMissing: it is not.
+    """
+    _asked(partial(engine_process.look_up, engine=engine), LOOK_UP_S)
 
 
 def _no_plan(status: str, engine: str, timeout_s: float) -> None:
@@ -132,20 +145,21 @@ def _lasso(answer: EngineAnswer, problem: Problem) -> Lasso | None:
 
 
 def _asked(
-    question: EngineQuestion, engine: str, timeout_s: float, stop: Connection | None
+    ask: Callable[[Connection, str], None], timeout_s: float, stop: Connection | None = None
 ) -> EngineAnswer:
     """What a process of its own answers.
+
+    Args:
+        ask: all that the process does, given a pipe to here and a folder.
+        timeout_s: after this many seconds, and a little more, it is ended.
+        stop: it is ended when the other end of this pipe is closed.
 
     Raises:
         EngineError: as it says.
     """
     here, there = _server.Pipe(duplex=False)
     with tempfile.TemporaryDirectory(prefix="companion-", ignore_cleanup_errors=True) as folder:
-        process = _server.Process(
-            target=engine_process.run,
-            args=(there, folder, question, engine, timeout_s),
-            daemon=True,
-        )
+        process = _server.Process(target=ask, args=(there, folder), daemon=True)
         try:
             process.start()
         except (EOFError, OSError):  # the server has died just now; the next call starts it again
