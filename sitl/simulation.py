@@ -84,7 +84,7 @@ class Simulation:
         self._physics = _physics(scenario, airframe, seed)
         self._truth = state = self._physics.state
         self._estimator = Estimator(Random(f"estimate {seed}"), wander=scenario.wander)
-        self._sensors = Sensors(scenario.home, Random(f"sensors {seed}"), state)
+        self._sensors = Sensors(scenario.home, seed, state)
         own = vehicle_defaults(scenario.vehicle)
         parameters = Parameters({**own, **scenario.parameters, "MAV_SYS_ID": system})
         self._frame = LocalFrame(scenario.home, scenario.origin or scenario.home)
@@ -311,9 +311,9 @@ class Simulation:
         component = self._autopilot_component
         if self._is_silent or not (due := component.due(self._steps * DT_S, until_s)):
             return
-        if any(is_read for _, _, is_read in due):
-            self._look()
-        component.stream(due)
+        self._look()
+        for link, name in due:
+            link.stream(name)
         out += component.flush()
 
     def _look(self) -> None:

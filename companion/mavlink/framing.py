@@ -100,10 +100,6 @@ class MavlinkCodec:
         crc = checksum(layout.crc_extra, checksum(body, 0xFFFF))
         return b"\xfd" + body + _CHECKSUM.pack(crc)
 
-    def skip(self) -> None:
-        """Uses up the sequence number of a frame that is not packed."""
-        self.sequence = (self.sequence + 1) % 256
-
     def parse(self, datagram: bytes) -> list[Message]:
         """Returns the intact, known messages of a datagram, in order; never raises."""
         messages = map(decode, split_frames(datagram))

@@ -1,8 +1,9 @@
 """GPS, inertial unit and barometer, with noise, at their own rates.
 
-In: the true state each step, and the quality of GPS. Out: the newest `readings`, held between
-samples as a driver's topic holds them. They are for the messages that show raw sensors
-(HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE); nothing is flown by them.
+In: the true state each step, and the quality of GPS. Out: the newest sample of each sensor, held
+until its next is due as a driver's topic holds it. They are for the messages that show raw sensors
+(HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE); nothing is flown by them. Inertial unit and barometer
+are sampled only when somebody looks.
 
 Noise is white: that of PX4's simulated sensors (SensorGpsSim, SensorBaroSim, the IMU of its iris
 model: a density times the root of the rate). The wandering part of GPS is the estimator's
@@ -86,72 +87,67 @@ class BarometerSample:
     temperature_degc: float
 
 
-@dataclass(frozen=True, slots=True)
-class SensorReadings:
-    """The newest sample of each sensor."""
-
-    gps: GpsFix
-    imu: ImuSample
-    barometer: BarometerSample
-
-
 class Sensors:
     """The sensors of one vehicle.
 
     Args:
         origin: where local NED lies.
-        rng: of the noise.
+        seed: of the noise; each sensor has its own.
         state: at the start; everything is sampled once.
         noise: of each sensor.
 
     Attributes:
-        readings: the newest.
+        gps: the receiver's newest report.
     """
 
     def __init__(
         self,
         origin: GlobalOrigin,
-        rng: random.Random,
+        seed: int,
         state: FlightState,
         noise: SensorNoise = SensorNoise(),
     ) -> None:
-        self._origin, self._gauss, self._noise = origin, rng.gauss, noise
-        self._gps_s = state.time_s + 1 / GPS_HZ
-        self._imu_s = self._due_s = state.time_s + 1 / IMU_HZ
-        self._barometer_s = state.time_s + 1 / BAROMETER_HZ
-        self._gps = self._sample_gps(state, GpsQuality(), (0.0, 0.0))
-        self._imu = self._sample_imu(state)
-        self._barometer = self._sample_barometer(state)
-        self.readings = SensorReadings(self._gps, self._imu, self._barometer)
+        self._origin, self._noise, self._truth = origin, noise, state
+        self._gps_gauss, self._imu_gauss, self._barometer_gauss = (
+            random.Random(f"{sensor} {seed}").gauss for sensor in ("gps", "imu", "barometer")
+        )
+        self._gps_s = self._imu_s = self._barometer_s = state.time_s
+        self.step(state, GpsQuality(), (0.0, 0.0))
 
     def step(self, truth: FlightState, gps: GpsQuality, fix_error: tuple[float, float]) -> None:
-        """Samples what is due.
+        """Takes the state, and a report of the receiver if it is due.
 
         Args:
             truth: the true state now.
             gps: the quality of GPS.
             fix_error: north and east, the slowly wandering part.
         """
-        now_s = truth.time_s + EARLY_S
-        if now_s < self._due_s:
-            return
-        if now_s >= self._gps_s:
+        self._truth = truth
+        if truth.time_s + EARLY_S >= self._gps_s:
             self._gps_s += 1 / GPS_HZ
-            self._gps = self._sample_gps(truth, gps, fix_error)
-        if now_s >= self._imu_s:
-            self._imu_s += 1 / IMU_HZ
-            self._imu = self._sample_imu(truth)
-        if now_s >= self._barometer_s:
-            self._barometer_s += 1 / BAROMETER_HZ
-            self._barometer = self._sample_barometer(truth)
-        self._due_s = min(self._gps_s, self._imu_s, self._barometer_s)
-        self.readings = SensorReadings(self._gps, self._imu, self._barometer)
+            self.gps = self._sample_gps(truth, gps, fix_error)
+
+    @property
+    def imu(self) -> ImuSample:
+        """The newest sample of the inertial unit."""
+        if (now_s := self._truth.time_s + EARLY_S) >= self._imu_s:
+            self._imu_s = _next_s(self._imu_s, now_s, IMU_HZ)
+            self._imu = self._sample_imu(self._truth)
+        return self._imu
+
+    @property
+    def barometer(self) -> BarometerSample:
+        """The newest sample of the barometer."""
+        if (now_s := self._truth.time_s + EARLY_S) >= self._barometer_s:
+            self._barometer_s = _next_s(self._barometer_s, now_s, BAROMETER_HZ)
+            self._barometer = self._sample_barometer(self._truth)
+        return self._barometer
 
     def _sample_gps(
         self, truth: FlightState, gps: GpsQuality, fix_error: tuple[float, float]
     ) -> GpsFix:
         if gps.is_lost:
-            last = self._gps
+            last = self.gps
             return GpsFix(
                 truth.time_s,
                 False,
@@ -160,7 +156,7 @@ class Sensors:
                 0,
                 GPS_LOST_ACCURACY_M,
             )
-        gauss, noise = self._gauss, self._noise
+        gauss, noise = self._gps_gauss, self._noise
         north, east, down = truth.position
         latitude_deg, longitude_deg, altitude_m = self._origin.to_global(
             (
@@ -182,7 +178,7 @@ class Sensors:
         )
 
     def _sample_imu(self, truth: FlightState) -> ImuSample:
-        gauss = self._gauss
+        gauss = self._imu_gauss
         force, rate = self._noise.acceleration_mps2, self._noise.rate_radps
         f_x, f_y, f_z = truth.specific_force
         p, q, r = truth.rates
@@ -196,10 +192,15 @@ class Sensors:
         altitude_m = self._origin.altitude_m - truth.position[2]
         kelvin = SEA_TEMPERATURE_K - LAPSE_K_PER_M * altitude_m
         pressure = SEA_PRESSURE_PA * (kelvin / SEA_TEMPERATURE_K) ** PRESSURE_EXPONENT
-        pressure += self._gauss(0.0, self._noise.pressure_pa)
+        pressure += self._barometer_gauss(0.0, self._noise.pressure_pa)
         return BarometerSample(
             truth.time_s, pressure, pressure_altitude_m(pressure), kelvin - CELSIUS_ZERO_K
         )
+
+
+def _next_s(due_s: float, now_s: float, rate_hz: float) -> float:
+    """When the next sample is due after one that was due earlier."""
+    return due_s + (math.floor((now_s - due_s) * rate_hz) + 1) / rate_hz
 
 
 def pressure_altitude_m(pressure_pa: float) -> float:

@@ -42,8 +42,6 @@ CONTINUAL = frozenset(
     }
 )
 """Messages after which nothing is to be said that would not be said by itself."""
-DueStream = tuple[AutopilotLink, str, bool]
-"""A stream by its name, with its link, and whether it is read."""
 LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
 
 
@@ -131,7 +129,8 @@ class AutopilotComponent:
                 self._list_parameters(link)
                 self.is_asked |= bool(link.listing)
             link.tell_origin()
-        self.stream(self.due(now_s, until_s))
+        for link, name in self.due(now_s, until_s):
+            link.stream(name)
         if self._late:
             for due_s, link, message in self._late:
                 if due_s <= now_s:
@@ -140,21 +139,13 @@ class AutopilotComponent:
         self._send_status_texts()
         return self.flush()
 
-    def due(self, now_s: float, until_s: float) -> list[DueStream]:
-        """The streams that are due now, of all links."""
+    def due(self, now_s: float, until_s: float) -> list[tuple[AutopilotLink, str]]:
+        """The streams that are due now, by name, each with its link."""
         return [
-            (link, name, is_read)
+            (link, name)
             for link in self._links.values()
-            for name, is_read in link.streams.due(now_s, until_s)
+            for name in link.streams.due(now_s, until_s)
         ]
-
-    def stream(self, due: list[DueStream]) -> None:
-        """Sends streams with the present state."""
-        for link, name, is_read in due:
-            if is_read:
-                link.stream(name)
-            else:
-                link.skip()
 
     def _list_parameters(self, link: AutopilotLink) -> None:
         known = self._vehicle.autopilot.parameters

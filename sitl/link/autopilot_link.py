@@ -77,10 +77,6 @@ class AutopilotLink:
         frame = self._codec.frame(MESSAGE_CLASSES[name], MESSAGES[name](self.vehicle))
         self._out.append((self.name, frame))
 
-    def skip(self) -> None:
-        """Goes on as if a message had been sent."""
-        self._codec.skip()
-
     def send_if(self, message: Message | None) -> None:
         """Packs a message, if there is one."""
         if message is not None:

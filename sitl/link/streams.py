@@ -50,6 +50,8 @@ RATES_HZ: dict[str, tuple[float, float]] = {
 """Message -> Hz on each link; 0 is off by default and may be asked for."""
 
 _COLUMN = {LinkName.GCS: 0, LinkName.OFFBOARD: 1}
+_Due = tuple[float, int, str]
+"""When a stream is due next, the id of its message, its name."""
 
 
 class StreamReader(Protocol):
@@ -67,6 +69,8 @@ class StreamReader(Protocol):
 class Streams:
     """The schedule of one link.
 
+    What the reader does not read is not sent; it sleeps, and goes on in step once it is read.
+
     Args:
         link: whose defaults to start with.
         now_s: the first messages are due now.
@@ -82,41 +86,50 @@ class Streams:
             for name, rates in RATES_HZ.items()
         }
         self._intervals_s = {name: s for name, s in self._defaults_s.items() if s > 0}
+        self._sent_s = -math.inf
+        self._read: Container[int] | None = None
+        self._asleep: list[_Due] = []
         self._queue = [(now_s, MESSAGE_CLASSES[name].id, name) for name in self._intervals_s]
         heapq.heapify(self._queue)
 
-    @property
-    def due_s(self) -> float:
-        """When the next message is due."""
-        return self._queue[0][0] - EARLY_S if self._queue else math.inf
-
-    def due(self, now_s: float, until_s: float) -> list[tuple[str, bool]]:
+    def due(self, now_s: float, until_s: float) -> list[str]:
         """The messages to send now; each keeps its rate over the long run.
 
         Args:
             now_s: the time.
             until_s: what is sent until then arrives together.
-
-        Returns:
-            Each with whether it is read.
         """
+        reader, queue = self._reader, self._queue
+        if reader is not None and reader.wanted is not self._read:
+            queue = self._wake(reader.wanted)
+        self._sent_s = now_s + EARLY_S
         messages = []
-        while self.due_s <= now_s:
-            due_s, message_id, name = self._queue[0]
+        while queue and queue[0][0] <= self._sent_s:
+            due_s, message_id, name = queue[0]
             interval_s = self._intervals_s[name]
             after_s = due_s + interval_s
             if after_s <= now_s:  # an interval shorter than a step: once each step
                 after_s = now_s + interval_s
-            heapq.heapreplace(self._queue, (after_s, message_id, name))
+            heapq.heapreplace(queue, (after_s, message_id, name))
             is_newest = after_s - EARLY_S > until_s
-            messages.append((name, self._is_read(message_id, is_newest)))
+            if reader is None or is_newest or message_id not in reader.continual:
+                messages.append(name)
         return messages
 
-    def _is_read(self, message_id: int, is_newest: bool) -> bool:
-        reader = self._reader
-        if reader is None:
-            return True
-        return message_id in reader.wanted and (is_newest or message_id not in reader.continual)
+    def _wake(self, read: Container[int]) -> list[_Due]:
+        """Another choice is read from now on; returns the queue of what is."""
+        streams, self._read = [*self._queue, *self._asleep], read
+        self._queue = [self._in_step(each) for each in streams if each[1] in read]
+        self._asleep = [each for each in streams if each[1] not in read]
+        heapq.heapify(self._queue)
+        return self._queue
+
+    def _in_step(self, stream: _Due) -> _Due:
+        """When it is due after what was sent last, had it been sent all the time."""
+        due_s, message_id, name = stream
+        while due_s <= self._sent_s:
+            due_s += self._intervals_s[name]
+        return due_s, message_id, name
 
     def set_interval(self, name: str, interval_us: float, now_s: float) -> bool:
         """Changes a message's interval: 0 is the default, negative is off.
@@ -128,11 +141,12 @@ class Streams:
             return False
         interval_s = self._defaults_s[name] if interval_us == 0 else interval_us / 1e6
         self._intervals_s.pop(name, None)
-        self._queue = [entry for entry in self._queue if entry[2] != name]
+        self._queue = [each for each in (*self._queue, *self._asleep) if each[2] != name]
         if interval_s > 0:
             self._intervals_s[name] = interval_s
             self._queue.append((now_s + interval_s, MESSAGE_CLASSES[name].id, name))
         heapq.heapify(self._queue)
+        self._asleep, self._read = [], None  # sorted out with the next ones due
         return True
 
     def interval_us(self, name: str) -> int:

@@ -20,7 +20,7 @@ IMU_AND_BAROMETER = 0x3F | 0x200 | 0x800 | 0x1000  # HIGHRES_IMU.fields_updated
 
 def gps_raw_int(v: SimulatedVehicle) -> Fields:
     """GPS_RAW_INT: the receiver's report."""
-    gps = v.sensors.readings.gps
+    gps = v.sensors.gps
     north, east, _ = gps.velocity
     course_deg = math.degrees(math.atan2(east, north)) % 360
     return (
@@ -43,7 +43,7 @@ def gps_raw_int(v: SimulatedVehicle) -> Fields:
 
 def highres_imu(v: SimulatedVehicle) -> Fields:
     """HIGHRES_IMU; the magnetometer and the airspeed sensor are marked as not updated."""
-    imu, air = v.sensors.readings.imu, v.sensors.readings.barometer
+    imu, air = v.sensors.imu, v.sensors.barometer
     return (
         v.boot_us,
         *imu.specific_force,
@@ -59,7 +59,7 @@ def highres_imu(v: SimulatedVehicle) -> Fields:
 
 def scaled_pressure(v: SimulatedVehicle) -> Fields:
     """SCALED_PRESSURE, hPa and centidegrees."""
-    air = v.sensors.readings.barometer
+    air = v.sensors.barometer
     return (v.boot_ms, air.pressure_pa / 100, 0.0, round(air.temperature_degc * 100))
 
 

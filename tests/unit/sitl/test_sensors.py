@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 import math
-import random
 from itertools import pairwise
 from statistics import fmean, stdev
+from typing import NamedTuple
 
 import pytest
 
 from companion.geometry import GlobalOrigin
 from sitl.flight.estimate import GpsQuality
 from sitl.flight.physics import FlightState, Physics
-from sitl.flight.sensors import SensorNoise, SensorReadings, Sensors, pressure_altitude_m
+from sitl.flight.sensors import (
+    BarometerSample,
+    GpsFix,
+    ImuSample,
+    SensorNoise,
+    Sensors,
+    pressure_altitude_m,
+)
 
 PLACE = GlobalOrigin(47.4, 8.5, 488.0)
 TRUTH = Physics(origin=PLACE, start=(30.0, -20.0, -12.0)).state
@@ -20,6 +27,12 @@ GOOD = GpsQuality()
 NOISE = SensorNoise()
 SILENT = SensorNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 DT = 0.004
+
+
+class Readings(NamedTuple):
+    gps: GpsFix
+    imu: ImuSample
+    barometer: BarometerSample
 
 
 def at(time_s: float) -> FlightState:
@@ -33,12 +46,12 @@ def sample(
     seed: int = 1,
     gps: GpsQuality = GOOD,
     fix_error: tuple[float, float] = (0.0, 0.0),
-) -> list[SensorReadings]:
-    sensors = Sensors(PLACE, random.Random(seed), at(0.0), noise)
+) -> list[Readings]:
+    sensors = Sensors(PLACE, seed, at(0.0), noise)
     readings = []
     for i in range(1, round(seconds / DT) + 1):
         sensors.step(at(i * DT), gps, fix_error)
-        readings.append(sensors.readings)
+        readings.append(Readings(sensors.gps, sensors.imu, sensors.barometer))
     return readings
 
 
@@ -102,10 +115,10 @@ def test_the_receiver_shows_the_error_that_the_estimator_has() -> None:
 
 
 def test_a_lost_gps_repeats_its_last_place_without_a_fix() -> None:
-    sensors = Sensors(PLACE, random.Random(1), at(0.0))
-    before = sensors.readings.gps
+    sensors = Sensors(PLACE, 1, at(0.0))
+    before = sensors.gps
     sensors.step(at(1.0), GpsQuality(is_lost=True), (0.0, 0.0))
-    after = sensors.readings.gps
+    after = sensors.gps
     assert (before.is_3d, after.is_3d, after.satellites) == (True, False, 0)
     assert (after.latitude_deg, after.longitude_deg) == (before.latitude_deg, before.longitude_deg)
 
@@ -113,3 +126,15 @@ def test_a_lost_gps_repeats_its_last_place_without_a_fix() -> None:
 def test_the_same_seed_is_the_same_noise() -> None:
     assert sample(1.0, seed=4) == sample(1.0, seed=4)
     assert sample(1.0, seed=4)[-1].imu != sample(1.0, seed=5)[-1].imu
+
+
+def test_who_looks_later_sees_a_sample_of_then() -> None:
+    sensors = Sensors(PLACE, 1, at(0.0))
+    first = sensors.imu
+    sensors.step(at(7.003), GOOD, (0.0, 0.0))
+    later = sensors.imu
+    assert (first.time_s, later.time_s) == (0.0, 7.003)
+    sensors.step(at(7.015), GOOD, (0.0, 0.0))
+    assert sensors.imu is later
+    sensors.step(at(7.02), GOOD, (0.0, 0.0))
+    assert sensors.imu.time_s == 7.02

@@ -15,7 +15,7 @@ from sitl.flight.physics import Physics
 from sitl.flight.sensors import Sensors
 from sitl.link.messages import MESSAGE_CLASSES, MESSAGES, compose
 from sitl.link.routing import LinkName
-from sitl.link.streams import StreamReader
+from sitl.link.streams import StreamReader, Streams
 from sitl.link.vehicle import SimulatedVehicle
 from sitl.simulation import Simulation
 from sitl.world.scenario import Scenario
@@ -96,7 +96,7 @@ def test_telemetry_has_the_bytes_of_pymavlinks_own_message(name: str) -> None:
         Autopilot(parameters, physics.state),
         physics.state,
         origin,
-        Sensors(origin, Random(1), physics.state),
+        Sensors(origin, 1, physics.state),
         physics.battery,
         Estimator(Random(1)),
     )
@@ -301,8 +301,34 @@ def test_of_streams_that_one_reads_alone_what_it_does_not_read_is_not_packed() -
         return [[f for _, f in simulation.step(0.05 * i, [])] for i in range(1, 40)]
 
     everything = [choose(frames, Ear.wanted, Ear.continual) for frames in leaving(None)]
-    packed = leaving(Ear())
-    assert [choose(frames, Ear.wanted, frozenset()) for frames in packed] == everything
+    packed = [choose(frames, Ear.wanted, frozenset()) for frames in leaving(Ear())]
+    assert payloads(packed) == payloads(everything)
+    codec = MavlinkCodec(1, 1)
+    leaves = [frame for frames in leaving(Ear()) for frame in frames]
+    streamed = {message.get_type() for frame in leaves for message in codec.parse(frame)}
+    news = {"CURRENT_EVENT_SEQUENCE", "GPS_GLOBAL_ORIGIN"}
+    assert streamed - news == {"SYS_STATUS", "ATTITUDE"}
+
+
+def test_a_stream_that_is_read_again_goes_on_in_step() -> None:
+    """Of 10 Hz, from half a second on."""
+    ear, name = Ear(), "ATTITUDE_TARGET"
+    streams, all_of_them = Streams(LinkName.OFFBOARD, 0.0, ear), Streams(LinkName.OFFBOARD)
+    times_s = [0.004 * i for i in range(400)]
+    sent = [all_of_them.due(time_s, time_s) for time_s in times_s]
+    read = []
+    for time_s in times_s:
+        if time_s == 0.5:
+            ear.wanted = Ear.wanted | {dialect.MAVLINK_MSG_ID_ATTITUDE_TARGET}
+        read.append(streams.due(time_s, time_s))
+    assert not any(name in due for due in read[:125])
+    assert [name in due for due in read[125:]] == [name in due for due in sent[125:]]
+    assert sum(name in due for due in read) == 11
+
+
+def payloads(steps: list[list[bytes]]) -> list[list[bytes]]:
+    """Of frames without signature: what follows the sequence number, up to the checksum."""
+    return [[frame[5:-2] for frame in frames] for frames in steps]
 
 
 def test_a_file_that_is_not_there_is_refused_at_once_and_to_whom_asked() -> None:
