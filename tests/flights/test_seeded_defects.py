@@ -3,7 +3,8 @@
     scripts/test -m long -n 2 -rP tests/flights/test_seeded_defects.py
 
 It is searched with three seeds, and the search is left at its first failure. Without the defect
-none of its rows fails. What as many random rows meet is printed beside it, and asserts nothing.
+none of its rows fails. How many random rows meet it is printed beside it, of as many as the search
+may fly, and asserts nothing.
 """
 
 from __future__ import annotations
@@ -65,6 +66,6 @@ def test_the_search_finds_it(defect: Defect, seed: int) -> None:
         with pytest.raises(Found):
             FailureSearch(kit.factors, seed, BUDGET).run(searched)
         with suppress(Found):
-            drawn(random_rows(kit, seed, len(searched.flown)))
+            drawn(random_rows(kit, seed, BUDGET))
     without([each.row for each in searched.flown])
     print(f"{defect.name}, seed {seed}: {searched}; at random {drawn}")
