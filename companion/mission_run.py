@@ -268,8 +268,9 @@ class Run:
         self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
         self.vehicle.set_violated(bool(self.flight.task.violated))
         readings = asked + self.vehicle.receive(now_s, messages) + self._detections.read(reports)
-        zeros = self._wire.time.zero_s, self._telemetry.frame.zero
-        readings += self._found.look(now_s, self._detections, *zeros)
+        if self._found.reports:
+            zeros = self._wire.time.zero_s, self._telemetry.frame.zero
+            readings += self._found.look(now_s, self._detections, *zeros)
         if not self.sortie.has_ended:  # the end is the last of its record
             self._tell_of_others(messages)
         if self._surroundings.take(self.vehicle.scans):

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from companion.geofence import FenceArea, KeptFence, StoredFence
-from companion.geometry import Ned, NorthEast
+from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
 from companion.outcomes import Refusal
 from companion.rally_points import RallyPoint, StoredRally
@@ -320,6 +320,7 @@ class FakeVehicle:
         self.takeover: Takeover | None = None
         self.is_doubted = False
         self.frame_doubt: Refusal | None = None
+        self.origin: GlobalOrigin | None = None
         self.location: FrameLocation | None = None
         self.is_home_fixed = self.is_home_recalled = False
         self.refusal: Refusal | None = None

@@ -81,8 +81,6 @@ class FoundPlaces:
             zero: where the mission's frame lies on the earth, if that is known.
         """
         self._now_s, found = now_s, []
-        if not self._places:
-            return []
         vehicle = self._flight.vehicle
         is_certain = vehicle.frame_doubt is None
         self._sightings.follow(now_s, vehicle.state if is_certain else None)

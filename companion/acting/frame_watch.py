@@ -56,12 +56,11 @@ class FrameWatch:
         return phase in FROZEN and self._flight.vehicle.frame_doubt is not None
 
     def _follow(self) -> None:
-        location, before = self._flight.vehicle.location, self._origin
-        if location is None or location.origin == before:
+        there, before = self._flight.vehicle.origin, self._origin
+        if there is None or there == before:
             return
-        self._origin = location.origin
+        self._origin = there
         if before is not None:
-            there = location.origin
             north, east, down = there.to_local(
                 before.latitude_deg, before.longitude_deg, before.altitude_m
             )

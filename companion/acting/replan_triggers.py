@@ -146,8 +146,10 @@ class ReplanTriggers:
         return self._first_reason(AFTER_THE_TREE, plan)
 
     def _first_reason(self, triggers: tuple[ReplanTrigger, ...], plan: PlanUnderWay) -> str | None:
-        asked = (t.reason(self, plan) for t in triggers if t.guard(self, plan))
-        return next((reason for reason in asked if reason is not None), None)
+        for trigger in triggers:
+            if trigger.guard(self, plan) and (reason := trigger.reason(self, plan)) is not None:
+                return reason
+        return None
 
     # -- the map cuts off a belief -------------------------------------------------------------
 
@@ -256,10 +258,11 @@ class ReplanTriggers:
 
     def _is_in_vain(self, plan: PlanUnderWay) -> bool:
         """A plan that has landed the vehicle ends first."""
+        if plan.is_leaving or self._violation is None:
+            return False
         progress = self._flight.progress
         is_over = plan.lasso.ends_at_rest and progress.laps > 0
-        may_end = is_over or not progress.is_landed_by_plan
-        return may_end and not plan.is_leaving and self._violation is not None
+        return is_over or not progress.is_landed_by_plan
 
     def _in_vain(self, _: PlanUnderWay) -> str | None:
         return self._assumptions.surprise or self._violation

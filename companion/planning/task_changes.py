@@ -66,13 +66,13 @@ def recorded(
     def call(state: S, /, *arguments: P.args, **options: P.kwargs) -> R:
         if state.is_changing:
             return method(state, *arguments, **options)
-        named = tuple(map(_named, (*arguments, *options.values())))
         state.is_changing = True
         try:
             done = method(state, *arguments, **options)
         finally:
             state.is_changing = False
         if done != []:  # which says that nothing has changed
+            named = tuple(map(_named, (*arguments, *options.values())))
             state.on_change(TaskChange(method.__name__, named, state.positions, state.now_s))
         return done
 

@@ -68,20 +68,19 @@ class TaskState:
 
     def __init__(self, planner: Planner) -> None:
         self.on_change: Callable[[TaskChange], None] = _ignore
-        self.is_changing = False
+        self.is_changing = self._is_read = self.may_take_up = False
         self._planner = planner
         self.optional = frozenset(planner.mission.priorities)
         self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
         self._clocks = BoundClocks(planner.conjuncts)
+        self._find_violated()
         self.now_s = self._left_s = self._reached_s = 0.0
-        self._is_read = False
         self._restarted: tuple[str, ...] = ()
         self.facts, self.risen = planner.mission.initially, frozenset[Fact]()
         self._beliefs = HeldBeliefs()
         self.positions = self.laps = self.completed = 0
         self.left: list[Position] = []
         self.running: Action | None = None
-        self.may_take_up = False
         self.dropped = self.barred = frozenset[str]()
         self._interrupted: Action | None = None
         self._departed_from: frozenset[Fact] = frozenset()
@@ -110,14 +109,13 @@ class TaskState:
     @property
     def violated_anew(self) -> tuple[str, ...]:
         """Those that may be dropped, which the present plan was to keep."""
-        optional = (line for line in self._violated if line in self.optional)
-        return tuple(line for line in optional if line not in self.dropped)
+        return tuple(line for line in self._violated if line in self.optional - self.dropped)
 
-    @property
-    def _violated(self) -> tuple[str, ...]:
+    def _find_violated(self) -> None:
+        """After a position was read, a clock has run over, or a line has begun anew."""
         late = self._clocks.late
         names = (r.conjunct.name for r in self._readings if not r.runs.states or r.conjunct in late)
-        return tuple(dict.fromkeys(names))
+        self._violated = tuple(dict.fromkeys(names))
 
     def problem(
         self, fallen: Set[Fact] = frozenset(), returned: Set[Fact] = frozenset()
@@ -176,6 +174,7 @@ class TaskState:
         late = self._clocks.read(letter, reached_s, self.now_s)
         violated = tuple(r.conjunct for r in self._readings if r.read(letter, reached_s))
         violated += tuple(conjunct for conjunct in late if conjunct not in violated)
+        self._find_violated()
         facts = self.facts | letter & self._planner.task_facts
         risen = (self.risen - self.facts) & facts
         number, restarted = self.positions, self._restarted
@@ -184,8 +183,7 @@ class TaskState:
             Position(number, facts, risen, reached_s, self.withdrawn, restarted, violated, dropped)
         )
         self._is_read = True
-        self.risen = frozenset()
-        self._restarted = ()
+        self.risen, self._restarted = frozenset(), ()
         self._clocks.see(self._next_letter)
         self.positions += 1
         kept = [r for r in self._readings if r.conjunct.name not in self.dropped]
@@ -241,8 +239,7 @@ class TaskState:
 
         They were violated: what they have read is forgotten.
         """
-        self.dropped = frozenset(lines)
-        self.may_take_up = False
+        self.dropped, self.may_take_up = frozenset(lines), False
         anew = self.violated_anew
         for line in anew:
             self._restart(line)
@@ -260,14 +257,14 @@ class TaskState:
                 reading.restart(self._reached_s)
                 self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
         self._clocks.begin_anew(line)
+        self._find_violated()
 
     @recorded
     def depart(self) -> None:
         """The vehicle is at no place, and leaves the one where it is."""
         self.leave()
         places = frozenset(f for f in self.facts if f.predicate == AT)
-        self.facts = self.facts - places | {AT_HERE}
-        self._departed_from = places
+        self.facts, self._departed_from = self.facts - places | {AT_HERE}, places
 
     @recorded
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
@@ -322,7 +319,10 @@ class TaskState:
         if not self._clocks.are_begun and not self.positions:
             self._reached_s = now_s
         self.now_s = now_s
-        return self._clocks.run(now_s, None if self._is_read else self._next_letter)
+        over = self._clocks.run(now_s, None if self._is_read else self._next_letter)
+        if over:
+            self._find_violated()
+        return over
 
     @property
     def _next_letter(self) -> Letter:

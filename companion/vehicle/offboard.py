@@ -24,7 +24,7 @@ Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 from __future__ import annotations
 
 from companion.geofence import KeptFence
-from companion.geometry import Ned
+from companion.geometry import GlobalOrigin, Ned
 from companion.mavlink.framing import Message, dialect, source
 from companion.mission.signals import Signal
 from companion.motion.range_scan import RangeScan
@@ -200,6 +200,11 @@ class MavlinkVehicle:
     def frame_doubt(self) -> Refusal | None:
         """Why the position in the mission's frame is not known or not certain; None if it is."""
         return self._telemetry.frame_doubt
+
+    @property
+    def origin(self) -> GlobalOrigin | None:
+        """Where the autopilot's local frame lies on the earth; None where frames are not known."""
+        return self._telemetry.origin
 
     @property
     def location(self) -> FrameLocation | None:

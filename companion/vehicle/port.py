@@ -265,6 +265,10 @@ class Vehicle(Protocol):
         """Why the position in the mission's frame is not known or not certain; None if it is."""
 
     @property
+    def origin(self) -> GlobalOrigin | None:
+        """Where the autopilot's local frame lies on the earth; None where frames are not known."""
+
+    @property
     def location(self) -> FrameLocation | None:
         """Where the frames lie on the earth; None where that is not known."""
 

@@ -63,8 +63,7 @@ class Telemetry:
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
         self._order = SequenceTracker()
-        self.is_armed = False
-        self.is_failsafe = False
+        self.is_armed = self.is_failsafe = self._is_battery_critical = False
         self._is_landed: bool | None = None
         self._landed_since_s = -math.inf
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
@@ -73,7 +72,6 @@ class Telemetry:
         self._battery_percent: int | None = None
         self._battery_s = 0.0
         self._power_w: float | None = None
-        self._is_battery_critical = False
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._position_watch = PositionWatch()
         self._thrust_mps2: NorthEast = (0.0, 0.0)
@@ -160,12 +158,18 @@ class Telemetry:
         self._state = None
 
     @property
+    def origin(self) -> GlobalOrigin | None:
+        """Where the autopilot's local frame lies on the earth; None where frames are not known."""
+        is_known = self.frame.is_known and self.origins.residual_m is not None
+        return self.frame.reference if is_known else None
+
+    @property
     def location(self) -> FrameLocation | None:
         """Where the frames lie on the earth; None where that is not known."""
         frame, residual_m = self.frame, self.origins.residual_m
-        if frame.reference is None or frame.zero is None or residual_m is None:
+        if frame.reference is None or (zero := frame.zero) is None or residual_m is None:
             return None
-        return FrameLocation(frame.reference, frame.zero, frame.anchor is not None, residual_m)
+        return FrameLocation(frame.reference, zero, frame.anchor is not None, residual_m)
 
     @property
     def is_flown(self) -> bool:

@@ -35,6 +35,8 @@ class Assumptions:
     def __init__(self, planner: Planner, flight: Flight) -> None:
         self._planner = planner
         self._flight = flight
+        events = planner.mission.events.values()
+        self._always = planner.task_facts.union(each.fact for each in events if each.restarts)
         self._values: dict[Fact, bool] = {}
         self._foreseen: frozenset[Fact] = frozenset()
         self._positions = 0
@@ -75,12 +77,12 @@ class Assumptions:
 
     def narrow(self, lasso: Lasso) -> None:
         """Leaves out the events that matter to nothing that is left of a plan."""
+        others = self._values.keys() - self._always
+        if not others:
+            return
         left = (*lasso.prefix[self._flight.progress.completed :], *lasso.loop)
-        relevant = self._planner.task_facts | {
-            event.fact for event in self._planner.mission.events.values() if event.restarts
-        }
-        relevant = relevant.union(*(a.requires | a.forbids for a in left))
-        self._values = {fact: holds for fact, holds in self._values.items() if fact in relevant}
+        for fact in others.difference(*(a.requires | a.forbids for a in left)):
+            del self._values[fact]
 
     @property
     def watched(self) -> frozenset[Fact]:
