@@ -62,6 +62,25 @@ def distance(a: Ned, b: Ned) -> float:
     return math.dist(a, b)
 
 
+def times(vector: Ned, factor: float) -> Ned:
+    """A vector, longer by a factor."""
+    north, east, down = vector
+    return (north * factor, east * factor, down * factor)
+
+
+def moved(point: Ned, by: Ned, factor: float) -> Ned:
+    """A point, moved so many times by a vector.
+
+    >>> moved((1.0, 2.0, 3.0), (0.0, 0.0, -1.0), 0.5)
+    (1.0, 2.0, 2.5)
+    """
+    return (
+        point[0] + factor * by[0],
+        point[1] + factor * by[1],
+        point[2] + factor * by[2],
+    )
+
+
 def quaternion_from_yaw(yaw_rad: float) -> Quaternion:
     """Attitude of a level vehicle."""
     return (math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2))

@@ -12,14 +12,14 @@ from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.geofence import KeptFence
-from companion.geometry import Ned
+from companion.geometry import Ned, times
 from companion.mission.model import Limits
 from companion.mission.signals import Signal
 from companion.motion.drag_estimate import DragEstimate
 from companion.motion.heading import turned
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
-from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory, times
+from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Failed, Setpoint, Vehicle, VehicleState
 from companion.vehicle_profile import VehicleProfile

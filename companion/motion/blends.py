@@ -23,6 +23,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import fresnel
 
+from companion.geometry import Ned, moved, times
 from companion.motion.profile import SpeedLimits
 
 _CHORDS, _CHORD_M = 8, 0.25  # the least number of points on a blend, and how far apart they are
@@ -40,9 +41,9 @@ class PathPoint(NamedTuple):
         curvature: how the direction changes, per metre.
     """
 
-    position: Vector
-    direction: Vector
-    curvature: Vector
+    position: Ned
+    direction: Ned
+    curvature: Ned
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +77,7 @@ class Blend:
     def length_m(self) -> float:
         """The length of both clothoids."""
         along, aside = self._whole
-        return 2 * self.reach_m / (along + aside * math.tan(self.turn_rad / 2))
+        return float(2 * self.reach_m / (along + aside * math.tan(self.turn_rad / 2)))
 
     @property
     def depth_m(self) -> float:
@@ -101,23 +102,21 @@ class Blend:
         return np.asarray(np.cos(turned) * self.before + np.sin(turned) * self._aside)
 
     def at(self, along_m: float) -> PathPoint:
-        """The point at a distance along it: one that is flown, in a third of the time of arrays."""
+        """The point at a distance along it: one that is flown, by numbers, the quicker for one."""
         half_m, turn_rad = self.length_m / 2, self.turn_rad
         is_before = along_m <= half_m
         share = (along_m if is_before else self.length_m - along_m) / half_m
-        along, aside = (half_m * part for part in _clothoid(turn_rad, share))
+        ahead_m, aside_m = (half_m * float(part) for part in _clothoid(turn_rad, share))
+        first, second = self._clothoids
+        begin, ahead, aside = first if is_before else second
         turned = turn_rad / 2 * share**2
-        if is_before:
-            position = self._begin + along * self.before + aside * self._aside
-        else:
-            turned = turn_rad - turned
-            position = self._end - along * self.after + aside * self._aside_after
+        turned = turned if is_before else turn_rad - turned
         cos, sin = math.cos(turned), math.sin(turned)
-        inwards = cos * self._aside - sin * self.before
+        _, before, across = first
         return PathPoint(
-            position,
-            cos * self.before + sin * self._aside,
-            2 * turn_rad / self.length_m * share * inwards,
+            moved(moved(begin, ahead, ahead_m), aside, aside_m),
+            moved(times(before, cos), across, sin),
+            times(moved(times(across, cos), before, -sin), 2 * turn_rad / self.length_m * share),
         )
 
     def chords(self, from_m: float = 0.0) -> Vector:
@@ -181,6 +180,12 @@ class Blend:
         aside = math.cos(self.turn_rad) * self.after - self.before
         return np.asarray(aside / math.sin(self.turn_rad))
 
+    @cached_property
+    def _clothoids(self) -> tuple[tuple[Ned, Ned, Ned], tuple[Ned, Ned, Ned]]:
+        """Of each its straight end, the direction of its leg from there, and that to the inside."""
+        first = ned_of(self._begin), ned_of(self.before), ned_of(self._aside)
+        return first, (ned_of(self._end), ned_of(-self.after), ned_of(self._aside_after))
+
     def _share(self, along_m: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """How much of one clothoid lies between there and its straight end."""
         return np.minimum(along_m, self.length_m - along_m) / (self.length_m / 2)
@@ -205,6 +210,12 @@ class Blend:
 def cross(a: Vector, b: Vector) -> Vector:
     """(n,) areas between vectors (n, 2); positive where the second lies to the first's right."""
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+
+
+def ned_of(vector: Vector) -> Ned:
+    """A position or a direction as numbers."""
+    north, east, down = vector.tolist()
+    return (north, east, down)
 
 
 @overload

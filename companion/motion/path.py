@@ -9,9 +9,13 @@ from itertools import accumulate
 import numpy as np
 import numpy.typing as npt
 
-from companion.motion.blends import Blend, PathPoint, Vector
+from companion.geometry import Ned, moved
+from companion.motion.blends import Blend, PathPoint, ned_of
 from companion.motion.rounding import corners
 from companion.motion.routes import Route
+
+STRAIGHT: Ned = (0.0, 0.0, 0.0)
+"""The curvature of a leg."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,13 +28,13 @@ class StraightLeg:
         length_m: its length.
     """
 
-    begin: Vector
-    direction: Vector
+    begin: Ned
+    direction: Ned
     length_m: float
 
     def at(self, along_m: float) -> PathPoint:
         """The point at a distance along it."""
-        return PathPoint(self.begin + along_m * self.direction, self.direction, np.zeros(3))
+        return PathPoint(moved(self.begin, self.direction, along_m), self.direction, STRAIGHT)
 
     def chords(self, from_m: float) -> npt.NDArray[np.float64]:
         """(2, 3) a point on it and its end."""
@@ -44,9 +48,9 @@ class Turn:
     blend: Blend
 
     @property
-    def direction(self) -> Vector:
+    def direction(self) -> Ned:
         """Of the leg behind it, to which the heading turns."""
-        return self.blend.after
+        return ned_of(self.blend.after)
 
     @property
     def length_m(self) -> float:
@@ -87,8 +91,8 @@ class Path:
             if index and (blend := blends[index - 1]):
                 self.pieces.append(Turn(blend))
             begin = waypoints[index] + reaches[index] * leg / way_m
-            length_m = way_m - reaches[index] - reaches[index + 1]
-            self.pieces.append(StraightLeg(begin, leg / way_m, length_m))
+            length_m = float(way_m - reaches[index] - reaches[index + 1])
+            self.pieces.append(StraightLeg(ned_of(begin), ned_of(leg / way_m), length_m))
         self._begins_m = [0.0, *accumulate(piece.length_m for piece in self.pieces)]
         self.length_m = self._begins_m.pop()
 

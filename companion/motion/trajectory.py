@@ -25,7 +25,8 @@ import numpy as np
 import numpy.typing as npt
 import ruckig
 
-from companion.geometry import Ned
+from companion.geometry import Ned, moved, times
+from companion.motion.blends import ned_of
 from companion.motion.path import Path, StraightLeg, Turn
 from companion.motion.profile import REST, Motion, SpeedLimits, quickest
 from companion.motion.routes import Route
@@ -78,7 +79,7 @@ class Trajectory:
     duration_s: float
 
     def __init__(self, route: Route, limits: SpeedLimits, start: Motion = REST) -> None:
-        self._end = _ned(route.waypoints[-1])
+        self._end = ned_of(route.waypoints[-1])
         self.path, self._profiles = _flown(route, limits, start)
         self._begin_s = [0.0, *accumulate(profile.duration for profile in self._profiles)]
         self.duration_s = self._begin_s.pop()
@@ -166,9 +167,9 @@ def sample_at(
 ) -> Sample:
     """The moment at which a vehicle passes a point of a path."""
     position, direction, curvature = path.at(along_m)
-    change = motion.acceleration_mps2 * direction + motion.speed_mps**2 * curvature
-    velocity = motion.speed_mps * direction
-    return Sample(_ned(position), _ned(velocity), _ned(change), is_finished, course_rad)
+    along, across = motion.acceleration_mps2, motion.speed_mps**2
+    change = moved(times(direction, along), curvature, across)
+    return Sample(position, times(direction, motion.speed_mps), change, is_finished, course_rad)
 
 
 def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
@@ -236,7 +237,7 @@ def _motions(
 ) -> tuple[list[SpeedLimits], list[Motion]]:
     """The limits along each leg, and the motion at the beginning of each and at the end."""
     legs = [piece for piece in path.pieces if isinstance(piece, StraightLeg)]
-    each = [limits.along(float(leg.direction[2])) for leg in legs]
+    each = [limits.along(leg.direction[2]) for leg in legs]
     corners_mps = [
         here.blend.speed_mps(limits) if isinstance(here, Turn) else 0.0
         for here, behind in pairwise(path.pieces)
@@ -300,18 +301,7 @@ def _courses(
     """For each piece that is not too steep: when it begins, and its course."""
     courses = []
     for piece, begin_s in zip(pieces, begins_s, strict=True):
-        north, east, _ = piece.direction.tolist()
+        north, east, _ = piece.direction
         if math.hypot(north, east) >= _MIN_LEVEL_SHARE:
             courses.append((begin_s, math.atan2(east, north)))
     return courses
-
-
-def times(vector: Ned, factor: float) -> Ned:
-    """A vector, longer by a factor."""
-    north, east, down = vector
-    return (north * factor, east * factor, down * factor)
-
-
-def _ned(vector: npt.NDArray[np.float64]) -> Ned:
-    north, east, down = vector.tolist()
-    return (north, east, down)

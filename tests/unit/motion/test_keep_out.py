@@ -42,7 +42,7 @@ def gap_m(point: NorthEast, zone: list[Point]) -> float:
 def flown(route: Route) -> list[NorthEast]:
     path = Path(route)
     along = np.linspace(0.0, path.length_m, 60)
-    return [tuple(path.at(float(metres)).position[:2].tolist()) for metres in along]
+    return [path.at(float(metres)).position[:2] for metres in along]
 
 
 ZONES = stars((6.0, 8.0), 0.4, 4.5)

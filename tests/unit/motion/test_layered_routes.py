@@ -45,7 +45,7 @@ def routes_to(
 def flown(route: Route) -> list[Ned]:
     path = Path(route)
     along = np.linspace(0.0, path.length_m, 120)
-    return [tuple(path.at(float(metres)).position.tolist()) for metres in along]
+    return [path.at(float(metres)).position for metres in along]
 
 
 def duration_s(route: Route) -> float:

@@ -136,7 +136,7 @@ def test_no_route_enters_the_area_of_another_place(
         return
     path = Path(route)
     along = np.linspace(0.0, path.length_m, 80)
-    inside = [is_in_polygon(tuple(path.at(float(m)).position), corners) for m in along]
+    inside = [is_in_polygon(path.at(float(m)).position, corners) for m in along]
     left = inside.index(False)
     assert not any(inside[left:])
     assert not left or is_in_polygon(start, corners)
