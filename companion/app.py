@@ -168,7 +168,7 @@ class Companion:
             self._poll()
         messages = self.wire.parse(datagrams)
         asked = self._component.receive(now_s, self.wire.system, messages)
-        at_once, run = self.wire.answers(now_s, datagrams), self._run
+        at_once, run = self.wire.answer(now_s, messages), self._run
         answered = self.wire.take_answered()
         if run is None:
             self._idle(messages)

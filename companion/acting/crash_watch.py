@@ -22,7 +22,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from enum import StrEnum
-from itertools import takewhile
 
 from companion.geometry import Ned
 from companion.vehicle.port import VehicleState
@@ -96,13 +95,13 @@ class CrashWatch:
             before.clear()  # the clock of an autopilot that has restarted
         if before and before[-1][0] >= at_s:
             return None
-        old = [*takewhile(lambda each: each[0] <= at_s - JUMP_S + 1e-6, before)]
-        for _ in old[:-1]:
-            before.popleft()
         before.append((at_s, state.velocity))
-        if not old or state.is_landed or at_s - old[-1][0] > GAP_S:
+        old_s = at_s - JUMP_S + 1e-6
+        while len(before) > 1 and before[1][0] <= old_s:
+            before.popleft()
+        elapsed_s, velocity = at_s - before[0][0], before[0][1]
+        if before[0][0] > old_s or state.is_landed or elapsed_s > GAP_S:
             return None
-        elapsed_s, velocity = at_s - old[-1][0], old[-1][1]
         most = JUMP_MPS + self._profile.max_acceleration_mps2 * elapsed_s
         north, east, down = (b - a for a, b in zip(velocity, state.velocity, strict=True))
         touch_down_mps = self._profile.descent_mps if down < 0 else 0.0

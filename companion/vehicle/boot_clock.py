@@ -67,6 +67,7 @@ class BootClock:
         self._newest_s = -math.inf
         self._asked: dict[int, float] = {}
         self._answers: list[_Answer] = []
+        self._bound_s: float | None = None  # the latest of theirs: what ours showed at a 0 of its
 
     def due(self, now_s: float) -> list[Message]:
         """The question to send now, if any."""
@@ -86,6 +87,7 @@ class BootClock:
         self._follow(boot_s)
         self._forget(now_s)
         self._answers.append(_Answer(now_s - asked_s, asked_s, boot_s))
+        self._find_bound()
 
     def measured_s(self, now_s: float, boot_s: float) -> float:
         """When something was measured, by our clock; now at the latest.
@@ -95,9 +97,7 @@ class BootClock:
             boot_s: its stamp, seconds since the autopilot's boot.
         """
         self._follow(boot_s)
-        if not self._answers:
-            return now_s
-        return min(now_s, boot_s + max(each.asked_s - each.boot_s for each in self._answers))
+        return now_s if self._bound_s is None else min(now_s, boot_s + self._bound_s)
 
     @property
     def offset(self) -> ClockOffset | None:
@@ -114,6 +114,7 @@ class BootClock:
         """Takes the autopilot's time; one that steps back is that of another boot."""
         if boot_s < self._newest_s - BACK_S:
             self._answers.clear()
+            self._find_bound()
             self._newest_s = boot_s
         self._newest_s = max(self._newest_s, boot_s)
 
@@ -123,3 +124,8 @@ class BootClock:
         self._answers = recent or self._answers[-1:]
         asked = self._asked.items()
         self._asked = {key: asked_s for key, asked_s in asked if now_s - asked_s <= WINDOW_S}
+        self._find_bound()
+
+    def _find_bound(self) -> None:
+        bounds_s = (each.asked_s - each.boot_s for each in self._answers)
+        self._bound_s = max(bounds_s, default=None)

@@ -51,7 +51,7 @@ from companion.vehicle.port import (
     VehicleState,
 )
 from companion.vehicle.rally_service import RallyService
-from companion.vehicle.ranging import Ranging
+from companion.vehicle.ranging import POSES, Ranging
 from companion.vehicle.services import Moment, Service
 from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.signals import Reading, SignalReader
@@ -294,7 +294,7 @@ class MavlinkVehicle:
             is_news = self._telemetry.is_news(now_s, message)
             if is_news and (kind != "HEARTBEAT" or self._is_believed(message)):
                 self._telemetry.take(now_s, message)
-                if self.frame_doubt is None:
+                if kind in POSES and self.frame_doubt is None:
                     self._ranging.take_pose(message, self._telemetry.frame)
         elif kind == SCAN and component == SCANNER:
             self._ranging.take_scan(message)

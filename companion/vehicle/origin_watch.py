@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 
-from companion.geometry import GlobalOrigin, Ned, distance
+from companion.geometry import GlobalOrigin, Ned, distance, moved
 from companion.mavlink.framing import Message, dialect
 
 AGREES_M = 1.0
@@ -101,8 +101,7 @@ class OriginWatch:
         ahead_s = global_s - local_s
         if abs(ahead_s) > APART_S:
             return
-        north, east, down = (x + v * ahead_s for x, v in zip(position, velocity, strict=True))
-        there = (north, east, down)
+        there = moved(position, velocity, ahead_s)
         self.residual_m = distance(self._heard.to_local(*on_earth), there)
         if self.residual_m <= AGREES_M:
             self.origin, self.is_doubted = self._heard, False

@@ -30,6 +30,9 @@ AHEAD_S = 0.05
 MOST_APART_S = 0.5
 Entry = TypeVar("Entry", tuple[float, float], tuple[float, float, float])
 
+POSES = frozenset({"LOCAL_POSITION_NED", "ATTITUDE"})
+"""Messages that place scans."""
+
 _KEPT = 20  # one of each per tick of 50 ms
 _UNKNOWN_CM = 65535
 _FRAMES = (dialect.MAV_FRAME_GLOBAL, dialect.MAV_FRAME_BODY_FRD)
@@ -44,7 +47,7 @@ class Ranging:
         self._waiting: deque[Message] = deque(maxlen=_KEPT)
 
     def take_pose(self, message: Message, frame: MissionFrame) -> None:
-        """A LOCAL_POSITION_NED or ATTITUDE; others, and numbers that are not finite, are passed.
+        """One of POSES; others, and numbers that are not finite, are passed.
 
         Args:
             frame: of the mission; a position is taken once it is known.

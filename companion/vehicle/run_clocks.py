@@ -60,11 +60,11 @@ class RunClocks:
             has_ended: whether this is its last step.
         """
         begins, self._has_begun = not self._has_begun, True
+        if not (begins or self._is_due or has_ended):
+            return []
         zero_s, offset = self._wire.time.zero_s, self._telemetry.clock.offset
         is_armed = self._is_due and offset is not None
         self._is_due = self._is_due and not is_armed
-        if not (begins or is_armed or has_ended):
-            return []
         occasions = {"start": begins, "armed": is_armed, "end": has_ended}
         if offset is not None:
             offset = offset._replace(offset_s=offset.offset_s - start_s)

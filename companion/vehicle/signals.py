@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.reports import SignalOfAnother
-from companion.mavlink.framing import Message, source
+from companion.mavlink.framing import Message
 from companion.mission.signals import Signal
 
 NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
@@ -72,8 +72,10 @@ class OtherSystems:
         """
         found: list[FlightEvent] = []
         for message in messages:
-            system = source(message)[0]
-            for signal, _ in self._reader.read(message) if system != vehicle else ():
+            system = message.get_srcSystem()
+            if system == vehicle:
+                continue
+            for signal, _ in self._reader.read(message):
                 if (signal, system) not in self._told and len(self._told) < MOST_TOLD:
                     self._told.add((signal, system))
                     found.append(SignalOfAnother(str(signal), system, vehicle))

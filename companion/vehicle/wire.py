@@ -81,12 +81,18 @@ class Wire:
 
     def answers(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """What leaves at once in answer to what arrives, without a step; nothing twice."""
+        asking = [datagram for datagram in datagrams if _TIMESYNC_BYTE in datagram]
+        heard = map(decode, choose(asking, TIMESYNC, frozenset()))
+        return self.answer(now_s, [message for message in heard if message is not None])
+
+    def answer(self, now_s: float, messages: list[Message]) -> list[bytes]:
+        """The same to messages that are decoded already."""
         if not self.system:
             return []
         autopilot, leaving = (self.system, AUTOPILOT), []
-        asking = [datagram for datagram in datagrams if _TIMESYNC_BYTE in datagram]
-        for question in map(decode, choose(asking, TIMESYNC, frozenset())):
-            if question and (answer := self.time.answer(now_s, autopilot, question)):
+        for message in messages:
+            is_asking = message.get_type() == "TIMESYNC"
+            if is_asking and (answer := self.time.answer(now_s, autopilot, message)):
                 leaving.append(self._codec.pack(answer))
         self._answered += leaving
         return leaving

@@ -66,6 +66,7 @@ class Replanner:
     Attributes:
         reachability: the moves that the map leaves.
         is_explaining: whether there is no plan, and the reason is being searched for.
+        is_timed: whether the task has bounds in time.
 
     Args:
         planner: the mission's planner.
@@ -88,6 +89,7 @@ class Replanner:
     ) -> None:
         self.reachability = Reachability(planner, flight)
         self.is_explaining = False
+        self.is_timed = planner.mission.is_timed
         self._planner = planner
         self._flight = flight
         self._assumptions = assumptions
@@ -239,11 +241,6 @@ class Replanner:
     def plan_now(self) -> Lasso | None:
         """The plan that would be made now for the lines that are kept; None if none is found."""
         return self._plan_without(self._flight.task.dropped)
-
-    @property
-    def is_timed(self) -> bool:
-        """Whether the task has bounds in time."""
-        return self._planner.mission.is_timed
 
     def lateness(self, lasso: Lasso) -> str | None:
         """What will be late in the rest of a plan, in words, where another plan keeps all bounds.
