@@ -30,6 +30,8 @@ AHEAD_S = 0.05
 MOST_APART_S = 0.5
 Entry = TypeVar("Entry", tuple[float, float], tuple[float, float, float])
 
+LEAST_STEP_DEG = 0.01
+"""Between two beams; what says less, or more than a turn, is no scan."""
 POSES = frozenset({"LOCAL_POSITION_NED", "ATTITUDE"})
 """Messages that place scans."""
 
@@ -111,8 +113,8 @@ def range_scan(
         yaw_rad: its heading at that time.
     """
     step_deg = message.increment_f or message.increment
-    is_finite = math.isfinite(step_deg + message.angle_offset)
-    if message.frame not in _FRAMES or not is_finite or not step_deg:
+    is_turn = LEAST_STEP_DEG <= abs(step_deg) <= 360.0  # and so a number
+    if message.frame not in _FRAMES or not is_turn or not math.isfinite(message.angle_offset):
         return None
     count = min(len(message.distances), int(360 / abs(step_deg) + 1e-6))
     distances_cm = np.array(message.distances[:count], dtype=np.float64)

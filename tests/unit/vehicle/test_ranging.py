@@ -77,6 +77,9 @@ def test_the_exact_step_counts_and_no_beam_comes_twice(
         obstacle_distance([100], frame=dialect.MAV_FRAME_LOCAL_NED),
         obstacle_distance([100], step_deg=0.0),
         obstacle_distance([100], step_deg=math.nan),
+        obstacle_distance([100], step_deg=1e-30),
+        obstacle_distance([100], step_deg=360.5),
+        obstacle_distance([100], step_deg=-1e30),
         obstacle_distance([100], offset_deg=math.inf),
     ],
 )
