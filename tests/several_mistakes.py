@@ -72,6 +72,36 @@ TOGETHER: dict[str, tuple[str, dict[str, str], list[str]]] = {
         {"  Home: {": "  Hoem: {"},
         ["unknown place Home in the set Place"],
     ),
+    "a place with a name of two words, and the others": (
+        ALARMED,
+        {
+            "  Gate: {": "  Main Gate: {",
+            "A: {east_m: 40": "A: {east_m: 400",
+            "B: {east_m: 0": "B: {east: 0",
+            "F looked)": "F looked",
+        },
+        [
+            "'Main Gate' is not a name",
+            "place A is far outside the fence",
+            "unknown key 'east' in places.B",
+            "the formula ends too early",
+        ],
+    ),
+    "names of an event and a skill": (
+        ALARMED,
+        {"  alarm: {": "  the alarm: {", "  look:": "  look-out:", "A: {east_m: 40": "A: {x: 40"},
+        ["unknown key 'x' in places.A", "'the alarm' is not a name", "'look-out' is not a name"],
+    ),
+    "a name of two words on the earth": (
+        EARTH,
+        {"  C: {lat": "  Old C: {lat", "A: {lat_deg: 47.397742": "A: {lat_deg: 47.4"},
+        ["place A is far outside the fence", "'Old C' is not a name"],
+    ),
+    "a beginning with a name of two words on the earth": (
+        EARTH,
+        {"  Home: {lat": "  The Home: {lat", "execute: fly(to)": "execute: fly(too)"},
+        ["'The Home' is not a name", "too is not a parameter of this skill"],
+    ),
     "no places at all": (
         FIELD,
         {"places:": "palces:", "tries: 2": "tries: two"},

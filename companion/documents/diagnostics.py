@@ -29,6 +29,8 @@ _COMMENT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)#.*")
 """A number with a comment that no space is before."""
 _COMMA = re.compile(r"\s*([-+]?\d+),(\d+)\s*")
 """A number with a decimal comma."""
+NO_NAME = "[key]"
+"""What pydantic adds to the location of a key that is no name."""
 _SIMILAR = 0.6  # difflib's own cutoff for close matches
 _ELSEWHERE = {
     **dict.fromkeys(("x", "east", "easting"), ("east_m", "east_mps")),
@@ -176,7 +178,7 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
         question = f" Did you mean {meant}?" if meant else ""
         hint = f"known keys are {', '.join(known)}.{question}"
         return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
-    if name == "[key]":
+    if name == NO_NAME:
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
         better = re.sub(r"\W+", "_", str(keys[-1]), flags=re.ASCII).strip("_")
         hint = f"expected {expected}" + (f": write {better}" if better.isidentifier() else "")

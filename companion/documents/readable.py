@@ -4,6 +4,9 @@ A value that is wrong is taken out. Where the rest is then incomplete, a stand-i
 or the part around it is taken out as well. A stand-in means nothing: it keeps a name known, and
 a model whole. Who reads on asks whether a value is unread before it is looked at (reading.py).
 
+A key that is no name takes nothing but its own value along. That there is more than what can be
+read is remembered, so that no other name is said to be unknown.
+
 An unknown key is taken for a misspelling of the one that it resembles, or of any that is absent.
 """
 
@@ -17,6 +20,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from companion.documents.diagnostics import (
+    NO_NAME,
     Detail,
     Keys,
     Schema,
@@ -99,9 +103,9 @@ def _useless(
         absent = [key for key in known if key not in parent]
         meant = meant_key(str(keys[-1]), absent)
         yield from ((*keys[:-1], key) for key in ([meant] if meant else absent))
-    elif name == "[key]":
+    elif name == NO_NAME:
         _at(data, keys[:-1]).pop(keys[-1], None)
-        yield keys[:-1]
+        yield (*keys[:-1], NO_NAME)
     else:
         yield keys
 
@@ -117,7 +121,7 @@ def _take_out(data: object, keys: Keys, stand_ins: StandIns) -> bool:
     if not keys or not isinstance(data, dict):
         return False
     parent = _at(data, keys[:-1])
-    if isinstance(parent, dict):
+    if isinstance(parent, dict) and keys[-1] != NO_NAME:
         stand_in = _stand_in(keys, stand_ins)
         if stand_in is None:
             parent.pop(keys[-1], None)

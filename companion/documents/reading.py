@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from companion.documents.diagnostics import Keys
+from companion.documents.diagnostics import NO_NAME, Keys
 from companion.errors import FormulaError, Location, MissionError
 
 MOST = 10
@@ -57,7 +57,8 @@ class DocumentReading:
 
     def knows(self, *keys: str | int) -> bool:
         """Whether a part is there with all its keys; their values may be unread."""
-        return not any(keys[: len(other)] == other for other in self._unread)
+        is_around = any(keys[: len(other)] == other for other in self._unread)
+        return not is_around and (*keys, NO_NAME) not in self._unread
 
     def is_whole(self, *keys: str | int) -> bool:
         """Whether nothing of a part is unread."""

@@ -118,7 +118,7 @@ class LatLon:
 
     def __init__(self, file: MissionFile, document: Document) -> None:
         self._document = document
-        self._home = home = _beginning(file)
+        self._home = home = begins_at(file) or next(iter(file.places))
         keys = ("places", home)
         latitude, longitude = self._degrees(file.places[home], keys)
         for name, entry in file.places.items():
@@ -215,8 +215,8 @@ class LatLon:
         return (max(heights) + min(heights) - highest - lowest) / 2
 
 
-def _beginning(file: MissionFile) -> str:
-    """The place where the mission begins, or the first one where it does not say so."""
+def begins_at(file: MissionFile) -> str | None:
+    """The place where the mission begins; None where it does not say so, or of no known place."""
     for text in file.initially:
         try:
             fact = parse_fact(text)
@@ -224,7 +224,7 @@ def _beginning(file: MissionFile) -> str:
             continue  # reported where facts are read
         if fact.predicate == AT and fact.arguments and fact.arguments[0] in file.places:
             return fact.arguments[0]
-    return next(iter(file.places))
+    return None
 
 
 def _pair(

@@ -16,7 +16,7 @@ from companion.documents import Document, DocumentReading
 from companion.errors import MissionError
 from companion.ltl.timed_formula import Line
 from companion.mission.battery import MissionBattery, read_battery
-from companion.mission.coordinates import Coordinates, coordinates_of
+from companion.mission.coordinates import Coordinates, begins_at, coordinates_of
 from companion.mission.event_entries import read_events
 from companion.mission.facts import AT, Fact
 from companion.mission.facts import at as at_place
@@ -85,7 +85,7 @@ def read_parts(
     events = read_events(file, document, reading)
     vocabulary = _vocabulary(file, declared, reading)
     skills = build_skills(file, document, vocabulary, coordinates, reading)
-    if len(skills) == len(file.skills) and reading.knows("places"):
+    if len(skills) == len(file.skills) and all(map(reading.knows, ("places", "skills"))):
         reading.read(partial(check_one_place, skills, file.places, document), "skills")
     initially = _initially(file, document, vocabulary, reading)
     task = read_task(file, document, vocabulary, reading)
@@ -102,10 +102,11 @@ def _coordinates(
     file: MissionFile, document: Document, reading: DocumentReading
 ) -> Coordinates | None:
     """What coordinates mean; on the earth that depends on where the mission begins."""
-    needed = ("frame", "places", "initially") if file.frame == "wgs84" else ("frame",)
-    if not all(map(reading.is_whole, needed)):
-        return None
-    if file.frame == "wgs84" and not reading.is_whole("limits", "up_m"):
+    needed: list[tuple[str, ...]] = [("frame",)]
+    if file.frame == "wgs84":
+        home = begins_at(file)
+        needed += [("initially",), ("limits", "up_m"), ("places", home) if home else ("places",)]
+    if not all(reading.is_whole(*keys) for keys in needed):
         return None
     return reading.read(lambda: coordinates_of(file, document), "frame")
 

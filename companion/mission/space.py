@@ -89,11 +89,10 @@ def read_places(
 ) -> dict[str, Place]:
     """The places of a mission; those that cannot be used are left out."""
     places = {}
-    if reading.knows("places"):
-        for name, entry in file.places.items():
-            part = partial(_place, name, entry, file, coordinates, document)
-            if place := reading.read(part, "places", name):
-                places[name] = place
+    for name, entry in file.places.items():
+        part = partial(_place, name, entry, file, coordinates, document)
+        if place := reading.read(part, "places", name):
+            places[name] = place
     return places
 
 
