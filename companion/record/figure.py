@@ -31,6 +31,8 @@ CHARGE_INCHES = 2.1
 LEGEND_INCHES = 0.35
 COLUMNS = 3
 """At most so many panels side by side."""
+SETTLING_DRAWS = 2
+"""Before that for the file: in three the layout has made room for titles above equal scales."""
 TITLE_LETTERS = 50
 """Of a line of a title."""
 ARROWS, ARROW_EVERY = 6, 0.2
@@ -84,11 +86,11 @@ def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
         fontsize="small",
         frameon=False,
     )
-    figure.draw_without_rendering()  # lays it out
+    for _ in range(SETTLING_DRAWS):
+        figure.draw_without_rendering()
     names = {name: enu_from_ned(at)[:2] for name, (at, _) in backdrop.places.items()}
-    for i, axis in enumerate(axes):
-        drawn = [points for _, points in parts[: i + 1]]
-        write_names(axis, names, np.vstack([np.empty((0, 2)), *drawn]))
+    for axis in axes:
+        write_names(axis, names)
     return figure
 
 

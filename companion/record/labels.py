@@ -8,7 +8,8 @@ Graphics 14, 1995).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -21,34 +22,34 @@ GAPS = (4.0, 16.0)
 """Between a point and its name, in 1/72 inch; so are all lengths here."""
 AROUND = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
 SIZE, HEIGHT = 9.0, 12.0
-NAME, EDGE, POINT = 100.0, 40.0, 1.0
-"""How bad it is to cover all of another name, to leave the panel, and to cover a point."""
+STEP = 2.0
+"""From point to point of a line that is better not covered."""
+NAME, EDGE, POINT, FAR = 2000.0, 100.0, 1.0, 15.0
+"""How bad it is to cover all of another name, to leave the panel, to cover a point, to be away."""
+PAPER = {"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.8, "linewidth": 0}
+"""Behind each name: it is read over any line that it does cover."""
 
 
-def write_names(
-    axis: Axes,
-    names: Mapping[str, tuple[float, float]],
-    drawn: npt.NDArray[np.float64],
-) -> None:
-    """Writes names into a panel that is laid out.
+def write_names(axis: Axes, names: Mapping[str, tuple[float, float]]) -> None:
+    """Writes names into a panel that is laid out, and in which all else is drawn.
 
     Args:
         axis: the panel.
-        names: each with its point.
-        drawn: (n, 2) points of lines that are better not covered; as the names' in data units.
+        names: each with its point, in data units.
     """
     per_point = axis.figure.dpi / 72.0
     to_points = axis.transData.transform
     panel = axis.get_window_extent()
     frame = Bbox(panel.get_points() / per_point)
     anchors = {name: to_points(point) / per_point for name, point in names.items()}
-    covered = np.vstack([to_points(drawn.reshape(-1, 2)) / per_point, *anchors.values()])
+    covered = np.vstack([*_drawn(axis, per_point), *anchors.values()])
     taken: list[Bbox] = []
     for name, anchor in anchors.items():
         outline = TextPath((0, 0), name, prop=FontProperties(size=SIZE)).get_extents()
         size = outline.width + 2.0, HEIGHT
         boxes = [_box(anchor, size, gap, side) for gap in GAPS for side in AROUND]
         costs = [_cost(box, frame, taken, covered) for box in boxes]
+        costs = [cost + FAR * (i >= len(AROUND)) for i, cost in enumerate(costs)]
         best = boxes[costs.index(min(costs))]
         taken.append(best)
         written = axis.annotate(
@@ -58,9 +59,21 @@ def write_names(
             textcoords="offset points",
             fontsize=SIZE,
             verticalalignment="bottom",
-            bbox={"boxstyle": "square,pad=0", "facecolor": "white", "alpha": 0.6, "linewidth": 0},
+            bbox=PAPER,
         )
         written.set_in_layout(False)
+
+
+def _drawn(axis: Axes, per_point: float) -> Iterator[npt.NDArray[np.float64]]:
+    """(n, 2) points along each line and each outline of a panel, evenly spaced."""
+    paths = [line.get_path().transformed(line.get_transform()) for line in axis.lines]
+    paths += [patch.get_path().transformed(patch.get_transform()) for patch in axis.patches]
+    for corners in chain.from_iterable(path.to_polygons(closed_only=False) for path in paths):
+        points = np.asarray(corners) / per_point
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        along = np.concatenate([[0.0], steps.cumsum()])
+        chosen = np.arange(0.0, along[-1] + STEP, STEP)
+        yield np.column_stack([np.interp(chosen, along, each) for each in points.T])
 
 
 def _box(

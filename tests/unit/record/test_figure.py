@@ -13,15 +13,18 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 from matplotlib.transforms import Bbox
 from synthetic import mission
 
+from companion import load_mission
 from companion.geometry import NorthEast
 from companion.record.backdrop import Backdrop, backdrop_of
 from companion.record.figure import draw_flight, figure_of
 from companion.record.labels import write_names
 from companion.record.trail import Trail
 
+ROOFTOP = Path(__file__).parents[3] / "missions" / "rooftop.yaml"
 ROOM = backdrop_of(mission("F at(A)"))
 POND: tuple[NorthEast, ...] = ((2.0, 2.0), (2.0, 4.0), (4.0, 4.0))
 
@@ -80,6 +83,15 @@ def test_long_titles_are_broken_and_stay_in_their_panel() -> None:
     assert overlapping(titles) == 0
 
 
+def test_a_title_of_two_lines_has_room_above_a_panel_that_is_as_high_as_it_can_be() -> None:
+    figure = figure_of(backdrop_of(load_mission(ROOFTOP)), flown(2))
+    figure.draw_without_rendering()
+    canvas = figure.canvas
+    assert isinstance(canvas, FigureCanvasAgg)
+    titles = [axis.title.get_window_extent(canvas.get_renderer()) for axis in figure.axes]
+    assert all(title.y1 <= figure.bbox.y1 for title in titles), titles
+
+
 def panel() -> Axes:
     figure = Figure(figsize=(5.0, 4.0), layout="constrained")
     FigureCanvasAgg(figure)
@@ -93,7 +105,7 @@ def panel() -> Axes:
 def test_names_of_places_close_together_do_not_cover_each_other() -> None:
     axis = panel()
     names = {f"Site{n}": (5.0 + 0.3 * n, 4.0 + 0.1 * (n % 2)) for n in range(4)}
-    write_names(axis, names, np.empty((0, 2)))
+    write_names(axis, names)
     assert [text.get_text() for text in axis.texts] == list(names)
     assert overlapping(boxes(axis)) == 0
 
@@ -101,12 +113,24 @@ def test_names_of_places_close_together_do_not_cover_each_other() -> None:
 def test_names_keep_off_the_way_and_inside_the_panel() -> None:
     axis = panel()
     north_east = np.column_stack([np.linspace(5.0, 10.0, 200), np.linspace(4.0, 8.0, 200)])
-    write_names(axis, {"Gate": (5.0, 4.0), "Corner": (10.0, 8.0)}, north_east)
+    axis.plot(*north_east.T)
+    write_names(axis, {"Gate": (5.0, 4.0), "Corner": (10.0, 8.0)})
     gate, corner = boxes(axis)
     points = axis.transData.transform(north_east)
     assert not any(gate.contains(x, y) for x, y in points)
     frame = axis.get_window_extent()
     assert frame.x0 <= corner.x0 and corner.x1 <= frame.x1 and corner.y1 <= frame.y1
+
+
+def test_a_name_beside_a_fence_keeps_off_it_and_near_its_point() -> None:
+    axis = panel()
+    axis.add_patch(Rectangle((1.0, 1.0), 8.0, 6.0, fill=False))
+    write_names(axis, {"Ford": (8.8, 4.0)})
+    (name,) = boxes(axis)
+    fence = [axis.transData.transform((9.0, north)) for north in np.linspace(1.0, 7.0, 200)]
+    assert not any(name.contains(x, y) for x, y in fence)
+    x, y = axis.transData.transform((8.8, 4.0))
+    assert name.padded(0.1 * axis.figure.dpi).contains(x, y)
 
 
 @pytest.mark.parametrize(
