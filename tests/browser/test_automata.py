@@ -18,10 +18,15 @@ PATTERNS = Path(__file__).parents[2] / "docs" / "patterns"
 
 PATROL = "G F at(A) & G F at(B) & G F at(C) & G F at(r1) | G F targetFound"
 STATES = 9
+ROWS = """[...document.querySelectorAll('.drawing:not(.zoomable)')].map(box => {
+  const drawing = box.querySelector('svg'), { width } = drawing.getBoundingClientRect();
+  return [width / drawing.viewBox.baseVal.width, box.scrollWidth - box.clientWidth];
+})"""  # the scale of each row, and how much of it is out of sight
 SMALL = {
     "chain": "F(at(A) & F(at(B) & F(at(C) & F at(r1))))",
     "detours": "G (at(A) -> X (!at(A) U at(B))) & G (at(B) -> X (!at(B) U at(C)))",
     "later": "G (targetFound -> X X at(A)) & F at(B)",
+    "wide": "G ((at(r1) | at(r2) | at(r3)) -> X X at(A)) & G (targetFound & at(A) -> X X at(B))",
 }
 
 
@@ -74,6 +79,26 @@ def test_nor_does_one_in_the_pictures_of_the_patterns(browser: Browser) -> None:
         crossed = """<svg><path d="M0 20H90"/><text x="10" y="24">p &amp; q</text></svg>"""
         page.set_content(crossed)
         assert touched_labels(page, "svg") == ["p & q"], "it is seen"
+
+
+def test_on_a_narrow_page_a_row_is_scaled_to_its_box_and_a_wide_one_scrolls(
+    address: str, open_page: Open
+) -> None:
+    replay = open_page(address, width=360)
+    replay.until(f"document.querySelectorAll('.automaton').length > {len(SMALL)}")
+    replay.page.keyboard.press(" ")
+    rows = replay.page.evaluate(ROWS)
+    shown = [(scale, "scrolls" if beyond > 1 else "fits") for scale, beyond in rows]
+    assert len(rows) > len(SMALL)
+    assert all(how == "fits" or scale == pytest.approx(0.75, abs=1e-3) for scale, how in shown), (
+        shown
+    )
+    assert any(scale < 1 and how == "fits" for scale, how in shown), shown
+    assert any(how == "scrolls" for _, how in shown), shown
+    assert replay.has_no_horizontal_scroll()
+    widest = replay.page.locator(".drawing").nth(max(range(len(rows)), key=lambda n: rows[n][1]))
+    widest.focus()
+    assert replay.violations() == []
 
 
 class LargeAutomaton:

@@ -6,7 +6,7 @@ import { byId, html, svg } from "./dom.js";
 import { RADIUS, head, onCircle } from "./large_automata.js";
 import { Zoom } from "./zoom.js";
 
-const MOST_IN_A_ROW = 7;
+const MOST_IN_A_ROW = 7, LEAST_SCALE = 0.75; // a row is scaled down to its box so far, and then scrolls
 const CHARACTER_PX = 6.7, MOST_CHARACTERS = 26; // of a label
 const LEAST_GAP_PX = 52, SIDE_PX = 26, LOOP_PX = 46, ARC_PX = 26;
 const BESIDE_LOOP_PX = 18; // from the middle of a state to a label beside its loop
@@ -50,6 +50,7 @@ function drawn(automaton) {
     viewBox: `0 0 ${width} ${height}`, width, height, class: isRow ? "automaton" : "automaton large", role: isRow ? "img" : "group",
     "aria-label": `automaton of ${conjunct}, ${accepting.length} states`,
   }, ...drawn, ...nodes);
+  if (isRow) drawing.style.minWidth = `${LEAST_SCALE * width}px`;
   const box = isRow ? html("div", { class: "drawing", tabindex: "0", role: "group", "aria-label": `automaton of ${conjunct}` }, drawing)
     : zoomable(drawing, conjunct, nodes);
   const element = html("div", { class: "conjunct" },
