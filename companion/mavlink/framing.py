@@ -32,6 +32,7 @@ __all__ = [
     "frame_size",
     "is_intact",
     "message_id",
+    "message_of",
     "source",
     "split_frames",
 ]
@@ -190,8 +191,11 @@ def _fields_of(kind: Any) -> Callable[[tuple[Any, ...]], Sequence[Any]]:
 
 def decode(frame: bytes) -> Message | None:
     """Returns the message of a frame; None if it is damaged or unknown."""
-    if not is_intact(frame):
-        return None
+    return message_of(frame) if is_intact(frame) else None
+
+
+def message_of(frame: bytes) -> Message:
+    """Returns the message of an intact frame."""
     kind: Any = dialect.mavlink_map[message_id(frame)]
     layout, length = _layout(kind), frame[1]
     if frame[0] == _MAGIC_2:
@@ -201,7 +205,9 @@ def decode(frame: bytes) -> Message | None:
     payload = frame[begin : begin + length]
     values = layout.unpack(payload[: layout.size].ljust(layout.size, b"\0"))
     message = kind(*layout.fields_of(values))
-    message._header = dialect.MAVLink_header(kind.id, *flags, length, *sender)
+    header = message._header
+    header.incompat_flags, header.compat_flags = flags
+    header.mlen, (header.seq, header.srcSystem, header.srcComponent) = length, sender
     message._msgbuf = frame
     (message._crc,) = _CHECKSUM.unpack_from(frame, begin + length)
     return message
@@ -262,9 +268,7 @@ def frame_size(data: bytes, at: int) -> int | None:
 def choose(
     datagrams: list[bytes], wanted: Container[int], continual: Container[int]
 ) -> list[bytes]:
-    """Returns the frames that are worth decoding, in order; decoding takes the longest of all.
-
-    A damaged frame of a continual message is none: it must not pass for the newest.
+    """Returns the intact frames that are worth decoding, in order; that takes the longest of all.
 
     Args:
         datagrams: of one link, as they arrived together.
@@ -276,11 +280,9 @@ def choose(
     newest: dict[bytes, int] = {}
     for frame in chain.from_iterable(map(split_frames, datagrams)):
         number = message_id(frame)
-        if number not in wanted:
-            continue
+        if number not in wanted or not is_intact(frame):
+            continue  # it takes the place of no other
         if number in continual and frame[0] == _MAGIC_2:
-            if not is_intact(frame):
-                continue  # it takes the place of no other
             sender_and_message = frame[5:10]
             other = newest.get(sender_and_message)
             if other is not None:

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from companion.geometry import GlobalOrigin, Ned, enu_from_ned
-from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, source
+from companion.mavlink.framing import Message, choose, dialect, message_of, source
 from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.ranging import Ranging
@@ -100,7 +100,6 @@ class Watcher:
         self._telemetry.anchor_at(anchor)
         self._surroundings = Surroundings(told, self._telemetry)
         self._ranging = Ranging()
-        self._codec = MavlinkCodec(0, 0)
         self._system = 0
         self._mode = ""
         self._voltage_v: float | None = None
@@ -121,8 +120,7 @@ class Watcher:
     def hear(self, now_s: float, frames: list[bytes]) -> None:
         """Takes the frames of one tick."""
         for frame in choose(frames, _WANTED, _CONTINUAL):
-            for message in self._codec.parse(frame):
-                self._take(now_s, message)
+            self._take(now_s, message_of(frame))
         self._surroundings.take(self._ranging.scans(now_s))
 
     def _take(self, now_s: float, message: Message) -> None:

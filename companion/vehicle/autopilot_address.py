@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import logging
 
-from companion.mavlink.framing import MavlinkCodec, choose, dialect, source
+from companion.mavlink.framing import choose, dialect, message_of, source
 from companion.mavlink.intake import Address
 from companion.vehicle.wire import is_autopilot
 
@@ -38,7 +38,6 @@ class AutopilotAddress:
         self.system: int | None = None
         self.address: Address | None = None
         self._heard_s = 0.0
-        self._ear = MavlinkCodec(0, 0)
 
     def hear(self, now_s: float, sender: Address, datagram: bytes) -> None:
         """Takes a datagram into account.
@@ -49,9 +48,9 @@ class AutopilotAddress:
             datagram: what came.
         """
         for frame in choose([datagram], _HEARTBEAT, frozenset()):
-            for message in self._ear.parse(frame):
-                if is_autopilot(message):
-                    self._learn(now_s, sender, source(message)[0])
+            message = message_of(frame)
+            if is_autopilot(message):
+                self._learn(now_s, sender, source(message)[0])
 
     def _learn(self, now_s: float, sender: Address, system: int) -> None:
         if self.system is None:

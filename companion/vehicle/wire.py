@@ -14,7 +14,7 @@ Source: https://mavlink.io/en/services/heartbeat.html. No I/O: `link.py` moves t
 
 from __future__ import annotations
 
-from companion.mavlink.framing import MavlinkCodec, Message, choose, decode, dialect, source
+from companion.mavlink.framing import MavlinkCodec, Message, choose, dialect, message_of, source
 from companion.vehicle.time_answers import TIMESYNC, TimeAnswers
 
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
@@ -65,7 +65,7 @@ class Wire:
     def parse(self, datagrams: list[bytes]) -> list[Message]:
         """The messages of a tick, in order, from whomever and for whomever."""
         frames = choose(datagrams, self.wanted, self.continual)
-        messages = [message for message in map(decode, frames) if message is not None]
+        messages = [message_of(frame) for frame in frames]
         if self.system:
             return messages
         for at, message in enumerate(messages):
@@ -77,13 +77,13 @@ class Wire:
     def peek(self, datagrams: list[bytes]) -> list[Message]:
         """The messages that may tell an event; all are parsed when they are taken."""
         frames = choose(datagrams, self._telling, frozenset())
-        return [message for message in map(decode, frames) if message is not None]
+        return [message_of(frame) for frame in frames]
 
     def answers(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         """What leaves at once in answer to what arrives, without a step; nothing twice."""
         asking = [datagram for datagram in datagrams if _TIMESYNC_BYTE in datagram]
-        heard = map(decode, choose(asking, TIMESYNC, frozenset()))
-        return self.answer(now_s, [message for message in heard if message is not None])
+        frames = choose(asking, TIMESYNC, frozenset())
+        return self.answer(now_s, [message_of(frame) for frame in frames])
 
     def answer(self, now_s: float, messages: list[Message]) -> list[bytes]:
         """The same to messages that are decoded already."""
