@@ -97,8 +97,10 @@ class SensedMap:
             is_raised, np.ones((3, 3), dtype=np.bool_), border_value=1
         )
         self._surface = np.flatnonzero(is_raised & ~is_inside)
-        cells = np.stack(np.divmod(self._surface, cols)) + 0.5
-        self._centres = cells * self.grid.cell_m + np.array(self.grid.origin)[:, None]
+        row, col = np.divmod(self._surface, cols)
+        south_m, west_m = self.grid.origin
+        self._north_m = (row + 0.5) * self.grid.cell_m + south_m
+        self._east_m = (col + 0.5) * self.grid.cell_m + west_m
 
     def _hits(self, scan: RangeScan, reach_m: float) -> Cells:
         """The cells that echoes come from, some of them twice; echoes off the map are left out.
@@ -124,24 +126,27 @@ class SensedMap:
         that close count.
         """
         cell_m = self.grid.cell_m
-        north, east = self._centres - np.array(scan.position)[:, None]
+        north, east = self._north_m - scan.position[0], self._east_m - scan.position[1]
         away2 = north * north + east * east
-        (near,) = np.nonzero(away2 < (reach_m - _DIAGONAL * cell_m) ** 2)
-        north, east, away_m = north[near], east[near], np.sqrt(away2[near])
+        (near,) = (away2 < (reach_m - _DIAGONAL * cell_m) ** 2).nonzero()
+        away_m = np.sqrt(away2[near])
         round_m = np.concatenate((scan.distances_m[-1:], scan.distances_m, scan.distances_m[:1]))
         clear_m = np.minimum(np.minimum(round_m[:-2], round_m[2:]), scan.distances_m)  # nan is nan
 
         count, turn = len(scan.distances_m), 2 * math.pi / abs(scan.step_rad)
-        bearing = (np.arctan2(east, north) - scan.first_rad) / scan.step_rad  # in steps
+        bearing = (np.arctan2(east[near], north[near]) - scan.first_rad) / scan.step_rad  # in steps
         bearing -= turn * np.floor(bearing / turn)  # a fifth of the time of %
         nearest = np.rint(bearing)
         beam = nearest.astype(np.intp) % round(turn)
         is_clear = (beam < count) & (
             away_m < clear_m[np.minimum(beam, count - 1)] - _DIAGONAL * cell_m
         )
-        aside = np.abs(bearing - nearest)[is_clear] * abs(scan.step_rad)
-        is_crossed = away_m[is_clear] * np.sin(aside) <= math.sqrt(0.5) * cell_m
-        return np.asarray(self._surface[near[is_clear][is_crossed]])
+        (clear,) = is_clear.nonzero()
+        if not clear.size:
+            return clear  # no beam gets past a wall, as nearly always
+        aside = np.abs(bearing - nearest)[clear] * abs(scan.step_rad)
+        is_crossed = away_m[clear] * np.sin(aside) <= math.sqrt(0.5) * cell_m
+        return np.asarray(self._surface[near[clear[is_crossed]]])
 
 
 def _explained_low_m(prior: OccupancyGrid) -> Floats | None:
