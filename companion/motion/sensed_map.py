@@ -65,6 +65,9 @@ class SensedMap:
         walls = prior.occupied
         self._log_odds = np.where(walls, WALL_LOG_ODDS, MIN_LOG_ODDS).ravel()
         self._max_log_odds = np.where(walls, WALL_LOG_ODDS, MAX_LOG_ODDS).ravel()
+        rows, cols = walls.shape
+        self._framed_shape = rows + 2, cols + 2  # with a frame of cells, for what is off the map
+        self._framed_origin = np.array(prior.origin) - prior.cell_m
         self._cell_of_echo = _cell_of_echo(prior)
         self._low_m = _explained_low_m(prior)
         self._find_surface()
@@ -108,11 +111,9 @@ class SensedMap:
         A cell is looked for half a centimetre behind the echo, the rounding of a distance on the
         wire: an echo comes from a face, and the cell is behind it.
         """
-        rows, cols = self.grid.occupied.shape
-        ends = echoes(scan, reach_m, _BEHIND_M) - self.grid.origin
-        row, col = np.floor(ends / self.grid.cell_m).astype(np.intp).T
-        is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
-        at = row[is_on_map] * cols + col[is_on_map]
+        ends = (echoes(scan, reach_m, _BEHIND_M) - self._framed_origin) / self.grid.cell_m
+        row, col = np.floor(ends).astype(np.intp).T
+        at = np.ravel_multi_index((row, col), self._framed_shape, mode="clip")
         hits = self._cell_of_echo[at]
         is_news = hits >= 0
         if self._low_m is not None:
@@ -150,25 +151,27 @@ class SensedMap:
 
 
 def _explained_low_m(prior: OccupancyGrid) -> Floats | None:
-    """(rows * cols,) the upper end of the low walls that an echo in each cell may come from.
+    """(n,) the upper end of the low walls that an echo in each cell may come from.
 
-    -inf where it comes from none.
+    -inf where it comes from none. Cells are those of the map and of a frame around it.
     """
     if prior.low is None:
         return None
     reach = math.ceil(max(EXPLAINED_M / prior.cell_m, _DIAGONAL))
     highest = ndimage.maximum_filter(prior.low.tops_m, size=2 * reach + 1, mode="constant")
-    return np.where(highest > 0, highest, -math.inf).ravel()
+    return np.pad(np.where(highest > 0, highest, -math.inf), 1, constant_values=-math.inf).ravel()
 
 
 def _cell_of_echo(prior: OccupancyGrid) -> Cells:
-    """(rows * cols,) for an echo in each cell, the flat index of the cell that it comes from.
+    """(n,) for an echo in each cell, the flat index of the cell that it comes from.
 
-    Outside a map that is not open everything is a wall; an echo from there is negative.
+    Cells are those of the map and of a frame around it. Outside a map that is not open everything
+    is a wall; an echo from there, or from the frame, is negative.
     """
     rows, cols = prior.occupied.shape
+    own = np.arange(rows * cols, dtype=np.intp).reshape(rows, cols)
     if prior.is_open and not prior.occupied.any():
-        return np.arange(rows * cols, dtype=np.intp)
+        return np.pad(own, 1, constant_values=-1).ravel()
     away, nearest = ndimage.distance_transform_edt(
         np.pad(~prior.occupied, 1, constant_values=prior.is_open),
         sampling=prior.cell_m,
@@ -177,6 +180,5 @@ def _cell_of_echo(prior: OccupancyGrid) -> Cells:
     away, (row, col) = away[1:-1, 1:-1], nearest[:, 1:-1, 1:-1] - 1
     is_on_map = (row >= 0) & (row < rows) & (col >= 0) & (col < cols)
     wall = np.where(is_on_map, row * cols + col, -1)
-    own = np.arange(rows * cols).reshape(rows, cols)
     is_explained = away <= max(EXPLAINED_M, _DIAGONAL * prior.cell_m)
-    return np.asarray(np.where(is_explained, wall, own).ravel(), dtype=np.intp)
+    return np.pad(np.where(is_explained, wall, own), 1, constant_values=-1).ravel()
