@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from companion.campaigns.outcomes import FlownRow, Outcome
-from companion.campaigns.statistics import Comparison, compare
+from companion.campaigns.statistics import compare
 from companion.campaigns.table import Table, read_table
 from companion.errors import MissionError
 
@@ -37,25 +37,31 @@ def failures_in(table: Table) -> list[tuple[int, bool]]:
     ]
 
 
-def compared(before: Path, now: Path) -> Comparison:
-    """Two versions on the same rows.
+def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
+    """A table of the rows that a header stands for, flown before.
 
     Raises:
-        MissionError: a table cannot be read, or their rows are not the same.
+        MissionError: it cannot be read, or its rows are others.
     """
-    other, this = read_table(before), read_table(now)
-    for name in (*SAME, *(key for key in this.header if key.startswith("vary "))):
-        if other.header.get(name) != this.header.get(name):
-            raise _not_the_same(before, name, other.header, this.header)
-    return compare(failures_in(other), failures_in(this))
+    table = read_table(path)
+    for name in (*SAME, *(key for key in header if key.startswith("vary "))):
+        if table.header.get(name) != header.get(name):
+            raise _not_the_same(path, name, table.header, header)
+    return table
 
 
-def comparison_with(before: Path, now: Path) -> str:
-    """The same in words."""
-    found = compared(before, now)
+def comparison(path: Path, earlier: Table, now: Table) -> str:
+    """Two versions on the same rows, in words.
+
+    Args:
+        path: of the earlier one.
+        earlier: as `earlier_table` has read it.
+        now: the other one.
+    """
+    found = compare(failures_in(earlier), failures_in(now))
     verdict = "more than chance" if found.is_significant else "may be chance"
     lines = [
-        f"against    {before}",
+        f"against    {path}",
         f"worse      {len(found.worse)} rows fail that did not: {_listed(found.worse)}",
         f"better     {len(found.better)} rows do not fail that did: {_listed(found.better)}",
         f"McNemar    p = {found.p:.3g}: {verdict}",

@@ -85,17 +85,24 @@ def campaign(
     """
     from companion.campaigns.campaign import random_rows
     from companion.campaigns.row_file import header_in
+    from companion.campaigns.summary import comparison, earlier_table
+    from companion.campaigns.table import read_table
 
     folder = resume or out or Path(f"campaign-{mission.stem}")
     if resume is not None:
-        header = header_in(resume, "runs")
-        runs, seed, limit_s = int(header["runs"]), int(header["seed"]), float(header["limit_s"])
+        begun_with = header_in(resume, "runs")
+        runs, seed = int(begun_with["runs"]), int(begun_with["seed"])
+        limit_s = float(begun_with["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
+    header = kit.header(seed, runs=runs)
+    earlier = earlier_table(against, header) if against is not None else None
     line = partial(command_line, "campaign", mission, scenario)
     again, command = line(resume=folder), line(runs=runs, seed=seed, limit_s=f"{limit_s:g}")
-    with begun(kit, folder, kit.header(seed, runs=runs), runs, jobs, dask, again) as flights:
+    with begun(kit, folder, header, runs, jobs, dask, again) as flights:
         flights.flown(random_rows(kit, seed, runs))
-        finish(flights, mission, command, against)
+        table = finish(flights, mission, command)
+    if against is not None and earlier is not None:
+        typer.echo(comparison(against, earlier, read_table(table)))
 
 
 def command_line(name: str, mission: Path, scenario: Path | None, **options: object) -> str:
@@ -169,17 +176,15 @@ def engine_of(kit: Kit, jobs: int | None, dask: str | None) -> RowEngine:
     return cluster
 
 
-def finish(flights: Campaign, mission: Path, command: str, against: Path | None) -> None:
-    """Writes the table and the report, and says what is in them."""
+def finish(flights: Campaign, mission: Path, command: str) -> Path:
+    """Writes the table and the report, and says what is in them; returns the table's path."""
     from companion.campaigns.report import write_report
-    from companion.campaigns.summary import comparison_with
 
     table = flights.write_table()
     tell_outcomes(flights)
     typer.echo(f"table      {table}")
     typer.echo(f"report     {write_report(flights, mission, command)}")
-    if against is not None:
-        typer.echo(comparison_with(against, table))
+    return table
 
 
 def tell_outcomes(flights: Campaign) -> None:
