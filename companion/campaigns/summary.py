@@ -28,6 +28,14 @@ def summary(flown: Iterable[FlownRow]) -> list[tuple[str, int, bool]]:
     return sorted(listed, key=lambda entry: rank(entry[0]))
 
 
+def why_invalid(flown: Iterable[FlownRow]) -> str:
+    """Why rows are of no account: the reason of most of them."""
+    reasons = Counter(each.reason for each in flown if each.outcome is Outcome.INVALID)
+    ((reason, count),) = reasons.most_common(1)
+    most = "most: " if count < reasons.total() else ""
+    return f"of no account; {most}{reason}"
+
+
 def failures_in(table: Table) -> list[tuple[int, bool]]:
     """Index of each row of a table that counts, and whether it failed."""
     return [

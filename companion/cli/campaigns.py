@@ -190,11 +190,11 @@ def finish(flights: Campaign, mission: Path, command: str) -> Path:
 def tell_outcomes(flights: Campaign) -> None:
     """Says how many rows ended how."""
     from companion.campaigns.statistics import Rate
-    from companion.campaigns.summary import summary
+    from companion.campaigns.summary import summary, why_invalid
 
     for name, count, is_failure in summary(flights.rows):
         valid = sum(each.outcome.is_valid for each in flights.rows)
-        rate = str(Rate.of(count, valid)) if name != "invalid" else "of no account"
+        rate = str(Rate.of(count, valid)) if name != "invalid" else why_invalid(flights.rows)
         typer.echo(f"{'FAILED ' if is_failure else '       '}{count:>6}  {name:<28} {rate}")
 
 
