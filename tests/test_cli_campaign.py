@@ -1,4 +1,4 @@
-"""What `companion campaign` refuses before its first flight."""
+"""What `companion campaign` and `falsify` refuse before their first flight."""
 
 from __future__ import annotations
 
@@ -28,3 +28,10 @@ def test_a_table_that_cannot_be_compared_is_refused_before_a_flight(
     assert ended.code == 2
     assert why in ended.err
     assert not folder.exists()
+
+
+def test_a_search_in_which_nothing_varies_is_refused(tmp_path: Path, companion: Companion) -> None:
+    ended = companion("falsify", "return_home", "--out", tmp_path / "flown")
+    assert ended.code == 2
+    assert ended.err.startswith("there is nothing to search: the scenario has no key vary")
+    assert not (tmp_path / "flown").exists()

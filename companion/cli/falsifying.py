@@ -24,7 +24,7 @@ from companion.cli.campaigns import (
     tell_outcomes,
 )
 from companion.cli.simulated_flight import ScenarioFile
-from companion.errors import TaskViolated
+from companion.errors import MissionError, TaskViolated
 
 
 def falsify(
@@ -59,6 +59,9 @@ def falsify(
         header = header_in(resume, "budget")
         budget, seed, limit_s = int(header["budget"]), int(header["seed"]), float(header["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
+    if not kit.factors:
+        what = "there is nothing to search: the scenario has no key vary"
+        raise MissionError(what, hint="say what varies (docs/campaigns.md), or fly a campaign")
     line = partial(command_line, "falsify", mission, scenario)
     again, command = line(resume=folder), line(budget=budget, seed=seed, limit_s=f"{limit_s:g}")
     with begun(kit, folder, kit.header(seed, budget=budget), budget, jobs, dask, again) as search:
