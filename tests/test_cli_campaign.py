@@ -6,6 +6,11 @@ from pathlib import Path
 
 import pytest
 from commands import Companion
+from rich.progress import Progress
+
+from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.rows import Row
+from companion.cli.campaigns import Tell
 
 HEADER = "# format: 1\n# scenario: {scenario}\n# seed: 0\n# limit_s: 1800\nindex,outcome,score\n"
 
@@ -35,3 +40,18 @@ def test_a_search_in_which_nothing_varies_is_refused(tmp_path: Path, companion: 
     assert ended.code == 2
     assert ended.err.startswith("there is nothing to search: the scenario has no key vary")
     assert not (tmp_path / "flown").exists()
+
+
+def test_rows_of_which_nobody_knows_the_number_are_told_ten_by_ten(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    tell = Tell(Progress(disable=True), 20)
+    flown = FlownRow(Row(0, 0, {}), Outcome.SATISFIED)
+    for _ in range(20):
+        tell(flown)
+    tell.begin("simpler", None)
+    for _ in range(25):
+        tell(flown)
+    lines = [line.partition(",")[0] for line in capsys.readouterr().err.splitlines()]
+    assert lines[0] == "flown      2 of 20" and lines[9] == "flown      20 of 20"
+    assert lines[10:] == ["simpler    10 flights", "simpler    20 flights"]

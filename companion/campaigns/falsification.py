@@ -45,6 +45,7 @@ def minimise(
     search: Campaign,
     failures: Sequence[FlownRow],
     engine_of: Callable[[Kit], RowEngine],
+    tell: Callable[[FlownRow], None],
 ) -> tuple[FlownRow, ...]:
     """The failures of a search made simple.
 
@@ -52,11 +53,12 @@ def minimise(
         search: that found them.
         failures: the first few are taken.
         engine_of: who flies the rows of a kit.
+        tell: each row that is flown for it.
     """
     kit = simplifiable(search.kit)
     with closing(engine_of(kit)) as engine:
         folder = search.folder / MINIMISED_FOLDER
-        with closing(Campaign(kit, engine, folder, search.header, lambda row: None)) as simpler:
+        with closing(Campaign(kit, engine, folder, search.header, tell)) as simpler:
             return minimised(failures[:MOST_CASES], kit.factors, simpler.flown)
 
 

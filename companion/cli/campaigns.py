@@ -17,7 +17,7 @@ from companion.cli.simulated_flight import ScenarioFile
 from companion.errors import CompanionError, LinkError
 
 if TYPE_CHECKING:
-    from rich.progress import Progress, TaskID
+    from rich.progress import Progress
 
     from companion.campaigns.campaign import Campaign
     from companion.campaigns.kit import Kit
@@ -98,7 +98,7 @@ def campaign(
     earlier = earlier_table(against, header) if against is not None else None
     line = partial(command_line, "campaign", mission, scenario)
     again, command = line(resume=folder), line(runs=runs, seed=seed, limit_s=f"{limit_s:g}")
-    with begun(kit, folder, header, runs, jobs, dask, again) as flights:
+    with begun(kit, folder, header, runs, jobs, dask, again) as (flights, _):
         flights.flown(random_rows(kit, seed, runs))
         table = finish(flights, mission, command)
     if against is not None and earlier is not None:
@@ -134,8 +134,8 @@ def begun(
     jobs: int | None,
     dask: str | None,
     again: str,
-) -> Iterator[Campaign]:
-    """A campaign with its engine and its progress bar, as long as the context lasts.
+) -> Iterator[tuple[Campaign, Tell]]:
+    """A campaign with its engine, and its progress bar, as long as the context lasts.
 
     Args:
         kit: what is flown.
@@ -153,7 +153,7 @@ def begun(
     with closing(engine), _progress(total) as tell:
         flights = Campaign(kit, engine, folder, header, tell)
         try:
-            yield flights
+            yield flights, tell
         except (Interrupted, NotWritten, LinkError) as error:
             kept = f"{error}\n    {len(flights.rows)} rows are kept"
             raise CompanionError(f"{kept}\n    to go on: {again}") from None
@@ -211,7 +211,7 @@ def _progress(total: int) -> Iterator[Tell]:
 
     console = Console(stderr=True)
     columns = (
-        TextColumn("flights"),
+        TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
         TextColumn("{task.fields[rate]}"),
@@ -220,7 +220,7 @@ def _progress(total: int) -> Iterator[Tell]:
     )
     bar = Progress(*columns, console=console, transient=True, disable=not sys.stderr.isatty())
     with bar:
-        yield Tell(bar, bar.add_task("flights", total=total, rate="", failures=0), total)
+        yield Tell(bar, total)
 
 
 class Tell:
@@ -228,14 +228,20 @@ class Tell:
 
     Args:
         bar: that is drawn, or disabled.
-        task: of the bar.
         total: rows that are expected.
     """
 
-    def __init__(self, bar: Progress, task: TaskID, total: int) -> None:
-        self._bar, self._task, self._total = bar, task, total
+    def __init__(self, bar: Progress, total: int) -> None:
+        self._bar = bar
+        self._task = bar.add_task("", rate="", failures=0)
+        self.begin("flown", total)
+
+    def begin(self, what: str, total: int | None) -> None:
+        """Other rows come now: so many, or nobody knows."""
+        self._what, self._total = what, total
         self._done = self._failures = 0
         self._started_s = time.monotonic()
+        self._bar.update(self._task, description=what, completed=0, total=total)
 
     def __call__(self, flown: FlownRow) -> None:
         """A row is back."""
@@ -244,7 +250,8 @@ class Tell:
         rate = self._done / max(time.monotonic() - self._started_s, 1e-3)
         said = f"{rate:.2f} flights/s"
         self._bar.update(self._task, completed=self._done, rate=said, failures=self._failures)
-        every = max(1, self._total // PLAIN_TELLINGS)
+        every = max(1, self._total // PLAIN_TELLINGS) if self._total else PLAIN_TELLINGS
         if self._bar.disable and (self._done % every == 0 or self._done == self._total):
+            count = f"{self._done} of {self._total}" if self._total else f"{self._done} flights"
             failed = f"{self._failures} failed, {said}"
-            typer.echo(f"flown      {self._done} of {self._total}, {failed}", err=True)
+            typer.echo(f"{self._what:<10} {count}, {failed}", err=True)

@@ -56,19 +56,22 @@ def falsify(
 
     folder = resume or out or Path(f"falsify-{mission.stem}")
     if resume is not None:
-        header = header_in(resume, "budget")
-        budget, seed, limit_s = int(header["budget"]), int(header["seed"]), float(header["limit_s"])
+        begun_with = header_in(resume, "budget")
+        budget, seed = int(begun_with["budget"]), int(begun_with["seed"])
+        limit_s = float(begun_with["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
     if not kit.factors:
         what = "there is nothing to search: the scenario has no key vary"
         raise MissionError(what, hint="say what varies (docs/campaigns.md), or fly a campaign")
     line = partial(command_line, "falsify", mission, scenario)
     again, command = line(resume=folder), line(budget=budget, seed=seed, limit_s=f"{limit_s:g}")
-    with begun(kit, folder, kit.header(seed, budget=budget), budget, jobs, dask, again) as search:
+    header = kit.header(seed, budget=budget)
+    with begun(kit, folder, header, budget, jobs, dask, again) as (search, tell):
         failures = searched(search, seed, budget)
         if failures:
             typer.echo(f"simpler    {len(failures)} different failures", err=True)
-        simple = minimise(search, failures, lambda kit: engine_of(kit, jobs, dask))
+        tell.begin("simpler", None)
+        simple = minimise(search, failures, lambda kit: engine_of(kit, jobs, dask), tell)
         cases = checked(search, mission, simple)
         tell_outcomes(search)
         typer.echo(f"table      {search.folder / 'table.csv'}")
