@@ -73,8 +73,10 @@ def is_free(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) -> bool
 
 
 def is_reachable(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) -> bool:
-    """A way leads there; it is searched in parts."""
+    """A way leads there; it is searched in parts, if anything leads there at all."""
     routes.aim(name, waypoint)
+    if not routes.is_connected(start, name):
+        return False
     while not routes.search(start, name, CELLS_PER_TICK):
         spent(CELL_US * CELLS_PER_TICK)
         routes.aim(name, waypoint)  # others may have chosen meanwhile

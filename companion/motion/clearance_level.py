@@ -63,8 +63,8 @@ class Obstacles(NamedTuple):
 class ClearanceLevel:
     """Routes at one clearance. The cost-to-go is found when it is first asked for.
 
-    Attributes:
-        space: the free cells now.
+    Places whose goal has changed are seen to when somebody looks: candidates for a goal that lie
+    behind walls are many, and tried at the least clearance first.
 
     Args:
         room: what all levels share.
@@ -76,7 +76,8 @@ class ClearanceLevel:
         self._room = room
         self._obstacles = obstacles
         self._clearance_m = clearance_m
-        self.space = self._free_space()
+        self._aimed: set[str] = set()
+        self._space = self._free_space()
         self._plain: dict[NorthEast, Cell | None] = {}
         self._maps: DistanceMaps | None = None
 
@@ -86,8 +87,15 @@ class ClearanceLevel:
         return self._maps is not None
 
     @property
+    def space(self) -> FreeSpace:
+        """The free cells now."""
+        self._follow_goals()
+        return self._space
+
+    @property
     def maps(self) -> DistanceMaps:
         """The cost-to-go of all places."""
+        self._follow_goals()
         if self._maps is None:
             points = {name: self.space.point(goal) for name, goal in self._room.goals.items()}
             self._maps = DistanceMaps(points, self._room.regions, self.space.free)
@@ -99,21 +107,33 @@ class ClearanceLevel:
 
     def see(self, obstacles: Obstacles) -> bool:
         """Takes over other obstacles on the same map; true if other cells are free now."""
-        self._obstacles, before = obstacles, self.space
-        self.space = self._free_space()
+        self._follow_goals()
+        self._obstacles = obstacles
+        return self._take_free_space()
+
+    def _take_free_space(self) -> bool:
+        before, self._space = self._space, self._free_space()
         self._plain = {}
-        if np.array_equal(before.free, self.space.free):
+        if np.array_equal(before.free, self._space.free):
             return False
         if self._maps is not None:
-            self._maps.see(self.space.free)
+            self._maps.see(self._space.free)
         return True
 
     def aim(self, place: str) -> None:
         """The goal of a place has changed."""
+        self._aimed.add(place)
+
+    def _follow_goals(self) -> None:
+        """Sees to the places whose goal has changed."""
+        if not self._aimed:
+            return
+        aimed, self._aimed = self._aimed, set()
         if self._clearance_m > self._room.least_m:  # another disc is open
-            self.see(self._obstacles)
+            self._take_free_space()
         if self._maps is not None:
-            self._maps.aim(place, self.space.point(self._room.goals[place]))
+            for place in sorted(aimed):
+                self._maps.aim(place, self._space.point(self._room.goals[place]))
 
     def above(self, added_m: float) -> ClearanceLevel:
         """A level of a greater clearance on the same map."""
@@ -124,7 +144,7 @@ class ClearanceLevel:
         opened = self._opened(positions)
         if opened is None:
             return self.space
-        return self._space(self.space.free | opened)
+        return self._made(self.space.free | opened)
 
     def search(self, start: NorthEast, place: str, max_cells: int) -> int:
         """Searches about `max_cells` cells for what `entry` asks for; about how many it took."""
@@ -177,9 +197,9 @@ class ClearanceLevel:
         opened = self._opened([goal[:2] for goal in self._room.goals.values()])
         if opened is not None:
             free |= opened
-        return self._space(free)
+        return self._made(free)
 
-    def _space(self, free: npt.NDArray[np.bool_]) -> FreeSpace:
+    def _made(self, free: npt.NDArray[np.bool_]) -> FreeSpace:
         grid, walls = self._obstacles
         return FreeSpace(grid, free, self._room.is_inside, self._clearance_m, walls)
 
