@@ -2,7 +2,8 @@
 
 The vehicle may be off from where its autopilot takes it to be. So routes keep more than the least
 clearance, where the map has room for that; a passage that is too narrow is flown at the next lower
-one. There are a few levels, and each place is flown to at the highest one that leads there.
+one. Levels are a step of what is added apart, and each place is flown to at the highest one that
+leads there.
 
 A place may itself stand nearer to an obstacle than a level asks for, and so may the vehicle. Around
 each a disc is open in which routes keep as much as the place, or the vehicle, does.
@@ -24,9 +25,9 @@ from companion.motion.distance_maps import DistanceMaps
 from companion.motion.free_space import FreeSpace
 from companion.motion.grid import OccupancyGrid
 from companion.motion.grid_graph import Cell
+from companion.motion.position_error import STEP_M
 from companion.motion.regions import Regions
 
-_LEVELS = 3  # above the least
 _MAX_STARTS = 1000  # of which the cell is kept
 _OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
 
@@ -226,4 +227,5 @@ class ClearanceLevel:
 
 def levels_above(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
     """The levels at which routes keep up to so much more than the least, the highest first."""
-    return [least.above(added_m * i / _LEVELS) for i in range(_LEVELS, 0, -1) if added_m > 0]
+    count = round(added_m / STEP_M)
+    return [least.above(added_m * i / count) for i in range(count, 0, -1)]
