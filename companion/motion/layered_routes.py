@@ -299,9 +299,10 @@ class LayeredRoutes:
             return
         ups_m = (-start[2], -self._goals[place][2])
         low, high = self._layer(min(ups_m)), self._layer(max(ups_m))
-        if not self._must_climb(start):
+        must_climb = self._must_climb(start)
+        if not must_climb and not self._is_above_an_edge(start, low, high):
             yield low, None
-        if high != low or self._must_climb(start):
+        if high != low or must_climb:
             yield high, max(ups_m)
         for layer, up_m in self._tops.items():
             if layer > high and up_m > max(ups_m):
@@ -312,6 +313,13 @@ class LayeredRoutes:
         up_m, top_m = -start[2], self._grid.ground_m(start[:2], 0.0)[1]
         is_low = top_m - LEVEL_M <= up_m < top_m + self._clearance_m - LEVEL_M
         return up_m < self._lowest_m - BELOW_M or (top_m > 0 and is_low)
+
+    def _is_above_an_edge(self, start: Ned, low: int, high: int) -> bool:
+        """Whether a start is clear of a wall by its height alone, which a slope would lose."""
+        here = start[:2]
+        return (
+            high != low and self._plane(high).is_free(here) and not self._plane(low).is_free(here)
+        )
 
     def _stepped(self, start: Ned, place: str, climb_m: float, level: LevelRoute) -> Route | None:
         """A climb on the spot, a level route, a descent on the spot; of no height, left out."""

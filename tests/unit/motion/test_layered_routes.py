@@ -181,6 +181,14 @@ def test_what_is_low_above_a_roof_or_below_the_band_climbs_first() -> None:
     assert below.waypoints[1].tolist() == [*WEST, -2.0]
 
 
+def test_what_is_above_the_edge_of_a_roof_leaves_it_level() -> None:
+    """Clear of it by its height alone, it would come too near on a slope."""
+    roof = Wall(((0.5, 5.0), (0.5, 11.0), (6.0, 11.0), (6.0, 5.0)), 2.5)
+    route = routes_to((9.0, 8.0, -1.0), roof, up_m=(0.5, 9.0)).route((6.3, 8.0, -3.25), "B")
+    assert route is not None
+    assert route.waypoints[1].tolist() == [9.0, 8.0, -3.25]
+
+
 def _none() -> Route:
     raise AssertionError("there is no route")
 
