@@ -23,12 +23,13 @@ from companion.motion.grid import OccupancyGrid
 
 BEAMS = 72
 STEP_RAD = 2 * math.pi / BEAMS
-_AHEAD = np.array([math.cos(i * STEP_RAD) for i in range(BEAMS)])
-_RIGHT = np.array([math.sin(i * STEP_RAD) for i in range(BEAMS)])
+Floats = npt.NDArray[np.float64]
+_AHEAD: Floats = np.array([math.cos(i * STEP_RAD) for i in range(BEAMS)])
+_RIGHT: Floats = np.array([math.sin(i * STEP_RAD) for i in range(BEAMS)])
+_BEAMS, _BEAMS_TURNED = np.array((_AHEAD, _RIGHT)), np.array((-_RIGHT, _AHEAD))
+"""(2, BEAMS) north and east of each beam while the vehicle looks north, and while it looks east."""
 
 _NORTH, _EAST = 0, 1
-
-Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,22 +49,18 @@ class LidarSpec:
 
 
 class WallFaces(NamedTuple):
-    """The borders between free cells and walls across one axis, in cells; every array is (n,).
+    """The n borders between free cells and walls, in cells.
 
     Attributes:
-        line: where on the axis.
-        begin, end: where along the other axis.
-        side: on which the wall is, 1 or -1.
+        ends: (3, n) where on the axis that a border lies across, and from where to where along
+            the other one.
+        axes: (3, n) the axis of each of these, 0 north or 1 east.
+        side: (n,) on which the wall is, 1 or -1.
     """
 
-    line: Floats
-    begin: Floats
-    end: Floats
+    ends: Floats
+    axes: npt.NDArray[np.int_]
     side: Floats
-
-
-Faces = tuple[WallFaces, WallFaces]
-"""Those across north, and those across east."""
 
 
 class Lidar:
@@ -83,7 +80,7 @@ class Lidar:
     def set_map(self, grid: OccupancyGrid | None) -> None:
         """The true map from now on."""
         self._grid = grid
-        self._faces: dict[int, Faces] = {}
+        self._faces: dict[int, WallFaces] = {}
 
     def scan(self, position: NorthEast, yaw_rad: float, up_m: float = 0.0) -> Floats:
         """(BEAMS,) distance along each beam, metres; inf where nothing is within range.
@@ -104,8 +101,7 @@ class Lidar:
         if grid.occupied[row, column] if is_on_map else not grid.is_open:
             return np.zeros(BEAMS)
         start = (np.array(position) - grid.origin) / grid.cell_m
-        c, s = math.cos(yaw_rad), math.sin(yaw_rad)
-        beams = np.array((c * _AHEAD - s * _RIGHT, s * _AHEAD + c * _RIGHT))
+        beams = math.cos(yaw_rad) * _BEAMS + math.sin(yaw_rad) * _BEAMS_TURNED
         far = self.spec.range_m / grid.cell_m
         lengths = _lengths_to_walls(self._faces[layer], start, beams, far)
         distances_m = np.where(lengths <= far, grid.cell_m * lengths, math.inf)
@@ -115,14 +111,17 @@ class Lidar:
         return distances_m
 
 
-def _faces_of(grid: OccupancyGrid) -> Faces:
+def _faces_of(grid: OccupancyGrid) -> WallFaces:
     """All borders of a map."""
     walls = np.pad(grid.occupied, 1, constant_values=not grid.is_open)
-    return _faces(walls), _faces(walls.T)
+    north, east = _faces(walls), _faces(walls.T)
+    across = np.repeat((_NORTH, _EAST), (north.shape[1], east.shape[1]))
+    *ends, side = np.hstack((north, east))
+    return WallFaces(np.array(ends), np.array((across, 1 - across, 1 - across)), side)
 
 
-def _faces(walls: npt.NDArray[np.bool_]) -> WallFaces:
-    """The borders of free lines of cells and walls, joined where they touch.
+def _faces(walls: npt.NDArray[np.bool_]) -> Floats:
+    """Ends and side, (4, n), of the borders of free cells and walls, joined where they touch.
 
     Args:
         walls: (lines + 2, cells + 2), with a rim of what lies off the map; the lines follow each
@@ -134,11 +133,11 @@ def _faces(walls: npt.NDArray[np.bool_]) -> WallFaces:
         turns = np.diff((steps == side).astype(np.int8), axis=1, prepend=0, append=0)
         line, begin = np.nonzero(turns == 1)
         _, end = np.nonzero(turns == -1)
-        found += [(*where, side) for where in zip(line, begin, end, strict=True)]
-    return WallFaces(*np.array(found, dtype=np.float64).reshape(-1, 4).T.copy())
+        found.append((line, begin, end, np.full(len(line), side)))
+    return np.concatenate(found, axis=1, dtype=np.float64)
 
 
-def _lengths_to_walls(faces: Faces, start: Floats, beams: Floats, far: float) -> Floats:
+def _lengths_to_walls(faces: WallFaces, start: Floats, beams: Floats, far: float) -> Floats:
     """The length of each beam up to its first face, inf without one; everything in cells.
 
     Args:
@@ -147,20 +146,14 @@ def _lengths_to_walls(faces: Faces, start: Floats, beams: Floats, far: float) ->
         beams: (2, BEAMS) directions.
         far: faces farther away may be left out.
     """
+    offsets = faces.ends - start[faces.axes]
+    away, begin, end = offsets
+    depth = away * faces.side
+    is_seen = (depth >= 0) & (depth <= far) & (begin <= far) & (end >= -far)
+    away, begin, end = offsets[:, is_seen, None]
+    axis = faces.axes[0, is_seen]
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        to_north = _lengths_across(faces[_NORTH], start, beams, far)
-        to_east = _lengths_across(faces[_EAST], start[::-1], beams[::-1], far)
-    return np.minimum(to_north, to_east)
-
-
-def _lengths_across(faces: WallFaces, start: Floats, beams: Floats, far: float) -> Floats:
-    """The same up to the faces across one axis, which comes first in start and beams."""
-    line, begin, end, side = faces
-    across, along = start
-    depth = (line - across) * side
-    is_seen = (depth >= 0) & (depth <= far) & (begin <= along + far) & (end >= along - far)
-    lengths = (line[is_seen] - across)[:, None] * (1 / beams[0])
-    at = lengths * beams[1]
-    is_hit = (lengths >= 0) & (at >= (begin[is_seen] - along)[:, None])
-    is_hit &= at <= (end[is_seen] - along)[:, None]
+        lengths = away * (1 / beams)[axis]
+        at = lengths * beams[::-1][axis]
+    is_hit = (lengths >= 0) & (at >= begin) & (at <= end)
     return np.asarray(np.where(is_hit, lengths, math.inf).min(axis=0, initial=math.inf))
