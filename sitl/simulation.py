@@ -206,6 +206,7 @@ class Simulation:
                 for message in self._codecs[link].parse(datagram):
                     self._receive(link, message, out)
         out += self._autopilot_component.flush()
+        self._autopilot_component.attend()
         due = int(now_s / DT_S + 1e-6)
         while self._steps < due:
             self._advance(due * DT_S, out)
@@ -282,7 +283,7 @@ class Simulation:
         elif self._autopilot_component.is_asked:
             self._look()
             self._speak(until_s, out)
-        else:
+        elif self._steps * DT_S >= self._autopilot_component.due_s:
             self._stream(until_s, out)
 
     def _act(self, until_s: float, out: Outgoing) -> None:

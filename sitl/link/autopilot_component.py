@@ -9,6 +9,7 @@ Sources: the services of https://mavlink.io/en/services/; PX4's answers as they 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import ClassVar
 
@@ -59,6 +60,7 @@ class AutopilotComponent:
 
     Attributes:
         is_asked: something is to be said before the autopilot's next step.
+        due_s: when the next stream is due.
     """
 
     def __init__(
@@ -84,6 +86,7 @@ class AutopilotComponent:
             if name in links
         }
         self.is_asked = False
+        self.attend()
         self._reported_status = status(vehicle.autopilot)
         self._text_count = 0
         self._progress = MissionProgressReporter()
@@ -102,6 +105,15 @@ class AutopilotComponent:
         link = self._links.get(name)
         if service and link and is_for(self.address, message):
             service(self, link, message)
+
+    def attend(self) -> None:
+        """Streams go by what is read, and as often as it is wished, from now on."""
+        for link in self._links.values():
+            link.streams.attend(self._vehicle.state.time_s)
+        self._find_next_due()
+
+    def _find_next_due(self) -> None:
+        self.due_s = min([link.streams.due_s for link in self._links.values()], default=math.inf)
 
     def follow(self) -> None:
         """The autopilot has gone on; what it has come to is told with the next step."""
@@ -141,11 +153,15 @@ class AutopilotComponent:
 
     def due(self, now_s: float, until_s: float) -> list[tuple[AutopilotLink, str]]:
         """The streams that are due now, by name, each with its link."""
-        return [
+        if now_s < self.due_s:
+            return []
+        due = [
             (link, name)
             for link in self._links.values()
             for name in link.streams.due(now_s, until_s)
         ]
+        self._find_next_due()
+        return due
 
     def _list_parameters(self, link: AutopilotLink) -> None:
         known = self._vehicle.autopilot.parameters

@@ -86,48 +86,57 @@ class Streams:
             for name, rates in RATES_HZ.items()
         }
         self._intervals_s = {name: s for name, s in self._defaults_s.items() if s > 0}
-        self._sent_s = -math.inf
+        self._has_sent = False
         self._read: Container[int] | None = None
         self._asleep: list[_Due] = []
         self._queue = [(now_s, MESSAGE_CLASSES[name].id, name) for name in self._intervals_s]
         heapq.heapify(self._queue)
 
+    @property
+    def due_s(self) -> float:
+        """When the next message is due."""
+        return self._queue[0][0] - EARLY_S if self._queue else math.inf
+
+    def attend(self, now_s: float) -> None:
+        """Goes by what the reader reads from now on; what was due until now has been sent."""
+        if self._reader is None or self._reader.wanted is self._read:
+            return
+        streams, self._read = [*self._queue, *self._asleep], self._reader.wanted
+        sent_s = now_s + EARLY_S if self._has_sent else -math.inf
+        self._queue = [self._after(each, sent_s) for each in streams if each[1] in self._read]
+        self._asleep = [each for each in streams if each[1] not in self._read]
+        heapq.heapify(self._queue)
+
     def due(self, now_s: float, until_s: float) -> list[str]:
         """The messages to send now; each keeps its rate over the long run.
+
+        Of continual ones only the last before `until_s` is ever due.
 
         Args:
             now_s: the time.
             until_s: what is sent until then arrives together.
         """
-        reader, queue = self._reader, self._queue
-        if reader is not None and reader.wanted is not self._read:
-            queue = self._wake(reader.wanted)
-        self._sent_s = now_s + EARLY_S
-        messages = []
-        while queue and queue[0][0] <= self._sent_s:
+        queue, sent_s, messages = self._queue, now_s + EARLY_S, []
+        continual = () if self._reader is None else self._reader.continual
+        self._has_sent = True
+        while queue and queue[0][0] <= sent_s:
             due_s, message_id, name = queue[0]
             interval_s = self._intervals_s[name]
             after_s = due_s + interval_s
             if after_s <= now_s:  # an interval shorter than a step: once each step
                 after_s = now_s + interval_s
-            heapq.heapreplace(queue, (after_s, message_id, name))
-            is_newest = after_s - EARLY_S > until_s
-            if reader is None or is_newest or message_id not in reader.continual:
+            if after_s - EARLY_S > until_s or message_id not in continual:
                 messages.append(name)
+            else:
+                while after_s + interval_s - EARLY_S <= until_s:
+                    after_s += interval_s
+            heapq.heapreplace(queue, (after_s, message_id, name))
         return messages
 
-    def _wake(self, read: Container[int]) -> list[_Due]:
-        """Another choice is read from now on; returns the queue of what is."""
-        streams, self._read = [*self._queue, *self._asleep], read
-        self._queue = [self._in_step(each) for each in streams if each[1] in read]
-        self._asleep = [each for each in streams if each[1] not in read]
-        heapq.heapify(self._queue)
-        return self._queue
-
-    def _in_step(self, stream: _Due) -> _Due:
-        """When it is due after what was sent last, had it been sent all the time."""
+    def _after(self, stream: _Due, sent_s: float) -> _Due:
+        """When it is due after a time, had it been sent until then."""
         due_s, message_id, name = stream
-        while due_s <= self._sent_s:
+        while due_s <= sent_s:
             due_s += self._intervals_s[name]
         return due_s, message_id, name
 
@@ -146,7 +155,7 @@ class Streams:
             self._intervals_s[name] = interval_s
             self._queue.append((now_s + interval_s, MESSAGE_CLASSES[name].id, name))
         heapq.heapify(self._queue)
-        self._asleep, self._read = [], None  # sorted out with the next ones due
+        self._asleep, self._read = [], None  # sorted out by `attend`
         return True
 
     def interval_us(self, name: str) -> int:

@@ -320,10 +320,22 @@ def test_a_stream_that_is_read_again_goes_on_in_step() -> None:
     for time_s in times_s:
         if time_s == 0.5:
             ear.wanted = Ear.wanted | {dialect.MAVLINK_MSG_ID_ATTITUDE_TARGET}
+        streams.attend(time_s - 0.004)
         read.append(streams.due(time_s, time_s))
     assert not any(name in due for due in read[:125])
     assert [name in due for due in read[125:]] == [name in due for due in sent[125:]]
     assert sum(name in due for due in read) == 11
+
+
+def test_of_a_continual_stream_only_the_last_before_a_tick_is_due() -> None:
+    """ATTITUDE at 100 Hz, looked at where something is due."""
+    streams = Streams(LinkName.OFFBOARD, 0.0, Ear())
+    streams.attend(0.0)
+    assert "ATTITUDE" not in streams.due(0.004, 0.048)
+    assert streams.due_s == pytest.approx(0.04, abs=1e-5)
+    assert streams.due(0.036, 0.048) == []
+    assert streams.due(0.04, 0.048) == ["ATTITUDE"]
+    assert streams.due_s == pytest.approx(0.05, abs=1e-5)
 
 
 def payloads(steps: list[list[bytes]]) -> list[list[bytes]]:
