@@ -6,6 +6,7 @@ environment is not that of the kit flies nothing, and says what differs.
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import platform
@@ -70,6 +71,8 @@ def fly_row(packed: bytes, row: Row) -> FlownRow | WorkerRefused:
     except Exception as error:
         said = traceback.format_exception_only(error)[-1].strip()
         return FlownRow(row, Outcome.ERROR, reason=said.partition("\n")[0])
+    finally:
+        gc.collect()  # the parts of a flight hold each other: left alone, a hundred stay
 
 
 @lru_cache(maxsize=2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 from dataclasses import replace
@@ -12,6 +13,7 @@ from offered import TEMPLATE, install_template, installed_in
 from varied import DEADLY, RUNS, ThisProcess, fly_but_die, short_kit, table_by
 
 from companion.api.simulating import varied_world_of
+from companion.app import Companion
 from companion.campaigns import worker
 from companion.campaigns.kit import Kit
 from companion.campaigns.outcomes import FlownRow, Outcome
@@ -21,6 +23,7 @@ from companion.campaigns.rows import Row
 from companion.campaigns.worker import WorkerRefused, fly_row
 from companion.errors import CompanionError
 from companion.mission.loader import load_mission
+from sitl.simulation import Simulation
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +72,11 @@ def test_a_worker_of_another_kind_is_refused() -> None:
     assert isinstance(answer, WorkerRefused) and answer.line.startswith("fingerprint: ")
     with pytest.raises(CompanionError, match="would fly other rows"):
         accepted(answer)
+
+
+def test_of_a_flight_that_was_flown_nothing_stays() -> None:
+    fly_row(short_kit().packed, Row(0, 1, {}))
+    assert not any(type(each) in (Companion, Simulation) for each in gc.get_objects())
 
 
 def test_what_raises_is_the_outcome_of_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
