@@ -95,14 +95,14 @@ def campaign(
         limit_s = float(begun_with["limit_s"])
     kit = kit_of(mission, scenario, limit_s)
     header = kit.header(seed, runs=runs)
-    earlier = earlier_table(against, header) if against is not None else None
+    compared = partial(comparison, against, earlier_table(against, header)) if against else None
     line = partial(command_line, "campaign", mission, scenario)
     again, command = line(resume=folder), line(runs=runs, seed=seed, limit_s=f"{limit_s:g}")
     with begun(kit, folder, header, runs, jobs, dask, again) as (flights, _):
         flights.flown(random_rows(kit, seed, runs))
         table = finish(flights, mission, command)
-    if against is not None and earlier is not None:
-        typer.echo(comparison(against, earlier, read_table(table)))
+    if compared is not None:
+        typer.echo(compared(read_table(table)))
 
 
 def command_line(name: str, mission: Path, scenario: Path | None, **options: object) -> str:
@@ -135,7 +135,7 @@ def begun(
     dask: str | None,
     again: str,
 ) -> Iterator[tuple[Campaign, Tell]]:
-    """A campaign with its engine, and its progress bar, as long as the context lasts.
+    """A campaign, and who tells how far it has come, as long as the context lasts.
 
     Args:
         kit: what is flown.

@@ -70,7 +70,7 @@ def falsify(
         failures = searched(search, seed, budget)
         if failures:
             typer.echo(f"simpler    {len(failures)} different failures", err=True)
-        tell.begin("simpler", None)
+            tell.begin("simpler", None)
         simple = minimise(search, failures, lambda kit: engine_of(kit, jobs, dask), tell)
         cases = checked(search, mission, simple)
         tell_outcomes(search)

@@ -15,7 +15,9 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from companion.geometry import GlobalOrigin, Ned
 from sitl.flight.estimate import GpsQuality
@@ -87,6 +89,33 @@ class BarometerSample:
     temperature_degc: float
 
 
+Sample = TypeVar("Sample")
+
+
+class HeldSample(Generic[Sample]):
+    """The newest sample of a sensor, taken when somebody looks and the next one is due.
+
+    Args:
+        rate_hz: how often one is due.
+        state: the true state at the start, of which the first is taken.
+        take: makes a sample of a true state.
+    """
+
+    def __init__(
+        self, rate_hz: float, state: FlightState, take: Callable[[FlightState], Sample]
+    ) -> None:
+        self._rate_hz, self._take, self._sample = rate_hz, take, take(state)
+        self._due_s = state.time_s + 1 / rate_hz
+
+    def at(self, truth: FlightState) -> Sample:
+        """The newest sample there is in a true state."""
+        late_s = truth.time_s + EARLY_S - self._due_s
+        if late_s >= 0:
+            self._due_s += (math.floor(late_s * self._rate_hz) + 1) / self._rate_hz
+            self._sample = self._take(truth)
+        return self._sample
+
+
 class Sensors:
     """The sensors of one vehicle.
 
@@ -111,7 +140,9 @@ class Sensors:
         self._gps_gauss, self._imu_gauss, self._barometer_gauss = (
             random.Random(f"{sensor} {seed}").gauss for sensor in ("gps", "imu", "barometer")
         )
-        self._gps_s = self._imu_s = self._barometer_s = state.time_s
+        self._imu = HeldSample(IMU_HZ, state, self._sample_imu)
+        self._barometer = HeldSample(BAROMETER_HZ, state, self._sample_barometer)
+        self._gps_s = state.time_s
         self.step(state, GpsQuality(), (0.0, 0.0))
 
     def step(self, truth: FlightState, gps: GpsQuality, fix_error: tuple[float, float]) -> None:
@@ -130,18 +161,12 @@ class Sensors:
     @property
     def imu(self) -> ImuSample:
         """The newest sample of the inertial unit."""
-        if (now_s := self._truth.time_s + EARLY_S) >= self._imu_s:
-            self._imu_s = _next_s(self._imu_s, now_s, IMU_HZ)
-            self._imu = self._sample_imu(self._truth)
-        return self._imu
+        return self._imu.at(self._truth)
 
     @property
     def barometer(self) -> BarometerSample:
         """The newest sample of the barometer."""
-        if (now_s := self._truth.time_s + EARLY_S) >= self._barometer_s:
-            self._barometer_s = _next_s(self._barometer_s, now_s, BAROMETER_HZ)
-            self._barometer = self._sample_barometer(self._truth)
-        return self._barometer
+        return self._barometer.at(self._truth)
 
     def _sample_gps(
         self, truth: FlightState, gps: GpsQuality, fix_error: tuple[float, float]
@@ -196,11 +221,6 @@ class Sensors:
         return BarometerSample(
             truth.time_s, pressure, pressure_altitude_m(pressure), kelvin - CELSIUS_ZERO_K
         )
-
-
-def _next_s(due_s: float, now_s: float, rate_hz: float) -> float:
-    """When the next sample is due after one that was due earlier."""
-    return due_s + (math.floor((now_s - due_s) * rate_hz) + 1) / rate_hz
 
 
 def pressure_altitude_m(pressure_pa: float) -> float:
