@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,7 @@ class TimedComponent:
         is_free = [any(nodes <= targets for nodes in asked_for) for targets in self.targets_of]
         return sum(1 << mark for mark, free in enumerate(is_free) if free)
 
+    @cached_property
     def by_action(self) -> dict[int, dict[int, list[tuple[TimedStep, int]]]]:
         """By state and action, the same."""
         found: dict[int, dict[int, list[tuple[TimedStep, int]]]] = {}

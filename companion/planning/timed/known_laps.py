@@ -61,14 +61,38 @@ class KnownLaps:
         if not self._known:
             return []
         numbers = {action.name: number for number, action in enumerate(problem.actions)}
-        found: list[TimedLap] = []
-        for part in parts:
-            by_action = part.by_action()
-            for known in self._known:
-                if all(name in numbers for name, _ in known):
-                    steps = [(numbers[name], charge) for name, charge in known]
-                    found += _found_again(graph, by_action, problem.actions, steps, part.all)
+        known = [
+            [(numbers[name], charge) for name, charge in each]
+            for each in self._known
+            if all(name in numbers for name, _ in each)
+        ]
+        found = _found_in(parts, graph, problem.actions, known)
         return sorted(found, key=lambda lap: lap.cost_ms)
+
+
+def elsewhere(
+    laps: Sequence[TimedLap],
+    problem: Problem,
+    graph: TimedProduct,
+    parts: Sequence[TimedComponent],
+) -> Iterator[TimedLap]:
+    """The laps in every component where the same actions are one.
+
+    Components differ by what is done once and for all, often by what no line asks for.
+    """
+    known = [[(step.action, step.charge) for step in lap.steps] for lap in laps]
+    return _found_in(parts, graph, problem.actions, known)
+
+
+def _found_in(
+    parts: Sequence[TimedComponent],
+    graph: TimedProduct,
+    actions: Sequence[Action],
+    known: Sequence[Sequence[tuple[int, _Charge]]],
+) -> Iterator[TimedLap]:
+    for part in parts:
+        for steps in known:
+            yield from _found_again(graph, part.by_action, actions, steps, part.all)
 
 
 def _charge_of(action: Action) -> _Charge:

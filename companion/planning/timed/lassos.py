@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import reduce
-from itertools import pairwise
+from itertools import groupby, pairwise
 from operator import or_
 
 from companion.errors import SearchLimit
@@ -29,7 +29,7 @@ from companion.planning.energy.charged_actions import charged
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.timed.component import TimedComponent
-from companion.planning.timed.known_laps import KnownLaps
+from companion.planning.timed.known_laps import KnownLaps, elsewhere
 from companion.planning.timed.label_budget import LabelBudget
 from companion.planning.timed.lap_entry import LapEntry, WaysIn
 from companion.planning.timed.lap_improvement import LapImprovement
@@ -160,6 +160,8 @@ class TimedLassos:
         """A lap, in the direction in which it is entered better; None if it cannot be."""
         ways = [self._trimmed(steps), self._backwards(steps)]
         laps = [lap for lap in ways if lap is not None]
+        others = [part for part in self._parts if laps and steps[0].end not in part.states]
+        laps += elsewhere(laps, self._problem, self._graph, others)
         return self._ways.into(laps) if laps else None
 
     def _trimmed(self, steps: Sequence[TimedStep]) -> TimedLap | None:
@@ -231,7 +233,8 @@ class TimedLassos:
     def _known_entry(self) -> LapEntry | None:
         """The way into the shortest lap that is known and can be entered; None if none can be."""
         known = self._known.within(self._problem, self._graph, self._parts)
-        ways = (self._ways.into([lap]) for lap in known)
+        alike = (list(laps) for _, laps in groupby(known, key=lambda lap: lap.cost_ms))
+        ways = map(self._ways.into, alike)
         return next((way for way in ways if way is not None), None)
 
     def _ordered(self, part: TimedComponent) -> Iterator[LapSearch]:

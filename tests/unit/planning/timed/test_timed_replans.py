@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import pytest
-from problems import histories, names, problem
+from problems import action, histories, names, problem
 from timed_problems import with_bounds
 
 from companion.errors import SearchLimit
@@ -61,6 +61,20 @@ def test_a_lap_visits_a_place_twice_where_one_visit_is_too_seldom() -> None:
     assert {"move(A, B)", "move(C, B)"} <= {a.name for a in twice.loop}
 
 
+def test_what_no_line_asks_for_is_not_done_on_the_way() -> None:
+    """What is done once splits the product into parts, which have the same laps."""
+    works = [action(f"work({p})", f"at({p})", f"done({p})", cost_s=5.0) for p in "HABC"]
+    of = asked(often("A", 110))
+    of = replace(of, actions=(*of.actions, *works))
+    search = TimedSearch(Search(of.actions))
+    first = best(search, of)
+    assert first is not None
+    assert not any(each.skill == "work" for each in first.lasso.prefix)
+    again = best(search, moved(of, "C", (40_000,)))
+    assert again is not None
+    assert not any(each.skill == "work" for each in again.lasso.prefix)
+
+
 def test_a_plan_made_anew_keeps_the_lap() -> None:
     of = asked(often("A", 110))
     search = TimedSearch(Search(of.actions))
@@ -96,9 +110,9 @@ def test_what_rose_and_fell_is_answered() -> None:
     rushed = best(search, risen)
     assert calm is not None and rushed is not None
     reached_s = 0.0
-    for action in (*rushed.prefix, *rushed.loop):
-        reached_s += action.cost_ms / 1000
-        if action.destination == "C":
+    for each in (*rushed.prefix, *rushed.loop):
+        reached_s += each.cost_ms / 1000
+        if each.destination == "C":
             break
     assert reached_s <= 66.5 + LEGS["H", "A"]  # the first letter is that of the first place
 
