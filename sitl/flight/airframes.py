@@ -1,11 +1,12 @@
 """The airframes that a scenario may choose: what differs in physics and in the controllers' gains.
 
 Source of `px4_sih`: PX4 1.16, its simulation-in-hardware quadrotor (SIH_KDV, 1 N per m/s at 1 kg)
-and the default gains of mc_pos_control. The drag is that per mass; all else is our own vehicle.
+and the defaults of mc_pos_control. The drag is that per mass; all else is our own vehicle.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from sitl.flight.controllers import OWN_GAINS, HorizontalGains
@@ -26,6 +27,6 @@ class Airframe:
 
 AIRFRAMES: dict[str, Airframe] = {
     "quad_450": Airframe(),
-    "px4_sih": Airframe(1.0, HorizontalGains(0.95, 1.8, 0.4)),
+    "px4_sih": Airframe(1.0, HorizontalGains(0.95, 1.8, 0.4, math.radians(45), is_gentle=False)),
 }
 """By the names that scenarios use; the first is the default."""

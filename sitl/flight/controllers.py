@@ -32,7 +32,7 @@ ATTITUDE_P = (7.0, 7.0, 3.0)  # 1/s
 CONTROL_STEPS = 5  # of the physics, for one of the loops here
 BRAKING_SHARE = 0.5  # of the acceleration limit is used to brake before a far position
 FADE_MPS = 0.2  # velocity errors above this count less and less for the integrals
-MAX_INTEGRAL_MPS2 = 4.0
+MAX_INTEGRAL_MPS2 = 4.0  # where errors fade
 LEAST_LIFT_MPS2, MOST_LIFT_MPS2 = 4 * MIN_THRUST_N / MASS_KG, 4 * MAX_THRUST_N / MASS_KG
 
 Vector = tuple[float, float, float]
@@ -47,23 +47,27 @@ class ControllerLimits:
     climb_mps: float = 3.0
     descent_mps: float = 1.5
     acceleration_mps2: float = 5.0
-    tilt_rad: float = 0.6
     yaw_rate_radps: float = 1.5
 
 
 @dataclass(frozen=True, slots=True)
 class HorizontalGains:
-    """The gains of the horizontal position loops: PX4's MPC_XY_P, _VEL_P_ACC and _VEL_I_ACC.
+    """The horizontal position loops: PX4's MPC_XY_P, _VEL_P_ACC, _VEL_I_ACC and MPC_TILTMAX_AIR.
 
     Attributes:
         position_p: 1/s.
         velocity_p: 1/s.
         velocity_i: 1/s^2.
+        tilt_rad: as far as the vehicle leans.
+        is_gentle: whether the loops keep to the acceleration limit, and integrate large errors less
+            and less. PX4's do neither: they lean into a wind that they can hold against at all.
     """
 
     position_p: float = 1.6
     velocity_p: float = 4.0
     velocity_i: float = 1.2
+    tilt_rad: float = 0.6
+    is_gentle: bool = True
 
 
 OWN_GAINS = HorizontalGains()
@@ -116,8 +120,8 @@ class VelocityLoop:
         is_lift_limited = (down - GRAVITY_MPS2 - lift) * e_d > 0
         # Height first: horizontal thrust gets what tilt and the motors leave.
         most = min(
-            limit,
-            -lift * math.tan(self._limits.tilt_rad),
+            limit if gains.is_gentle else math.inf,
+            -lift * math.tan(gains.tilt_rad),
             math.sqrt(max(0.0, MOST_LIFT_MPS2**2 - lift**2)),
         )
         wanted = math.hypot(north, east)
@@ -125,16 +129,13 @@ class VelocityLoop:
         if wanted > most:
             north, east = north * most / wanted, east * most / wanted
         if not is_push_limited:
-            i_n += gains.velocity_i * _fade(e_n) * dt_s
-            i_e += gains.velocity_i * _fade(e_e) * dt_s
+            if gains.is_gentle:
+                e_n, e_e, most = _fade(e_n), _fade(e_e), MAX_INTEGRAL_MPS2
+            i_n = _clamp(i_n + gains.velocity_i * e_n * dt_s, -most, most)
+            i_e = _clamp(i_e + gains.velocity_i * e_e * dt_s, -most, most)
         if not is_lift_limited:
             i_d += CLIMB_I * _fade(e_d) * dt_s
-        most = MAX_INTEGRAL_MPS2
-        self._integral = (
-            _clamp(i_n, -most, most),
-            _clamp(i_e, -most, most),
-            _clamp(i_d, -most, most),
-        )
+        self._integral = (i_n, i_e, _clamp(i_d, -MAX_INTEGRAL_MPS2, MAX_INTEGRAL_MPS2))
         return (north, east, lift)
 
     def _velocity_error(self, state: FlightState, setpoint: TrajectorySetpoint) -> Vector:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from physics_steps import CONTROL_S, DT, driven, flown
 
 from companion.geometry import GlobalOrigin, Ned, euler_from_quaternion, quaternion_from_yaw
+from sitl.flight.airframes import AIRFRAMES
 from sitl.flight.attitude import attitude_from_thrust, quaternion_from_euler, tilt_and_heading
 from sitl.flight.controllers import Cascade, ControllerLimits, TrajectorySetpoint
 from sitl.flight.physics import Physics
@@ -154,6 +155,21 @@ def test_tracking(wind: Ned, turbulence_mps: float, reach_m: float) -> None:
         if wanted is not None
     ]
     assert math.sqrt(sum(squares) / len(states)) <= reach_m
+
+
+@pytest.mark.parametrize("wind_mps", [4.0, 8.0])
+def test_px4_s_own_quadrotor_holds_in_a_wind(wind_mps: float) -> None:
+    """A PX4 came back from 1.0 m downwind within 10 s, in 7 m/s."""
+    airframe = AIRFRAMES["px4_sih"]
+    drag = airframe.linear_drag_n_per_mps
+    physics = Physics(origin=SEA, start=HIGH, linear_drag_n_per_mps=drag)
+    cascade = Cascade(gains=airframe.gains)
+    hover = TrajectorySetpoint(HIGH, STILL)
+    flown(physics, cascade, hover, 4.0)
+    physics.set_wind((wind_mps, 0.0, 0.0))
+    states = flown(physics, cascade, hover, 20.0)
+    assert max(state.position[0] for state in states) == pytest.approx(0.36 * wind_mps, rel=0.1)
+    assert abs(states[-1].position[0]) < 0.1
 
 
 # Ground
