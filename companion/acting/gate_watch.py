@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import re
+
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import SetpointRefused
+
+CALM_S = 2.0
+"""What is refused again sooner than so long after, for the same reason, was told."""
+_NUMBERS = re.compile(r"[\d.]+")
 
 
 class GateWatch:
@@ -12,10 +19,17 @@ class GateWatch:
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
         self._was_refused = False
+        self._refused_s, self._told = -math.inf, ""
 
     def step(self) -> None:
-        """Reports the first refusal after a setpoint that was let out."""
-        refusal = self._flight.vehicle.refusal
-        if refusal is not None and not self._was_refused:
-            self._flight.report(SetpointRefused(refusal.reason))
-        self._was_refused = refusal is not None
+        """Reports the first refusal after setpoints that were let out."""
+        refusal, now_s = self._flight.vehicle.refusal, self._flight.now_s
+        if refusal is None:
+            self._was_refused = False
+            return
+        if not self._was_refused:
+            reason = _NUMBERS.sub("", refusal.reason)
+            if reason != self._told or now_s - self._refused_s > CALM_S:
+                self._flight.report(SetpointRefused(refusal.reason))
+            self._told = reason
+        self._was_refused, self._refused_s = True, now_s

@@ -516,6 +516,23 @@ def test_the_gate_is_reported_when_it_begins_to_refuse_and_not_at_every_tick() -
     assert run.of(SetpointRefused) == refused
 
 
+def test_a_refusal_that_flickers_is_told_once() -> None:
+    run = SortieRig(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
+
+    def flicker(reason: str) -> None:
+        for refusal in (Refusal(reason), None, None):
+            run.vehicle.refusal = refusal
+            run.step()
+
+    for tenth in range(50, 60):
+        flicker(f"the position is 0.{tenth} s old")
+    assert run.of(SetpointRefused) == [SetpointRefused("the position is 0.50 s old")]
+    for _ in range(60):
+        run.step()
+    flicker("the position is 0.70 s old")
+    assert run.of(SetpointRefused)[1:] == [SetpointRefused("the position is 0.70 s old")]
+
+
 def test_events_count_before_the_take_off_already() -> None:
     asked = mission(
         {"t": "G (at(A) -> found)", "go": "F at(A) | G !found"}, events=[event("found")]
