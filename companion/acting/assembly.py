@@ -12,8 +12,8 @@ from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.acting.preparation import PreparedMission
 from companion.acting.symbols import Symbols
-from companion.geometry import Ned
 from companion.mission.model import Mission, Place
+from companion.motion.departure import Departure
 from companion.motion.marker_track import HEIGHT_M, LAND_FROM_M
 from companion.motion.position_error import MOST_M
 from companion.planning.flight_times import flight_times
@@ -51,14 +51,10 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
     """
     mission, routes, speed_limit = prepared.mission, prepared.routes, prepared.speed_limit
 
-    def here() -> Ned | None:
-        return vehicle.state.position if vehicle.state else None
-
-    limits, planner = (lambda: speed_limit.target), prepared.planner
-    planner.flight_time = flight_times(mission, prepared.ways, here, limits)
+    planner = prepared.planner
     flight = Flight(
         vehicle=vehicle,
-        task=TaskState(prepared.planner),
+        task=TaskState(planner),
         routes=routes,
         speed_limit=speed_limit,
         profile=mission.vehicle,
@@ -66,10 +62,15 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
         symbols=Symbols(mission.places, routes),
         functions=prepared.functions,
     )
-    if (energy := prepared.planner.energy) is not None:
+
+    def here() -> Departure | None:
+        return flight.departure
+
+    planner.flight_time = flight_times(mission, prepared.ways, here, lambda: speed_limit.target)
+    if (energy := planner.energy) is not None:
         energy.here = here
         Gauge(flight, energy)
-        flight.dock = PlannedDock(prepared.planner, flight.task)
+        flight.dock = PlannedDock(planner, flight.task)
     return flight
 
 

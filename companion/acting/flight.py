@@ -12,9 +12,10 @@ from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.geofence import KeptFence
-from companion.geometry import Ned, times
+from companion.geometry import Ned, distance, times
 from companion.mission.model import Limits
 from companion.mission.signals import Signal
+from companion.motion.departure import Departure, at_rest
 from companion.motion.drag_estimate import DragEstimate
 from companion.motion.heading import turned
 from companion.motion.layered_routes import LayeredRoutes
@@ -26,6 +27,8 @@ from companion.vehicle_profile import VehicleProfile
 
 TICK_S = 0.05
 """Period of ticks, setpoints and everything else that the companion does: 20 Hz."""
+LAG_SHARE = 0.6
+"""Of the gate's carrot: distance behind its setpoint at which the vehicle counts as behind."""
 
 
 @dataclass
@@ -157,6 +160,21 @@ class Flight:
     def stopping_s(self) -> float:
         """The time since that began."""
         return self.now_s - self._stop_begin_s
+
+    @property
+    def departure(self) -> Departure | None:
+        """How a flight would begin now; None while nothing is known of the vehicle."""
+        state = self.vehicle.state
+        return None if state is None else self.departure_of(state)
+
+    def departure_of(self, state: VehicleState) -> Departure:
+        """The same for a state: the motion that it is told, if it follows that; else its own."""
+        told, stop, t_s = self._setpoint, self._stop, self.stopping_s
+        within_m = LAG_SHARE * self.profile.carrot_m
+        if told is None or distance(told.position, state.position) >= within_m:
+            own = Sample(state.position, state.velocity, AT_REST, is_finished=False)
+            return Departure(own, stop, t_s)
+        return at_rest(told.position) if stop is None else Departure(stop.sample(t_s), stop, t_s)
 
     def led(self, flown: Trajectory | Stop, t_s: float) -> Sample:
         """A moment with the acceleration that the vehicle is told: that of a little later.

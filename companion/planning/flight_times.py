@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 
 from companion.documents import did_you_mean
 from companion.errors import MissionError
-from companion.geometry import Ned
 from companion.mission.facts import HERE, at
 from companion.mission.model import Mission
+from companion.motion.departure import Departure, at_rest
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import PlaceRegion
@@ -52,7 +52,7 @@ def route_map(mission: Mission, kind: type[LayeredRoutes] = LayeredRoutes) -> La
 def flight_times(
     mission: Mission,
     ways: FlownWays,
-    here: Callable[[], Ned | None] = lambda: None,
+    here: Callable[[], Departure | None] = lambda: None,
     limits: Callable[[], SpeedLimits] | None = None,
 ) -> FlightTime:
     """Seconds of flight between places: as they are flown, where bounds or a battery ask for it.
@@ -62,20 +62,20 @@ def flight_times(
     Args:
         mission: whose places they are.
         ways: to its places.
-        here: says where the vehicle is, between places.
+        here: says where the vehicle is, and how it moves, between places.
         limits: says how fast it may fly now; without it as fast as the mission allows.
     """
     as_written, routes = mission.speed_limits, ways.routes
 
     def flight_time(origin: str, goal: str) -> float:
-        start = here() if origin == HERE else routes.goal(origin)
-        if start is None:
+        departure = here() if origin == HERE else at_rest(routes.goal(origin))
+        if departure is None:
             return math.inf
         now = limits() if limits else as_written
         spent(_DISTANCE_US)
         if mission.is_timed or mission.battery is not None:
-            return ways.flight_s(start, goal, now)
-        return routes.passage(start, goal).duration_s(now)
+            return ways.departure_s(departure, goal, now)
+        return routes.passage(departure.now.position, goal).duration_s(now)
 
     return flight_time
 

@@ -3,6 +3,8 @@
 A leg's length alone says too little where it leads around things: in a hall the vehicle slows down
 for the bends, and needs up to 1.7 times as long. Finding a route takes some milliseconds, so routes
 between places are kept for as long as the way there stays as long as it was.
+
+A first leg from motion is reckoned as it is flown, by the same rules (`motion/departure.py`).
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ import math
 from functools import lru_cache
 
 from companion.geometry import Ned
+from companion.motion.departure import Departure, from_motion, gentle, is_slow
 from companion.motion.layered_routes import LayeredRoutes, Passage
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
@@ -22,6 +25,9 @@ ARRIVAL_S = 0.15
 """From the end of a trajectory until the vehicle is seen to be there; on the average."""
 _KEPT = 4_096
 """Routes; those between 64 places."""
+_DEPARTURES_KEPT = 64
+"""From where the vehicle is in a tick; one to each place, which time and energy ask for."""
+_TURNING_STEP_S = 0.05
 
 
 class FlownWays:
@@ -38,6 +44,7 @@ class FlownWays:
         self.routes = routes
         self._route = lru_cache(_KEPT)(self._find)
         self._duration_s = lru_cache(_KEPT)(_duration_s)
+        self._from_motion_s = lru_cache(_DEPARTURES_KEPT)(self._reckon_from_motion_s)
 
     def flight_s(self, start: Ned, place: str, limits: SpeedLimits) -> float:
         """From rest until the vehicle is there; inf where no way leads there."""
@@ -46,6 +53,29 @@ class FlownWays:
             return math.inf
         route = self._route(start, place, self.routes.goal(place), passage)
         return math.inf if route is None else self._duration_s(route, limits) + ARRIVAL_S
+
+    def departure_s(self, departure: Departure, place: str, limits: SpeedLimits) -> float:
+        """From a departure until the vehicle is there; inf where no way leads there."""
+        if departure.stop is None and is_slow(departure.now):
+            return self.flight_s(departure.now.position, place, limits)
+        version = self.routes.version
+        return self._from_motion_s(departure, place, self.routes.goal(place), limits, version)
+
+    def _reckon_from_motion_s(
+        self, departure: Departure, place: str, goal: Ned, limits: SpeedLimits, version: int
+    ) -> float:
+        """The same of a vehicle in motion: straight on once it turns no more, or from its rest."""
+        turning_s = 0.0
+        while departure.is_turning:
+            turning_s += _TURNING_STEP_S
+            departure = departure.later(_TURNING_STEP_S)
+        if not is_slow(departure.now):
+            spent(_ROUTE_US + _TRAJECTORY_US)
+            now = departure.now
+            if flown := from_motion(self.routes, now, place, gentle(limits, now)):
+                return turning_s + flown.duration_s + ARRIVAL_S
+        rest, rests_in_s = departure.rest
+        return turning_s + rests_in_s + self.flight_s(rest, place, limits)
 
     def _find(self, start: Ned, place: str, goal: Ned, passage: Passage) -> Route | None:
         """The route to where a place is now, if the way there is as long as it is now.

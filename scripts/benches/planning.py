@@ -27,6 +27,7 @@ from companion.acting.preparation import anticipate_events, prepare
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
+from companion.motion.departure import at_rest
 from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.engines import solve_with
 from companion.planning.flight_times import flight_times, route_map
@@ -64,7 +65,7 @@ def replanning(runs: int) -> Iterator[Row]:
     mission = load_mission(MISSION)
     routes = route_map(mission)
     here = [mission.places["A"].position]
-    planner = Planner(mission, flight_times(mission, FlownWays(routes), lambda: here[0]))
+    planner = Planner(mission, flight_times(mission, FlownWays(routes), lambda: at_rest(here[0])))
     actions = {action.name: action for action in planner.model.actions}
     task = TaskState(planner)
     yield from _phase("plan at the start", planner, [task.problem()] * runs)

@@ -9,20 +9,21 @@ from py_trees.common import Status
 
 from companion.acting.behaviour_tree.flight_heading import FlightHeading
 from companion.acting.behaviour_tree.leaf import Leaf
-from companion.acting.flight import TICK_S, Flight
+from companion.acting.flight import LAG_SHARE, TICK_S, Flight
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.flight_events.tree import LeafType
 from companion.geometry import Ned, NorthEast, distance
-from companion.motion.profile import SpeedLimits
-from companion.motion.routes import CELLS_PER_TICK, Route
-from companion.motion.trajectory import (
-    AT_REST,
-    Sample,
-    Stop,
-    Trajectory,
-    motion_of,
-    run_out,
+from companion.motion.departure import (
+    SLOW_MPS,
+    from_motion,
+    from_rest,
+    gentle,
+    is_slow,
+    stopping_point,
 )
+from companion.motion.profile import SpeedLimits
+from companion.motion.routes import CELLS_PER_TICK
+from companion.motion.trajectory import Sample, Stop, Trajectory, motion_of
 from companion.vehicle.port import VehicleState
 
 ARRIVAL_M = 0.3
@@ -34,16 +35,9 @@ ARRIVAL_MPS = 0.5
 """A vehicle that is faster than this still swings past, towards what stands behind the place."""
 ARRIVAL_TIMEOUT_S = 15.0
 """How long it may take to come that near after the trajectory has ended, or to catch up."""
-SLOW_MPS = 0.2
-"""A vehicle slower than this begins a route as if it were at rest."""
-FOLLOWS_SHARE, LAG_SHARE, WAITS_SHARE = 0.4, 0.6, 0.7
-"""Of the gate's carrot: distances behind the trajectory from which on it is slowed, at which the
-vehicle counts as behind, and at which the trajectory waits for it."""
-UNFORESEEN_SHARE, TURNING_SHARE = 0.85, 0.5
-"""Of the acceleration: with what a new plan begins at speed, or a stop that no obstacle asks for;
-and such a stop in a turn, which takes acceleration too."""
-STRAIGHT_MPS2 = 0.5
-"""A vehicle with less acceleration across its path may begin a route that leads straight on."""
+FOLLOWS_SHARE, WAITS_SHARE = 0.4, 0.7
+"""Of the gate's carrot: distances behind the trajectory from which on it is slowed, and at which it
+waits for the vehicle."""
 ASTRAY_SHARE = 14 / 15
 """Of the gate's carrot: distance at which a vehicle that has come to rest takes a new way; the gate
 would soon hold it there, away from a trajectory that waits for it."""
@@ -103,14 +97,16 @@ class MoveCommand(Leaf):
 
         While the ways are being searched the vehicle holds.
         """
-        now, is_stopping = self._told_motion(state), self._flight.stop is not None
-        self._is_turning = is_stopping and _across_mps2(now) > STRAIGHT_MPS2
-        self._trajectory = None if self._is_turning else self._from_motion(now, self._gentle(now))
+        departure = self._flight.departure_of(state)
+        now, is_stopping = departure.now, departure.stop is not None
+        self._is_turning = departure.is_turning
+        limits = gentle(self._flight.speed_limit.for_trajectory, now)
+        self._trajectory = None if self._is_turning else self._from_motion(now, limits)
         is_possible = not is_stopping and (self._trajectory or self._knows_ways(now.position))
         self._is_waiting = self._trajectory is None and not is_possible
         self._time_s = 0.0
         if self._trajectory is None and not self._is_waiting:
-            self._trajectory = self._from_rest(now)
+            self._trajectory = self._from_rest(now.position)
             self._time_s = -TICK_S  # its acceleration is told early; so it grows more gently
         self._is_braking = False
         self._flown_s, self._rate = self._time_s, 1.0
@@ -121,7 +117,7 @@ class MoveCommand(Leaf):
 
     def _wait(self, state: VehicleState) -> None:
         """Begins when a stop has ended, or leads straight on at last."""
-        is_straight = self._is_turning and _across_mps2(self._told_motion(state)) <= STRAIGHT_MPS2
+        is_straight = self._is_turning and not self._flight.departure_of(state).is_turning
         if self._flight.stop is None or is_straight:
             self._begin(state)
 
@@ -131,43 +127,19 @@ class MoveCommand(Leaf):
         self._is_searching = not is_known
         return is_known
 
-    def _told_motion(self, state: VehicleState) -> Sample:
-        """The motion that the vehicle is told, if it follows that; else its own."""
-        flight = self._flight
-        told = flight.setpoint
-        within_m = LAG_SHARE * flight.profile.carrot_m
-        if told is None or distance(told.position, state.position) >= within_m:
-            return Sample(state.position, state.velocity, AT_REST, is_finished=False)
-        if flight.stop is not None:
-            return flight.stop.sample(flight.stopping_s)
-        return Sample(told.position, AT_REST, AT_REST, is_finished=False)
-
-    def _gentle(self, now: Sample) -> SpeedLimits:
-        """The limits of a change of plan at speed; no acceleration of it was told early."""
-        limits = self._flight.speed_limit.for_trajectory
-        share = TURNING_SHARE if _across_mps2(now) > STRAIGHT_MPS2 else UNFORESEEN_SHARE
-        return replace(
-            limits,
-            acceleration_mps2=share * limits.acceleration_mps2,
-            jerk_mps3=limits.jerk_mps3 / 2,
-        )
-
     def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
         """A trajectory that begins at some speed; None without one or its ways, or hardly fast."""
         self._is_searching = False
-        if math.hypot(*now.velocity) <= SLOW_MPS:
+        if is_slow(now):
             return None
-        stop = run_out(now.position, now.velocity, now.acceleration, limits)
-        if not self._knows_ways(stop):
+        if not self._knows_ways(stopping_point(now, limits)):
             return None
-        route = self._flight.routes.route_from_motion(now.position, stop, self._place)
-        return _along(route, limits, now) if route else None
+        return from_motion(self._flight.routes, now, self._place, limits)
 
-    def _from_rest(self, now: Sample) -> Trajectory | None:
+    def _from_rest(self, start: Ned) -> Trajectory | None:
         """A trajectory from rest; None if no clear route leads to the place."""
-        route = self._flight.routes.route(now.position, self._place)
-        still = replace(now, velocity=AT_REST, acceleration=AT_REST)
-        return _along(route, self._flight.speed_limit.for_trajectory, still) if route else None
+        limits = self._flight.speed_limit.for_trajectory
+        return from_rest(self._flight.routes, start, self._place, limits)
 
     def update(self) -> Status:
         """One setpoint along the trajectory; SUCCESS at the place."""
@@ -246,7 +218,8 @@ class MoveCommand(Leaf):
             flight.hold()
         else:
             now = trajectory.sample(self._flown_s).slower(self._rate)
-            stop = _stop(trajectory, self._flown_s, now, self._gentle(now))
+            limits = gentle(flight.speed_limit.for_trajectory, now)
+            stop = _stop(trajectory, self._flown_s, now, limits)
             flight.stop_along(stop, 0.0) if stop else flight.hold()
 
     def _follow_map(self, state: VehicleState) -> None:
@@ -256,9 +229,9 @@ class MoveCommand(Leaf):
             return
         if self._is_braking:
             has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
-            told = self._told_motion(state)
+            told = self._flight.departure_of(state).now.position
             has_stopped = has_stopped and trajectory.sample(self._time_s).is_finished
-            if has_stopped and self._knows_ways(told.position):
+            if has_stopped and self._knows_ways(told):
                 self._adopt(self._from_rest(told), is_braking=False)
         elif isinstance(trajectory, Trajectory) and self._map_version != routes.version:
             if routes.is_clear(trajectory.ahead(self._time_s)):
@@ -302,12 +275,6 @@ class MoveCommand(Leaf):
         return self.fail(why)
 
 
-def _across_mps2(now: Sample) -> float:
-    """The part of the acceleration that turns the velocity."""
-    along_mps2 = motion_of(now.velocity, now.acceleration).acceleration_mps2
-    return math.sqrt(max(0.0, math.hypot(*now.acceleration) ** 2 - along_mps2**2))
-
-
 def _following(gap_share: float) -> float:
     """How fast the time of a trajectory runs for a vehicle so far behind, in shares of the carrot.
 
@@ -322,13 +289,5 @@ def _stop(trajectory: Trajectory, t_s: float, now: Sample, limits: SpeedLimits) 
     """A stop along the path of a trajectory, from the motion there now; None if there is none."""
     try:
         return Stop(trajectory, t_s, motion_of(now.velocity, now.acceleration), limits)
-    except ArithmeticError:
-        return None
-
-
-def _along(route: Route, limits: SpeedLimits, now: Sample) -> Trajectory | None:
-    """A trajectory that goes on from a motion; None, and so a hold, if there is none."""
-    try:
-        return Trajectory(route, limits, motion_of(now.velocity, now.acceleration))
     except ArithmeticError:
         return None

@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 from companion.acting.flight import TICK_S, Flight
 from companion.acting.journal import EnergyLearnt
 from companion.flight_events.energy import EnergyUsed
-from companion.mission.facts import HERE
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import WAIT, Action
 from companion.planning.energy.mission_energy import MissionEnergy
@@ -125,11 +124,10 @@ class EnergyMeter:
     def _ahead(self, action: Action) -> float:
         """What is left of a flight, by the mission's figures; nan where that is not known."""
         goal, state = action.destination, self.flight.vehicle.state
-        left = None if goal is None else self.energy.flight(HERE, goal)
-        if left is None or state is None:
+        if goal is None or state is None:
             return math.nan
-        speeding_up = self.energy.of_speeding_up(math.hypot(*state.velocity))
-        return max(0, left - speeding_up) / self.energy.model.factor
+        left = self.energy.left_to(goal, math.hypot(*state.velocity))
+        return math.nan if left is None else left / self.energy.model.factor
 
     def _end(self, leg: _Leg) -> None:
         """The end of a leg: completed, or cut short."""

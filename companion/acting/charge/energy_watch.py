@@ -11,7 +11,6 @@ import math
 
 from companion.acting.charge.energy_meter import EnergyMeter
 from companion.acting.flight import Flight
-from companion.mission.facts import HERE
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action
 from companion.planning.energy.mission_energy import MissionEnergy
@@ -67,7 +66,7 @@ class EnergyWatch:
             if running.charger is not None:
                 needed = 0  # it is on its way down
             elif (goal := running.destination) is not None:
-                needed += max(0, (self._energy.flight(HERE, goal) or 0) - self._under_way())
+                needed += self._left_to(goal)
         missing = needed - self._energy.most()
         if missing <= 0:
             return None
@@ -99,10 +98,9 @@ class EnergyWatch:
         more = f"{abs(percent)} % {'less' if percent < 0 else 'more'} energy than"
         return f"flights take {more if percent else 'the energy that'} the mission says"
 
-    def _under_way(self) -> int:
-        """What a flight from rest takes more than one that goes on."""
+    def _left_to(self, goal: str) -> int:
         state = self._flight.vehicle.state
-        return self._energy.of_speeding_up(math.hypot(*state.velocity)) if state else 0
+        return (self._energy.left_to(goal, math.hypot(*state.velocity)) or 0) if state else 0
 
 
 def _place(lasso: Lasso, number: int) -> int:

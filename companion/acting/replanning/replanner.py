@@ -30,6 +30,7 @@ from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Pro
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 from companion.planning.situation import TaskSituation
+from companion.planning.task_state import AT_HERE
 from companion.planning.time_check import time_fault
 from companion.slices import InSlices, Question, spent, wait_a_tick
 
@@ -251,7 +252,8 @@ class Replanner:
         task = self._flight.task
         problem, histories = without_lines(task.dropped, *task.problem())
         rest = lasso.rest(self._flight.progress.completed)
-        fault = time_fault(problem, as_flown_now(problem, rest))
+        begun = task.running if AT_HERE in task.facts else None
+        fault = time_fault(problem, as_flown_now(problem, rest, begun))
         if fault is None:
             return None
         new = self._search(problem, histories)
@@ -299,8 +301,14 @@ class Replanner:
         self._completed = completed
 
 
-def as_flown_now(problem: Problem, lasso: Lasso) -> Lasso:
+def as_flown_now(problem: Problem, lasso: Lasso, begun: Action | None = None) -> Lasso:
     """A plan with what its actions take now, which charge as far as it says.
+
+    Args:
+        problem: with the actions.
+        lasso: the plan.
+        begun: a flight that is under way from no place; it takes what it was reckoned to where it
+            began.
 
     >>> from companion.planning.domain import WAIT
     >>> rest = Lasso((), (WAIT,))
@@ -308,6 +316,8 @@ def as_flown_now(problem: Problem, lasso: Lasso) -> Lasso:
     True
     """
     now = {action.name: action for action in problem.actions}
+    if begun is not None:
+        now[begun.name] = begun
 
     def flown(action: Action) -> Action:
         level, own = action.charge_to, now.get(action.name, action)

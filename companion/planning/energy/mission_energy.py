@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from companion.geometry import Ned
 from companion.mission.facts import HERE
 from companion.mission.model import Mission, Skill
+from companion.motion.departure import Departure, at_rest
 from companion.motion.profile import SpeedLimits
 from companion.planning.charger import UNITS_PER_WH, Charger
 from companion.planning.domain import REST_S, Action
@@ -35,7 +36,7 @@ class MissionEnergy:
 
     Attributes:
         model: in what is reckoned.
-        here: says where the vehicle is, between places; a flight sets one.
+        here: says where the vehicle is, and how it moves, between places; a flight sets one.
         level: says what there is at least; a full battery until a flight says otherwise.
         most: says what there is at most.
         middle: says what there is, about.
@@ -54,7 +55,7 @@ class MissionEnergy:
         self._mission, self._ways, self._routes = mission, ways, ways.routes
         self._limits = limits or (lambda: mission.speed_limits)
         self.model = model = EnergyModel(battery)
-        self.here: Callable[[], Ned | None] = lambda: None
+        self.here: Callable[[], Departure | None] = lambda: None
         self.level: Callable[[], int] = lambda: model.full
         self.most: Callable[[], int] = lambda: model.full
         self.middle: Callable[[], int] = lambda: model.full
@@ -80,16 +81,30 @@ class MissionEnergy:
 
     def flight(self, origin: str, goal: str) -> int | None:
         """What a flight takes; None without a way."""
-        start = self.here() if origin == HERE else self._routes.goal(origin)
-        if start is None:
+        departure = self.here() if origin == HERE else at_rest(self._routes.goal(origin))
+        return None if departure is None else self._flight(departure, goal)
+
+    def left_to(self, goal: str, speed_mps: float) -> int | None:
+        """What is left of a flight to a place that goes on; None without a way.
+
+        Args:
+            goal: where it leads to.
+            speed_mps: of the vehicle.
+        """
+        if (here := self.here()) is None:
             return None
-        passage, limits = self._routes.passage(start, goal), self._limits()
-        flight_s = self._ways.flight_s(start, goal, limits)
+        flight = self._flight(at_rest(here.now.position), goal)
+        return None if flight is None else max(0, flight - self._of_speeding_up(speed_mps))
+
+    def _flight(self, departure: Departure, goal: str) -> int | None:
+        start, limits = departure.now.position, self._limits()
+        passage = self._routes.passage(start, goal)
+        flight_s = self._ways.departure_s(departure, goal, limits)
         if math.isinf(flight_s):
             return None
         return self.model.flight(passage, start, self._routes.goal(goal), limits, flight_s)
 
-    def of_speeding_up(self, speed_mps: float) -> int:
+    def _of_speeding_up(self, speed_mps: float) -> int:
         """What a flight from rest to a speed takes more than one that has it already."""
         limits = self._limits()
         ramp_s = speed_mps / limits.acceleration_mps2 + limits.acceleration_mps2 / limits.jerk_mps3
@@ -130,9 +145,10 @@ class MissionEnergy:
         It is asked in each tick of a wait, so no route is found: the way is as long as it is, and
         has the bends of that from the nearest place.
         """
-        if (here := self.here()) is None:
+        if (departure := self.here()) is None:
             return None
-        passage, limits = self._routes.passage(here, place), self._limits()
+        here, limits = departure.now.position, self._limits()
+        passage = self._routes.passage(here, place)
         if math.isinf(passage.over_ground_m):
             return None
         flight_s = passage.duration_s(limits) + self._bends_s(here, place, limits)
@@ -157,8 +173,8 @@ class MissionEnergy:
         """What it takes to take off here, to the height of the nearest place."""
         if (here := self.here()) is None:
             return 0
-        goals = map(self._routes.goal, self._mission.places)
-        nearest = min(goals, key=lambda goal: math.dist(goal[:2], here[:2]))
+        goals, position = map(self._routes.goal, self._mission.places), here.now.position
+        nearest = min(goals, key=lambda goal: math.dist(goal[:2], position[:2]))
         return self.model.take_off(max(0.0, -nearest[2]), self._limits())
 
     def _landing(self, place: str) -> int:

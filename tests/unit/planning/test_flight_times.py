@@ -10,10 +10,10 @@ import pytest
 from synthetic import POSITIONS, mission
 
 from companion.errors import MissionError
-from companion.geometry import Ned
 from companion.ltl.parser import parse_line
 from companion.mission.loader import load_mission
 from companion.mission.model import Place
+from companion.motion.departure import Departure, at_rest
 from companion.motion.region import Disc
 from companion.motion.trajectory import Trajectory
 from companion.planning.flight_times import flight_times, from_table, route_map
@@ -44,12 +44,12 @@ def test_only_places_of_the_task_are_not_crossed_by_chance() -> None:
 def test_flight_times_are_those_of_the_map() -> None:
     """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
     asked = mission("F at(A)")
-    here: Ned | None = None
+    here: Departure | None = None
     seconds = flight_times(asked, FlownWays(route_map(asked)), lambda: here)
     change_s = 2.0 / 2.0 + 2.0 / QUAD.jerk_mps3
     assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + change_s, abs=0.4)
     assert seconds("here", "A") == math.inf
-    here = (3.0, 0.0, -2.0)
+    here = at_rest((3.0, 0.0, -2.0))
     assert seconds("here", "A") == pytest.approx(3.0 / 2.0 + change_s, abs=0.4)
 
 

@@ -16,11 +16,10 @@ from synthetic import POSITIONS
 from companion.acting.behaviour_tree.move import (
     ARRIVAL_M,
     ARRIVAL_TIMEOUT_S,
-    LAG_SHARE,
     WAITS_SHARE,
     MoveCommand,
 )
-from companion.acting.flight import TICK_S
+from companion.acting.flight import LAG_SHARE, TICK_S
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.geometry import distance
 from companion.motion.grid import OccupancyGrid

@@ -47,8 +47,7 @@ class Stretch:
             known=KnownRatios(),
             model=SimpleNamespace(factor=1.0, full=7000),
             middle=lambda: round(self.level),
-            flight=lambda *_: self.ahead,
-            of_speeding_up=lambda _: 0.0,
+            left_to=lambda *_: self.ahead,
         )
         self.meter = EnergyMeter(self.flight, self.energy)
 
@@ -100,6 +99,6 @@ def test_a_leg_that_is_cut_short_counts_as_far_as_it_came() -> None:
 
 def test_one_of_which_nobody_knows_how_far_it_came_does_not_count() -> None:
     stretch = Stretch(1.3)
-    stretch.energy.flight = lambda *_: None
+    stretch.energy.left_to = lambda *_: None
     stretch.leg(2 * LEG_S, is_completed=False).charge()
     assert stretch.energy.known == KnownRatios() and not stretch.reports
