@@ -43,12 +43,7 @@ from companion.acting.whereabouts import Whereabouts
 from companion.acting.written_end import failure_at_the_end
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
-from companion.flight_events.plans import (
-    LapCompleted,
-    NoPlanFound,
-    PlanMade,
-    PlanReplaced,
-)
+from companion.flight_events.plans import LapCompleted, NoPlanFound, PlanMade, PlanReplaced
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.facts import Fact
 from companion.mission.signals import Signal
@@ -228,9 +223,13 @@ class Executive:
         self._tell_tree()
         tell_positions(self._flight)
         is_lap_done = progress.laps > laps
+        is_over = is_lap_done and plan.lasso.ends_at_rest
+        if is_over:
+            self._flight.task.leave()
         if reason := self._triggers.after_the_tree(plan):
+            tell_positions(self._flight)
             self._replan(reason)
-        elif is_lap_done and plan.lasso.ends_at_rest:
+        elif is_over:
             self._rest()
         elif is_lap_done:
             self._flight.report(LapCompleted(progress.laps))

@@ -113,6 +113,7 @@ class ReplanTriggers:
             self._energy.meter.step()
         assumptions.narrow(plan.lasso)
         if self._flight.progress.is_landed_by_plan:
+            assumptions.note_wrong()
             return
         if assumptions.wrong and self._is_confirmed(plan):
             assumptions.renew()
@@ -267,6 +268,15 @@ class ReplanTriggers:
     def _in_vain(self, _: PlanUnderWay) -> str | None:
         return self._assumptions.surprise or self._violation
 
+    # -- the plan ends on the ground, where nobody looked ------------------------------------------
+
+    def _ends_surprised(self, plan: PlanUnderWay) -> bool:
+        is_over = plan.lasso.ends_at_rest and self._flight.progress.laps > 0
+        return is_over and not plan.is_leaving and bool(self._assumptions.wrong)
+
+    def _surprise(self, _: PlanUnderWay) -> str | None:
+        return self._assumptions.surprise
+
     @property
     def _violation(self) -> str | None:
         """What is violated, in words; None if nothing is."""
@@ -287,6 +297,7 @@ BEFORE_THE_TREE = (
 AFTER_THE_TREE = (
     ReplanTrigger("the tree has failed", _T._has_failed, _T._failure),
     ReplanTrigger("a line of the task is violated", _T._is_in_vain, _T._in_vain),
+    ReplanTrigger("the end is not as predicted", _T._ends_surprised, _T._surprise),
 )
 REPLAN_TRIGGERS = (*BEFORE_THE_TREE, *AFTER_THE_TREE)
 """In the order in which they are looked at in each tick; the first that has a reason decides."""

@@ -49,8 +49,9 @@ class Precondition(Leaf):
     """Green block: the precondition holds, so the present position is left.
 
     Before it, nothing of the action has begun: the moment for a better plan, if there may be one,
-    and to wait until it is known whether a line of the task that was dropped can be taken up. A
-    retry goes on with a flight that has failed from where that has ended.
+    and to wait until it is known whether a line of the task that was dropped can be taken up. After
+    a skill on the ground it waits for a look at what has happened meanwhile. A retry goes on with a
+    flight that has failed from where that has ended.
 
     Args:
         assumptions: of the plan; None for a tree written by hand, which is never replaced.
@@ -68,9 +69,11 @@ class Precondition(Leaf):
     def update(self) -> Status:
         """FAILURE if a fact is missing, or a better plan may exist."""
         task, intention = self._flight.task, self._intention
-        if self._assumptions is not None and self._assumptions.may_do_better:
+        assumptions, is_landed = self._assumptions, self._flight.progress.is_landed_by_plan
+        if assumptions is not None and assumptions.may_do_better:
             return self.fail("")
-        if task.may_take_up and not self._flight.progress.is_landed_by_plan:
+        is_surprised = assumptions is not None and bool(assumptions.wrong)
+        if (task.may_take_up or is_surprised) and not is_landed:
             self._flight.hold()
             return Status.RUNNING
         if intention.tries.is_any and (again := task.begin_again(intention.actions)) is not None:

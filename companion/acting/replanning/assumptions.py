@@ -38,7 +38,7 @@ class Assumptions:
         events = planner.mission.events.values()
         self._always = planner.task_facts.union(each.fact for each in events if each.restarts)
         self._values: dict[Fact, bool] = {}
-        self._foreseen: frozenset[Fact] = frozenset()
+        self._foreseen = self._noted = frozenset[Fact]()
         self._positions = 0
         self._replanned_s: dict[Fact, float] = {}
         self.may_do_better = False
@@ -50,6 +50,13 @@ class Assumptions:
     def forget_restored_beliefs(self) -> None:
         """A plan is made, or was asked for, with the beliefs that have come back."""
         self.may_do_better = False
+
+    def note_wrong(self) -> None:
+        """What is wrong now stays so until a plan is made, whatever is read or falls meanwhile.
+
+        For when nobody may look: a skill on the ground is finished first.
+        """
+        self._noted |= frozenset(self.wrong)
 
     def note_replan(self, events: Iterable[Fact]) -> None:
         """A new plan is due now, for these events among other things."""
@@ -74,6 +81,7 @@ class Assumptions:
             if violated <= event.restarts
         }
         self._foreseen, self._positions = task.risen, task.positions
+        self._noted = frozenset()
 
     def narrow(self, lasso: Lasso) -> None:
         """Leaves out the events that matter to nothing that is left of a plan."""
@@ -91,7 +99,7 @@ class Assumptions:
 
     @property
     def wrong(self) -> list[Fact]:
-        """The events that are not as predicted, now or in the next letter.
+        """The events that are not as predicted, now or in the next letter, or were not.
 
         One that has just made a new plan may flap; it is looked at again a second later.
         """
@@ -102,7 +110,9 @@ class Assumptions:
         return [
             fact
             for fact, holds in self._values.items()
-            if ((fact in task.facts) != holds or (fact in read_next) != holds)
+            if (
+                (fact in task.facts) != holds or (fact in read_next) != holds or fact in self._noted
+            )
             and not self._may_flap(fact)
         ]
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from drawn import drawn
 from hypothesis import given
 from hypothesis import strategies as st
 from rig import Rig
+from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
 from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillFailed
+from companion.flight_events.sortie import Phase, TaskSatisfied
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Event, Mission
+from companion.mission.model import Event, Land, Mission, TakeOff, Wait
 from companion.mission.signals import COMMAND, Signal
 from companion.vehicle.port import Failed, Progress
 
@@ -104,6 +108,39 @@ def test_interruptions_and_replans_on_the_way_consume_no_rise() -> None:
     rig.executive.resume()
     rig.run_until(PlaceReached, place="H")
     assert len(requests(rig)) == 1
+
+
+def on_the_ground(come: str, *more: TakeOff) -> Mission:
+    """A service at H on the ground, of which nothing goes on; and come to A whenever asked."""
+    service = replace(command("service", "at(H)", "serviced"), execute=(Land(), Wait(1.0), *more))
+    task = {"goal": "F serviced", "come": f"G (asked -> {come})"}
+    return mission(task, skills=[service], events=[ASKED])
+
+
+@pytest.mark.parametrize("ticks", [0, 1, 10])
+@pytest.mark.parametrize("come", ["F at(A)", "X at(A)"])
+def test_a_moment_on_the_ground_is_answered(ticks: int, come: str) -> None:
+    """There it interrupts nothing, and was forgotten when the next skill began in the same tick."""
+    rig = Rig(on_the_ground(come, TakeOff())).begin()
+    rig.run(lambda: rig.flight.progress.is_landed_by_plan)
+    raise_for(rig, ticks)
+    assert rig.of(PlanReplaced) == []
+    rig.run_until(PlanReplaced)
+    assert rig.one(PlanReplaced).reason == "asked"
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.one(PlaceReached).place == "A"
+    (number,) = requests(rig)
+    assert "at(A)" in rig.positions[number + 1].facts
+
+
+def test_a_moment_is_answered_where_the_plan_would_have_stayed_on_the_ground() -> None:
+    run = SortieRig(on_the_ground("F at(A)"))
+    while not run.rig.flight.progress.is_landed_by_plan:
+        run.step()
+    run.step(reading("asked"), reading("asked", 0.0))
+    run.until(Phase.ENDED)
+    assert isinstance(run.end, TaskSatisfied)
+    assert run.one(PlaceReached).place == "A"
 
 
 def test_a_failed_command_consumes_no_rise() -> None:
