@@ -96,6 +96,8 @@ class DistanceMaps:
     def cost_to_go(self, place: str, cell: Cell | None = None) -> CostToGo | None:
         """The cost-to-go of a place; None if the place cannot be reached from its own cell.
 
+        Where the search is put aside it is that of the map on which it was begun.
+
         Args:
             place: one of the places.
             cell: the only one whose path is asked for, if any.
@@ -103,9 +105,12 @@ class DistanceMaps:
         Raises:
             KeyError: there is no such place.
         """
-        if not self.is_known(place, cell):
-            spent(CELL_US * self.search(place, ALL))
-        return self._present[place]
+        if self.is_known(place, cell):
+            return self._present[place]
+        cells = self.search(place, ALL)
+        found = self._present[place]
+        spent(CELL_US * cells)
+        return found
 
     def _begun(self, place: str) -> CostToGo | None:
         """The cost-to-go of a place on the present map, before it is searched there."""

@@ -13,6 +13,7 @@ from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.path import Path
 from companion.motion.region import Disc
 from companion.motion.routes import PlaceRegion, Route, RouteMap
+from companion.slices import InSlices
 
 WIDE: list[NorthEast] = [(-9, -9), (-9, 99), (99, 99), (99, -9)]
 
@@ -293,6 +294,20 @@ HALL_PLACES = {"A": at(1.05, 1.05), "B": at(6.05, 6.05), "C": at(11.05, 15.05)}
 
 def hall_routes() -> RouteMap:
     return RouteMap(OccupancyGrid(HALL, 0.1, (0.0, 0.0)), HALL_PLACES, WIDE, 0.3)
+
+
+@pytest.mark.parametrize("start", [(1.05, 1.05), (8.0, 2.0)])
+def test_a_question_that_is_put_aside_is_answered_although_the_map_changes_meanwhile(
+    start: NorthEast,
+) -> None:
+    before = hall_routes().distance_m(start, "C")
+    other = HALL.copy()
+    other[60:, 120] = True
+    routes = hall_routes()
+    asking = InSlices(lambda: routes.distance_m(start, "C"), slice_us=1)
+    while not asking.step():
+        routes.see(OccupancyGrid(other, 0.1, (0.0, 0.0)))
+    assert asking.result == before
 
 
 @pytest.mark.parametrize("start", [(1.05, 1.05), (2.0, 6.0), (11.0, 15.0), (0.1, 5.0), (6.0, 8.32)])
