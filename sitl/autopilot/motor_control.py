@@ -85,6 +85,8 @@ class MotorControl:
             return STOPPED
         if is_spinning_up or (self.land_detector.has_ground_contact and not self._is_climbing):
             return self._cascade.idle()
+        if state.is_on_ground and not self._is_climbing:
+            return self._cascade.touch_down(state, self.setpoint, dt_s)
         return self._cascade.step(state, self.setpoint, dt_s)
 
 

@@ -106,6 +106,10 @@ class VelocityLoop:
         """Clears the integrals."""
         self._integral: Vector = (0.0, 0.0, 0.0)
 
+    def reset_push(self) -> None:
+        """Clears the horizontal integrals."""
+        self._integral = (0.0, 0.0, self._integral[2])
+
     def step(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> Vector:
         """The thrust per mass towards the setpoint; at rest (0, 0, -g)."""
         e_n, e_e, e_d = self._velocity_error(state, setpoint)
@@ -200,6 +204,20 @@ class Cascade:
         """What the rate loop is to follow towards the setpoint; call it at 50 Hz."""
         self._step_position(state, setpoint, dt_s)
         return RateSetpoint(self.thrust_n, self._wanted_rates(state.attitude))
+
+    def touch_down(
+        self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float
+    ) -> RateSetpoint:
+        """The same on the ground, which holds the vehicle: level, however the wind blows.
+
+        One that leaned when its motors idle would tip over.
+        """
+        self._velocity_loop.reset_push()
+        down = setpoint.position[2], setpoint.velocity[2], setpoint.acceleration[2]
+        position, velocity = ((None, None, each) for each in down[:2])
+        about = setpoint.yaw_rad, setpoint.yaw_rate_radps
+        vertical = TrajectorySetpoint(position, velocity, (0.0, 0.0, down[2]), *about)
+        return self.step(state, vertical, dt_s)
 
     def _wanted_rates(self, q: Quaternion) -> Vector:
         tilt_x, tilt_y, heading = tilt_and_heading(q, self.attitude)
