@@ -1,4 +1,4 @@
-"""Where the task stands: facts, beliefs, and how far each conjunct has been read.
+"""Where the task stands: facts, beliefs, and the word of the flight.
 
 The word of the flight (after Section III-A of the paper):
 
@@ -12,17 +12,11 @@ The word of the flight (after Section III-A of the paper):
 5. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
 6. What was read is kept when a plan is made anew, where the paper starts from the automaton's
    initial states. Only an event may say that a line which must hold begins anew (`restarts`).
-7. A conjunct that no continuation can satisfy any more is violated by the position read last. No
-   plan leads there: it takes an event or a failure that the vehicle could not choose.
-8. What has to be met again and again waits since the position that met it last. Once two tries in a
-   row were interrupted it waits since the last of them: others may be reached where it is not.
-9. A lap of the task is over when every acceptance mark has been met since the lap before, by
-   whatever plans.
-10. An action may be barred: nobody knows whether it was done, and no plan does it again.
-11. A line that the present plan drops is read on. If it was violated, it begins anew with the plan
-   that takes it up; plans are made as if it had. It has no part in laps.
-12. A bounded line is violated as soon as its clock has run over, by the position left last, and
-   told at once. Clocks go on over replans, pauses and takeovers (companion/ltl/bound_clock.py).
+7. An action may be barred: nobody knows whether it was done, and no plan does it again.
+8. A line that the present plan drops is read on. If it was violated, it begins anew with the plan
+   that takes it up; plans are made as if it had.
+
+What the conjuncts make of the word is in task_readings.py.
 """
 
 from __future__ import annotations
@@ -32,18 +26,15 @@ from dataclasses import replace
 
 from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
-from companion.planning.bound_clocks import BoundClocks
 from companion.planning.domain import Action
 from companion.planning.held_beliefs import HeldBeliefs
 from companion.planning.lasso import Conjunct, Letter, Problem
 from companion.planning.planner import Planner
-from companion.planning.readings import Reading
 from companion.planning.situation import Position, TaskSituation
 from companion.planning.task_changes import TaskChange, recorded
-from companion.slices import spent
+from companion.planning.task_readings import TaskReadings
 
 AT_HERE = at(HERE)
-_READING_US = 40
 
 
 class TaskState:
@@ -54,7 +45,6 @@ class TaskState:
         risen: events that have risen since the last letter was read.
         completed: how many skills were completed, each of which has appended a position.
         positions: how many positions have been left.
-        laps: how many laps of the task they were.
         left: those of them that nobody has collected yet.
         now_s: the time, where clocks have to know it; 0 before the task is flown.
         running: the action under way.
@@ -68,22 +58,31 @@ class TaskState:
 
     def __init__(self, planner: Planner) -> None:
         self.on_change: Callable[[TaskChange], None] = _ignore
-        self.is_changing = self._is_read = self.may_take_up = False
+        self.is_changing = False
         self._planner = planner
-        self.optional = frozenset(planner.mission.priorities)
-        self._readings = [Reading(conjunct) for conjunct in planner.conjuncts]
-        self._clocks = BoundClocks(planner.conjuncts)
-        self._find_violated()
-        self.now_s = self._left_s = self._reached_s = 0.0
-        self._restarted: tuple[str, ...] = ()
-        self.facts, self.risen = planner.mission.initially, frozenset[Fact]()
+        self._readings = TaskReadings(planner.conjuncts)
         self._beliefs = HeldBeliefs()
-        self.positions = self.laps = self.completed = 0
-        self.left: list[Position] = []
+
+        self.facts = planner.mission.initially
+        self.risen = frozenset[Fact]()
         self.running: Action | None = None
-        self.dropped = self.barred = frozenset[str]()
         self._interrupted: Action | None = None
-        self._departed_from: frozenset[Fact] = frozenset()
+        self._departed_from = frozenset[Fact]()
+        self.barred = frozenset[str]()
+
+        self.optional = frozenset(planner.mission.priorities)
+        self.dropped = frozenset[str]()
+        self.may_take_up = False
+
+        self.completed = 0
+        self.positions = 0
+        self.left: list[Position] = []
+        self._is_read = False
+        self._restarted: tuple[str, ...] = ()
+
+        self.now_s = 0.0
+        self._left_s = 0.0
+        self._reached_s = 0.0
 
     @property
     def withdrawn(self) -> frozenset[Fact]:
@@ -104,18 +103,18 @@ class TaskState:
     @property
     def violated(self) -> tuple[str, ...]:
         """The lines that no continuation of what was read can satisfy, and that must hold."""
-        return tuple(line for line in self._violated if line not in self.optional)
+        return tuple(line for line in self._readings.violated if line not in self.optional)
 
     @property
     def violated_anew(self) -> tuple[str, ...]:
         """Those that may be dropped, which the present plan was to keep."""
-        return tuple(line for line in self._violated if line in self.optional - self.dropped)
+        kept = self.optional - self.dropped
+        return tuple(line for line in self._readings.violated if line in kept)
 
-    def _find_violated(self) -> None:
-        """After a position was read, a clock has run over, or a line has begun anew."""
-        late = self._clocks.late
-        names = (r.conjunct.name for r in self._readings if not r.runs.states or r.conjunct in late)
-        self._violated = tuple(dict.fromkeys(names))
+    @property
+    def laps(self) -> int:
+        """How many laps of the task they were."""
+        return self._readings.laps
 
     def problem(
         self, fallen: Set[Fact] = frozenset(), returned: Set[Fact] = frozenset()
@@ -128,35 +127,25 @@ class TaskState:
             fallen: events that are supposed to hold no longer.
             returned: beliefs that are supposed to be held again.
         """
-        spent(_READING_US * len(self._readings))
         facts, withdrawn = self.facts - fallen, self.withdrawn - returned
-        lost = self.optional.intersection(self._violated)
-        readings = [
-            r.anew(self._reached_s) if r.conjunct.name in lost else r for r in self._readings
-        ]
-        if self._is_read:
-            states = tuple(r.runs.states for r in readings)
-            histories = [r.letters for r in readings]
-            waiting = [r.since_s for r in readings]
-            unread, present = self.risen - facts, None
-        else:
-            letter = self._letter(facts)
-            states = tuple(r.runs.after(letter).states for r in readings)
-            histories = [[*r.letters, letter] for r in readings]
-            waiting = [r.since_with(letter, self._reached_s) for r in readings]
-            unread, present = frozenset[Fact](), (letter, self._reached_s)
+        lost = self.optional.intersection(self._readings.violated)
+        letter = None if self._is_read else self._letter(facts)
         now_s = self.now_s if self.running is None else self._left_s
-        clocks_ms = self._clocks.show(now_s, present, lost)
-        states = self._clocks.without_late(states, lost)
-        is_en_route = AT_HERE in facts
-        problem = self._planner.problem(facts, states, withdrawn, is_en_route, unread, clocks_ms)
+        word = self._readings.so_far(letter, self._reached_s, now_s, lost)
+        problem = self._planner.problem(
+            facts,
+            word.automaton_states,
+            withdrawn,
+            is_en_route=AT_HERE in facts,
+            unread=self.risen - facts if self._is_read else frozenset(),
+            clocks_ms=word.clocks_ms,
+        )
         if self.barred:
             allowed = tuple(a for a in problem.actions if a.name not in self.barred)
             problem = replace(problem, actions=allowed)
         if self.completed:
-            since_ms = tuple(round(1000 * min(marks, default=0.0)) for marks in waiting)
-            problem = replace(problem, waiting_since_ms=since_ms)
-        return problem, histories
+            problem = replace(problem, waiting_since_ms=word.waiting_since_ms)
+        return problem, word.histories
 
     @recorded
     def begin(self, action: Action) -> None:
@@ -170,27 +159,25 @@ class TaskState:
         if self._is_read:
             return
         letter = self._letter(self.facts)
-        reached_s = self._reached_s
-        late = self._clocks.read(letter, reached_s, self.now_s)
-        violated = tuple(r.conjunct for r in self._readings if r.read(letter, reached_s))
-        violated += tuple(conjunct for conjunct in late if conjunct not in violated)
-        self._find_violated()
+        violated = self._readings.read(letter, self._reached_s, self.now_s, self.dropped)
         facts = self.facts | letter & self._planner.task_facts
-        risen = (self.risen - self.facts) & facts
-        number, restarted = self.positions, self._restarted
-        dropped = tuple(line for line in self._planner.mission.task if line in self.dropped)
         self.left.append(
-            Position(number, facts, risen, reached_s, self.withdrawn, restarted, violated, dropped)
+            Position(
+                number=self.positions,
+                facts=facts,
+                risen=(self.risen - self.facts) & facts,
+                reached_s=self._reached_s,
+                withdrawn=self.withdrawn,
+                restarted=self._restarted,
+                violated=violated,
+                dropped=tuple(n for n in self._planner.mission.task if n in self.dropped),
+            )
         )
-        self._is_read = True
-        self.risen, self._restarted = frozenset(), ()
-        self._clocks.see(self._next_letter)
         self.positions += 1
-        kept = [r for r in self._readings if r.conjunct.name not in self.dropped]
-        if kept and not any(r.left_to_meet for r in kept):
-            self.laps += 1
-            for reading in self._readings:
-                reading.begin_lap()
+        self.risen = frozenset()
+        self._restarted = ()
+        self._is_read = True
+        self._readings.foresee(self._next_letter)
 
     @recorded
     def complete(self, action: Action, now_s: float) -> None:
@@ -199,9 +186,9 @@ class TaskState:
         self.completed += 1
         self.facts = action.apply(self.facts)
         self._beliefs.leave_here()
-        self._is_read = False
-        self._clocks.see(self._next_letter)
         self.running = self._interrupted = None
+        self._is_read = False
+        self._readings.foresee(self._next_letter)
         self.may_take_up = bool(self.dropped)
 
     @recorded
@@ -209,8 +196,7 @@ class TaskState:
         """Ends the action under way without its effect."""
         if self.running is not None:
             letter = self._letter(self.running.apply(self.facts))
-            for reading in self._readings:
-                reading.try_in_vain(letter, self._reached_s)
+            self._readings.try_in_vain(letter, self._reached_s)
         if self.running is not None and self.running.destination is not None:
             self._interrupted = self.running
             self.depart()
@@ -252,12 +238,8 @@ class TaskState:
 
     def _restart(self, line: str) -> None:
         """The conjuncts of a line begin anew with the position that is left next."""
-        for reading in self._readings:
-            if reading.conjunct.name == line:
-                reading.restart(self._reached_s)
-                self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
-        self._clocks.begin_anew(line)
-        self._find_violated()
+        if self._readings.restart(line, self._reached_s):
+            self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
 
     @recorded
     def depart(self) -> None:
@@ -303,7 +285,7 @@ class TaskState:
         self.facts = self.facts | fact if holds else self.facts - fact
         if holds:
             self.risen |= fact
-        self._clocks.see(self._next_letter, self.now_s)
+        self._readings.foresee(self._next_letter, self.now_s)
         for line in self._planner.mission.task:
             if holds and line in event.restarts:
                 self._restart(line)
@@ -314,15 +296,13 @@ class TaskState:
 
         With the first call the task begins: its first position counts as reached then.
         """
-        if not self._clocks:
+        readings = self._readings
+        if not readings.have_clocks:
             return []
-        if not self._clocks.are_begun and not self.positions:
+        if not readings.have_begun and not self.positions:
             self._reached_s = now_s
         self.now_s = now_s
-        over = self._clocks.run(now_s, None if self._is_read else self._next_letter)
-        if over:
-            self._find_violated()
-        return over
+        return readings.run_clocks(now_s, None if self._is_read else self._next_letter)
 
     @property
     def _next_letter(self) -> Letter:
@@ -333,7 +313,7 @@ class TaskState:
     @property
     def is_called(self) -> bool:
         """Whether the event of a line that is ready has come, and no position has read it."""
-        return self._clocks.are_called(self._planner.mission.ready)
+        return self._readings.are_called(self._planner.mission.ready)
 
     @property
     def last_position(self) -> int:

@@ -19,6 +19,7 @@ from companion.planning.held_beliefs import HeldBeliefs
 from companion.planning.planner import Planner
 from companion.planning.readings import Reading
 from companion.planning.task_changes import TaskChange
+from companion.planning.task_readings import TaskReadings
 from companion.planning.task_replay import TaskReplay
 from companion.planning.task_state import TaskState
 
@@ -72,8 +73,8 @@ def told(state: TaskState) -> dict[str, Any]:
             case Reading():
                 inner = {k: v for k, v in vars(value).items() if k not in ("conjunct", "_begin")}
                 return inner | {"runs": value.runs.states}
-            case HeldBeliefs() | BoundClocks():
-                return {k: v for k, v in vars(value).items() if k != "_conjuncts"}
+            case HeldBeliefs() | BoundClocks() | TaskReadings():
+                return {k: plain(v) for k, v in vars(value).items() if k != "_conjuncts"}
             case list():
                 return [plain(each) for each in value]
         return value
