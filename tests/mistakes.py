@@ -319,7 +319,10 @@ WORLDS: Table = {
     ),
     "a button": Mistake("report: {alarm: 1}", "operator: RTL", "  - ", "MAV_CMD_NAV_RETURN_TO"),
     "another distribution": Mistake(
-        "wind:", "vary: {wind.east_mps: {uniform: [0, 5]}}\nwind:", "vary", "mean within?"
+        "wind:",
+        "vary: {wind.east_mps: {uniform: [0, 5]}}\nwind:",
+        "vary",
+        "or [least, greatest] alone.",
     ),
     "a report as a text": Mistake(
         "report: {alarm: 1}", "report: alarm", "  - ", "{NAME: NUMBER}: a program"

@@ -123,12 +123,27 @@ def test_a_planner_that_cannot(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["sim", "run"])
-def test_no_flight_begins_with_a_planner_that_is_not_there(
-    companion: Companion, tmp_path: Path, command: str
+@pytest.mark.parametrize(
+    ("mission", "engine", "code", "message"),
+    [
+        ("surveillance", "nobody", 2, "there is no engine nobody; installed are: fast-downward"),
+        ("surveillance", "pyperplan", 1, "cannot take encoding v4"),
+        ("night_watch", "fast-downward", 1, "knows of no bounds in time"),
+        ("endless_patrol", "fast-downward", 1, "knows of no energy"),
+    ],
+)
+def test_no_flight_begins_with_a_planner_that_cannot_plan_it(
+    companion: Companion,
+    tmp_path: Path,
+    command: str,
+    mission: str,
+    engine: str,
+    code: int,
+    message: str,
 ) -> None:
-    ended = companion(command, SURVEILLANCE, "--engine", "nobody", "--monitor", "off")
-    assert ended.code == 2
-    assert "there is no engine nobody; installed are: fast-downward" in ended.err
+    ended = companion(command, mission, "--engine", engine, "--monitor", "off")
+    assert ended.code == code
+    assert message in ended.err
     assert not (tmp_path / "runs").exists()
 
 

@@ -9,6 +9,7 @@ import typer
 from companion.planning.objective import Encoding
 
 if TYPE_CHECKING:
+    from companion.mission.model import Mission
     from companion.planning.engine_port import Engine
 
 BUILT_IN = "built-in"
@@ -46,17 +47,21 @@ ENGINE_TIMEOUT_S = 10.0
 
 
 def engine_of(
-    name: str, encoding: Encoding, timeout_s: float, duration_s: float | None = None
+    name: str,
+    encoding: Encoding,
+    timeout_s: float,
+    duration_s: float | None,
+    mission: Mission | None,
 ) -> Engine | None:
-    """Who plans; None for the built-in search.
+    """Who plans a mission, if that is known; None for the built-in search.
 
     Raises:
-        EngineMissing: there is no engine of this name here.
+        EngineError: there is no engine of this name here, or it cannot plan that.
     """
     if name == BUILT_IN:
         return None
     from companion.planning.engine_jobs import EngineJobs
     from companion.planning.engines import require
 
-    require(name)
+    require(name, encoding, mission)
     return EngineJobs(name, encoding, timeout_s, duration_s)

@@ -101,7 +101,7 @@ def run(
             partial(fly_over, link_of=partial(Link, endpoint, signing), events=events),
             log_dir,
             monitor or DEFAULT_ADDRESS,
-            engine_of(engine, encoding, engine_timeout),
+            engine_of(engine, encoding, engine_timeout, None, loaded),
             ArmingTerms(accept_weak_failsafes, autopilot_fence, rally_points),
             FlightLimit(laps, limit_s),
             resume,

@@ -85,8 +85,9 @@ def sim(
     from companion.vehicle.link import Link
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
-    planner = engine_of(engine, encoding, engine_timeout, None if factor else engine_duration)
     loaded, terminal = load(mission, contingencies), Terminal()
+    duration_s = None if factor else engine_duration
+    planner = engine_of(engine, encoding, engine_timeout, duration_s, loaded)
     world = simulating.world_of(loaded, path := scenario or simulating.scenario_beside(loaded))
     with (
         closing(terminal),

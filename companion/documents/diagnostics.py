@@ -16,8 +16,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-Keys = tuple[str | int, ...]
-Schema = Mapping[str, Any]
+from companion.documents.model_schema import Keys, Schema, alone, schema_at
+
 Detail = Mapping[str, Any]
 
 _UNIT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*[A-Za-z%°/]+[A-Za-z0-9/²]*\s*")
@@ -43,7 +43,6 @@ _ELSEWHERE = {
     "event": ("report",),
     **dict.fromkeys(("when", "time", "t", "at"), ("at_s",)),
     **dict.fromkeys(("mode", "command"), ("operator",)),
-    **dict.fromkeys(("uniform", "range", "between"), ("within",)),
     **dict.fromkeys(("velocity", "max_speed", "cruise_speed"), ("speed_mps",)),
     **dict.fromkeys(("max_alt", "max_altitude", "ceiling", "min_altitude"), ("up_m",)),
     **dict.fromkeys(("no_fly", "no_fly_zones", "exclusion", "obstacles"), ("keep_out",)),
@@ -176,7 +175,7 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
         known = list(schema_at(root, keys[:-1]).get("properties", ()))
         meant = meant_key(str(keys[-1]), known)
         question = f" Did you mean {meant}?" if meant else ""
-        hint = f"known keys are {', '.join(known)}.{question}"
+        hint = f"known keys are {', '.join(known)}{alone(root, keys[:-1])}.{question}"
         return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
     if name == NO_NAME:
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
@@ -278,38 +277,6 @@ _RULES: dict[str, Callable[[Schema], str]] = {
     ),
 }
 """Kind of pydantic's error -> what was expected."""
-
-
-def schema_at(root: Schema, keys: Keys) -> Schema:
-    """Returns the part of a JSON Schema that describes the value at some keys; {} without one."""
-    schema = root
-    for key in keys:
-        schema = _step(_resolved(root, schema), key)
-    resolved = _resolved(root, schema)
-    return {**resolved, **{k: v for k, v in schema.items() if k == "description"}}
-
-
-def _step(schema: Schema, key: str | int) -> Schema:
-    if isinstance(key, int):
-        listed = schema.get("prefixItems", [])
-        found = listed[key] if key < len(listed) else schema.get("items", {})
-    else:
-        by_name = schema.get("properties", {})
-        of_any_name = [*schema.get("patternProperties", {}).values()]
-        of_any_name.append(schema.get("additionalProperties", {}))
-        found = by_name.get(key, of_any_name[0])
-    return found if isinstance(found, dict) else {}
-
-
-def _resolved(root: Schema, schema: Schema) -> Schema:
-    """Follows a reference; of alternatives, to the one that is a mapping or list."""
-    for choice in schema.get("anyOf", ()):
-        if {"$ref", "items", "properties"} & choice.keys():
-            return _resolved(root, choice)
-    if "$ref" in schema:
-        found: Schema = root["$defs"][schema["$ref"].rsplit("/", 1)[1]]
-        return found
-    return schema
 
 
 def _at(data: object, keys: Keys) -> object:

@@ -19,15 +19,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from companion.documents.diagnostics import (
-    NO_NAME,
-    Detail,
-    Keys,
-    Schema,
-    existing_keys,
-    meant_key,
-    schema_at,
-)
+from companion.documents.diagnostics import NO_NAME, Detail, existing_keys, meant_key
+from companion.documents.model_schema import Keys, Schema, schema_at
 
 StandIns = Mapping[Keys, object]
 """Keys, `*` for any: what to read there in place of what is unread."""

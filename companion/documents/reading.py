@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from companion.documents.diagnostics import NO_NAME, Keys
+from companion.documents.diagnostics import NO_NAME
+from companion.documents.model_schema import Keys
 from companion.errors import FormulaError, Location, MissionError
 
 MOST = 10

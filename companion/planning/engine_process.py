@@ -154,14 +154,19 @@ def run(
     pipe.send(answer)
 
 
-def look_up(pipe: Connection, folder: str, engine: str) -> None:
-    """All that a process does that looks whether there is an engine of this name.
+def look_up(pipe: Connection, folder: str, engine: str, encoding: Encoding) -> None:
+    """All that a process does that looks whether an engine of this name takes an encoding.
 
-    Sends an `EngineAnswer`, or `EngineMissing`.
+    Sends an `EngineAnswer`, or an `EngineError`.
     """
-    answer: EngineMissing | EngineAnswer = EngineAnswer("THERE")
+    from unified_planning.model import ProblemKind
+
+    answer: EngineError | EngineAnswer = EngineAnswer("THERE")
     try:
-        _planner(engine, {})
+        has_effects = encoding is not Encoding.V5
+        kind = ProblemKind({"ACTION_BASED"} | ({"CONDITIONAL_EFFECTS"} if has_effects else set()))
+        if not _planner(engine, {}).supports(kind):
+            answer = _unsupported(encoding, engine, sorted(kind.features))
     except EngineMissing as error:
         answer = error
     pipe.send(answer)
@@ -197,10 +202,10 @@ def _parameters(engine: str, classical: ClassicalProblem) -> dict[str, Any]:
     }
 
 
-def _unsupported(classical: ClassicalProblem, engine: str, features: list[str]) -> EngineError:
-    if classical.encoding is not Encoding.V5:
+def _unsupported(encoding: Encoding, engine: str, features: list[str]) -> EngineError:
+    if encoding is not Encoding.V5:
         return EngineError(
-            f"the engine {engine} cannot take encoding {classical.encoding}, which has conditional "
+            f"the engine {engine} cannot take encoding {encoding}, which has conditional "
             "effects; use encoding v5"
         )
     return EngineError(
@@ -212,7 +217,7 @@ def _unsupported(classical: ClassicalProblem, engine: str, features: list[str]) 
 def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> EngineAnswer:
     task = _task(classical, has_costs=not engine.startswith(NO_COSTS))
     if not planner.supports(task.kind):
-        raise _unsupported(classical, engine, sorted(task.kind.features))
+        raise _unsupported(classical.encoding, engine, sorted(task.kind.features))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of features that an engine has not, and we do not ask
         result = planner.solve(task)

@@ -17,6 +17,7 @@ from functools import partial
 from multiprocessing.connection import Connection, wait
 
 from companion.errors import CompanionError
+from companion.mission.model import Mission
 from companion.planning import engine_process
 from companion.planning.check import fault
 from companion.planning.engine_process import (
@@ -81,16 +82,7 @@ def solve_with(
             which no engine knows.
         CompanionError: the engine made a wrong plan.
     """
-    if problem.energy is not None:
-        raise EngineError(
-            f"the engine {engine} knows of no energy, and the mission has a battery; leave the "
-            "engine out, so that the built-in search plans, or remove battery:"
-        )
-    if problem.clocks_ms:
-        raise EngineError(
-            f"the engine {engine} knows of no bounds in time, and the task has some; leave the "
-            "engine out, so that the built-in search plans, or remove the bounds"
-        )
+    _refuse(engine, problem.energy is not None, bool(problem.clocks_ms))
     question = EngineQuestion(problem, histories, encoding, objective)
     ask = partial(engine_process.run, question=question, engine=engine, timeout_s=timeout_s)
     answer = _asked(ask, timeout_s, stop)
@@ -108,13 +100,35 @@ def solve_with(
     return Solution(lasso, objective, cost_ms, 0, f"{engine} {encoding.value}")
 
 
-def require(engine: str) -> None:
-    """Refuses an engine that is not here, before anything is done for a flight with it.
+def require(engine: str, encoding: Encoding, mission: Mission | None) -> None:
+    """Refuses an engine that cannot plan, before anything is done for a flight with it.
+
+    Args:
+        engine: its name in unified-planning.
+        encoding: how the task is compiled.
+        mission: what is flown; None while it is not known.
 
     Raises:
-        EngineMissing: it is not.
+        EngineMissing: it is not here.
+        EngineError: it cannot take the encoding, or what the mission has.
     """
-    _asked(partial(engine_process.look_up, engine=engine), LOOK_UP_S)
+    if mission is not None:
+        _refuse(engine, mission.battery is not None, mission.is_timed)
+    _asked(partial(engine_process.look_up, engine=engine, encoding=encoding), LOOK_UP_S)
+
+
+def _refuse(engine: str, has_energy: bool, has_bounds: bool) -> None:
+    """Raises an EngineError for what no engine knows of."""
+    if has_energy:
+        raise EngineError(
+            f"the engine {engine} knows of no energy, and the mission has a battery; leave the "
+            "engine out, so that the built-in search plans, or remove battery:"
+        )
+    if has_bounds:
+        raise EngineError(
+            f"the engine {engine} knows of no bounds in time, and the task has some; leave the "
+            "engine out, so that the built-in search plans, or remove the bounds"
+        )
 
 
 def _no_plan(status: str, engine: str, timeout_s: float) -> None:

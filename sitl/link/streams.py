@@ -16,6 +16,8 @@ from sitl.link.messages import MESSAGE_CLASSES
 from sitl.link.routing import LinkName
 
 EARLY_S = 1e-6  # sums of intervals are not exact
+LEAST_INTERVAL_S = 1.5e-3
+"""PX4's MAVLINK_MIN_INTERVAL: its loop sends a stream once in so long at most."""
 RATES_HZ: dict[str, tuple[float, float]] = {
     # message                     gcs  offboard
     "HEARTBEAT": (1, 1),
@@ -152,6 +154,7 @@ class Streams:
         self._intervals_s.pop(name, None)
         self._queue = [each for each in (*self._queue, *self._asleep) if each[2] != name]
         if interval_s > 0:
+            interval_s = max(interval_s, LEAST_INTERVAL_S)
             self._intervals_s[name] = interval_s
             self._queue.append((now_s + interval_s, MESSAGE_CLASSES[name].id, name))
         heapq.heapify(self._queue)

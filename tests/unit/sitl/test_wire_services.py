@@ -137,6 +137,15 @@ def test_message_interval_changes_one_message_of_one_link(interval_us: float, hz
     }
 
 
+@pytest.mark.parametrize("interval_us", [1e-30, 1.0, 1e38])
+def test_an_interval_of_any_size_costs_no_more_than_one_that_px4_has(interval_us: float) -> None:
+    streams = Streams(LinkName.OFFBOARD, 0.0, Ear())
+    streams.set_interval("ATTITUDE", interval_us, 0.0)
+    streams.attend(0.0)
+    streams.due(1000.0, 1000.05)
+    assert streams.interval_us("ATTITUDE") >= 1_500
+
+
 @pytest.mark.parametrize(("number", "result"), [(30, ACCEPTED), (60000, FAILED), (27, FAILED)])
 def test_interval_of_what_is_not_streamed_fails(number: int, result: int) -> None:
     assert Wire().command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, number, 1e6) == [result]
