@@ -85,12 +85,11 @@ def sim(
     from companion.vehicle.link import Link
 
     factor, limit = _speed(speed), FlightLimit(laps, limit_s)
-    loaded, terminal = load(mission, contingencies), Terminal()
-    duration_s = None if factor else engine_duration
+    loaded, duration_s = load(mission, contingencies), None if factor else engine_duration
     planner = engine_of(engine, encoding, engine_timeout, duration_s, loaded)
     world = simulating.world_of(loaded, path := scenario or simulating.scenario_beside(loaded))
     with (
-        closing(terminal),
+        closing(Terminal()) as terminal,
         recorded(loaded, log_dir, terminal) as folder,
         monitored(monitor or ("off" if factor is None else DEFAULT_ADDRESS), terminal.say) as page,
         closing(FunctionRunner(folder.folder, is_lockstep=factor is None)) as functions,
