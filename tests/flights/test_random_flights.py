@@ -1,0 +1,29 @@
+"""What random flights say of themselves is true: a good end is one by the audit, too."""
+
+from __future__ import annotations
+
+import pytest
+from random_flights import random_flight
+
+from companion.api.simulating import world_of
+from companion.campaigns.measuring import fly
+from companion.campaigns.outcomes import Outcome
+from companion.campaigns.rows import Row
+from companion.mission.loader import load_mission
+
+LIMIT_S = 240.0
+FEW, MANY = 5, 300
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(FEW), *(pytest.param(i, marks=pytest.mark.long) for i in range(FEW, MANY))]
+)
+def test_a_flight_ends_as_it_says(seed: int) -> None:
+    given, world = random_flight(seed)
+    mission = load_mission(given)
+    flown = fly(mission, world_of(mission, world), Row(0, seed), LIMIT_S)
+    assert flown.outcome not in (Outcome.ERROR, Outcome.CRASH), flown.reason
+    assert not flown.broken, flown.margins
+    assert not (flown.exit_code == 0 and flown.outcome is Outcome.VIOLATED), flown.conjunct
+    if flown.outcome is Outcome.NO_PLAN:
+        assert flown.exit_code not in (0, None)
