@@ -9,6 +9,7 @@ from happened import Happened
 from rig import Rig
 
 from companion.acting.sortie import Sortie
+from companion.errors import Aborted
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, RunEnded, RunFailed
 from companion.geometry import Ned
@@ -17,6 +18,11 @@ from companion.mission.signals import Signal
 
 LONGEST_S = 200.0
 """How long a phase is waited for."""
+
+
+def aborted(reason: str) -> RunFailed:
+    """What is told when a flight is given up."""
+    return RunFailed(reason, Aborted.exit_code)
 
 
 class SortieRig(Happened):
