@@ -1,11 +1,13 @@
-"""The world of the surveillance mission, as it is shipped, and one in which it takes less time."""
+"""The worlds of the surveillance mission, as shipped and shorter, and its flights in the latter."""
 
 from __future__ import annotations
 
 import pytest
 import short_hall
-from lockstep import World
+from interference import Start
+from lockstep import Lockstep, World
 
+from companion.mission.model import Mission
 from sitl.world.scenario import read_scenario
 
 
@@ -17,3 +19,18 @@ def hall() -> World:
 @pytest.fixture(scope="session", name="short_hall")
 def read_short_hall() -> World:
     return short_hall.short_hall()
+
+
+@pytest.fixture
+def start(surveillance: Mission, short_hall: World) -> Start:
+    """A flight of the surveillance mission that has not begun yet."""
+
+    def begin(world: World = short_hall, **options: object) -> Lockstep:
+        return Lockstep(surveillance, world, **options)  # type: ignore[arg-type]
+
+    return begin
+
+
+@pytest.fixture(scope="session")
+def undisturbed(surveillance: Mission, short_hall: World) -> Lockstep:
+    return Lockstep(surveillance, short_hall).until_the_end()
