@@ -62,7 +62,7 @@ class Obstacles(NamedTuple):
 
 
 class ClearanceLevel:
-    """Routes at one clearance. The cost-to-go is found when it is first asked for.
+    """Routes at one clearance. Free cells and costs-to-go are found when first asked for.
 
     Places whose goal has changed are seen to when somebody looks: candidates for a goal that lie
     behind walls are many, and tried at the least clearance first.
@@ -78,7 +78,7 @@ class ClearanceLevel:
         self._obstacles = obstacles
         self._clearance_m = clearance_m
         self._aimed: set[str] = set()
-        self._space = self._free_space()
+        self._space: FreeSpace | None = None  # until somebody looks
         self._plain: dict[NorthEast, Cell | None] = {}
         self._maps: DistanceMaps | None = None
 
@@ -90,7 +90,13 @@ class ClearanceLevel:
     @property
     def space(self) -> FreeSpace:
         """The free cells now."""
+        return self.look()
+
+    def look(self) -> FreeSpace:
+        """Finds the free cells, if nobody has looked at them yet."""
         self._follow_goals()
+        if self._space is None:
+            self._space = self._free_space()
         return self._space
 
     @property
@@ -107,14 +113,19 @@ class ClearanceLevel:
         return self._obstacles.grid
 
     def see(self, obstacles: Obstacles) -> bool:
-        """Takes over other obstacles on the same map; true if other cells are free now."""
+        """Takes over other obstacles on the same map; true if other cells are free now.
+
+        Where nobody has looked yet, nobody knows others.
+        """
         self._follow_goals()
         self._obstacles = obstacles
         return self._take_free_space()
 
     def _take_free_space(self) -> bool:
-        before, self._space = self._space, self._free_space()
         self._plain = {}
+        if self._space is None:
+            return False
+        before, self._space = self._space, self._free_space()
         if np.array_equal(before.free, self._space.free):
             return False
         if self._maps is not None:
@@ -134,7 +145,7 @@ class ClearanceLevel:
             self._take_free_space()
         if self._maps is not None:
             for place in sorted(aimed):
-                self._maps.aim(place, self._space.point(self._room.goals[place]))
+                self._maps.aim(place, self.space.point(self._room.goals[place]))
 
     def above(self, added_m: float) -> ClearanceLevel:
         """A level of a greater clearance on the same map."""

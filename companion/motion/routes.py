@@ -112,6 +112,7 @@ class RouteMap:
             inside &= cells_inside(grid, polygon, fence_margin_m) & ~beside
         self._room = Room(clearance_m, inside, regions, self._goals)
         self._least = ClearanceLevel(self._room, self._obstacles(grid), clearance_m)
+        self._least.look()  # its cells decide on the version
         self._levels = [self._least]
 
     def see(self, grid: OccupancyGrid) -> None:

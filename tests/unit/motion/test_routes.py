@@ -9,6 +9,7 @@ import pytest
 
 from companion.geometry import NorthEast, is_in_polygon
 from companion.motion.clearance_level import ClearanceLevel
+from companion.motion.free_space import FreeSpace
 from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.path import Path
 from companion.motion.region import Disc
@@ -374,6 +375,25 @@ def test_a_place_that_was_covered_has_its_paths_again() -> None:
 
 
 EMPTY = OccupancyGrid(np.zeros((80, 80), dtype=np.bool_), 0.1, (0.0, 0.0))
+
+
+def test_levels_that_no_route_needs_cost_nothing_when_the_map_changes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    routes, made = hall_routes(), list[float]()
+    routes.add_clearance(1.0)
+    assert routes.route((1.05, 1.05, -2.0), "C") is not None
+    counted = ClearanceLevel._free_space
+
+    def counting(level: ClearanceLevel) -> FreeSpace:
+        made.append(level._clearance_m)
+        return counted(level)
+
+    monkeypatch.setattr(ClearanceLevel, "_free_space", counting)
+    other = HALL.copy()
+    other[110, 10] = True
+    routes.see(OccupancyGrid(other, 0.1, (0.0, 0.0)))
+    assert sorted(made) == pytest.approx([0.3, 1.3])
 
 
 def test_the_version_changes_with_the_free_cells_alone() -> None:
