@@ -54,6 +54,7 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
         dropped = {each.line for each in plan.dropped}
         kept = [conjunct for conjunct in planner.conjuncts if conjunct.name not in dropped]
         found += [*_vacuous_lines(planner), *_met_by_rest(kept, plan.lasso)]
+        found += _walls_below_the_end(mission, plan.lasso)
     return (*found, *_cut_off_places(planner))
 
 
@@ -64,6 +65,19 @@ def _cut_off_places(planner: Planner) -> Iterator[Notice]:
         for place in mission.otherwise.places:
             if place != home and math.isinf(planner.flight_time(home, place)):
                 yield Notice(place, f"in land_at, and no clear route leads there from {home}")
+
+
+def _walls_below_the_end(mission: Mission, plan: Lasso) -> Iterator[Notice]:
+    """The place where a plan ends at rest, if a low wall stands below it: the vehicle lands."""
+    if plan.ends_at_rest:
+        flown_to = [action.destination for action in plan.prefix if action.destination]
+        place = mission.places[flown_to[-1] if flown_to else mission.home.name]
+        clearance_m = mission.vehicle.clearance_m
+        _, highest_m = mission.grid.ground_m(place.position[:2], clearance_m)
+        if highest_m > 0:
+            yield Notice(
+                place.name, f"the plan ends there, and lands above a wall of {highest_m:g} m"
+            )
 
 
 def _unused_events(mission: Mission) -> Iterator[Notice]:

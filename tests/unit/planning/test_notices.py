@@ -8,6 +8,7 @@ import pytest
 from synthetic import command, event, mission, planner
 
 from companion.mission.literals import parse_effect
+from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.planning.notices import notices
 
@@ -78,3 +79,32 @@ def test_a_recurrence_that_a_rest_fulfils_is_noticed() -> None:
         "visit: G F at(A) is met by resting for ever: the vehicle lands, and the flight ends"
     )
     assert told(mission({"visit": "G F at(A) & G F at(B)"})) == []
+
+
+@pytest.mark.parametrize(("wall_m", "is_told"), [((5.0, 7.0), True), ((2.0, 4.0), False)])
+def test_a_plan_that_ends_above_a_low_wall_is_noticed(
+    wall_m: tuple[float, float], is_told: bool
+) -> None:
+    given = {
+        "version": 1,
+        "name": "above",
+        "limits": {"speed_mps": 2, "up_m": [1, 6], "fence": [[-5, -5], [15, -5], [15, 5], [-5, 5]]},
+        "map": {"walls": [{"east_m": [*wall_m], "north_m": [-1, 1], "up_m": 2}]},
+        "places": {
+            "Home": {"east_m": 0, "north_m": 0, "up_m": 4},
+            "A": {"east_m": 6, "north_m": 0, "up_m": 4},
+        },
+        "sets": {"Place": ["Home", "A"]},
+        "skills": {
+            "move": {
+                "parameters": {"from": "Place", "to": "Place"},
+                "precondition": "at(from)",
+                "effect": "at(to) & !at(from)",
+                "execute": "fly(to)",
+            }
+        },
+        "initially": ["at(Home)"],
+        "task": {"go": "F at(A)"},
+    }
+    text = "A: the plan ends there, and lands above a wall of 2 m"
+    assert told(load_mission(given)) == ([text] if is_told else [])
