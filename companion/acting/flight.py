@@ -9,6 +9,7 @@ from companion.acting.docks import AnyDock, Dock
 from companion.acting.function_port import FunctionPort, NoFunctions
 from companion.acting.journal import CommandIntended, CommandSettled, Journal, NoJournal
 from companion.acting.symbols import Symbols
+from companion.acting.wall_guard import WallGuard
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.geofence import KeptFence
@@ -106,6 +107,11 @@ class Flight:
     _stop: Stop | None = field(default=None, init=False)
     _stop_begin_s: float = field(default=0.0, init=False)
     _streamed_s: float = field(default=0.0, init=False)
+    _walls: WallGuard = field(init=False)
+
+    def __post_init__(self) -> None:
+        """The guard knows the flight's own routes."""
+        self._walls = WallGuard(self.routes, self.profile)
 
     def elapsed_s(self, since_s: float) -> float:
         """Time since a step before; no more than two ticks, so that nothing jumps after a stall."""
@@ -271,6 +277,11 @@ class Flight:
         setpoint = Setpoint(sample.position, sample.velocity, sample.acceleration, yaw_rad)
         self._setpoint, self._streamed_s = setpoint, self.now_s
         self._is_landing = is_landing
+        position, near = self._walls.kept_off(sample, self.vehicle.state)
+        if near is not None:
+            self.report(near)
+        if position != sample.position:
+            setpoint = replace(setpoint, position=position)
         self.vehicle.fly(setpoint, is_for_task, is_landing)
 
     def _turned(self, heading_rad: float | None) -> float:

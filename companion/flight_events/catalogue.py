@@ -89,6 +89,7 @@ from companion.flight_events.skills import (
     SkillFailed,
     SkillProgressed,
     SymbolMoved,
+    WallNear,
     WrittenTreeFailed,
 )
 from companion.flight_events.sortie import (
@@ -144,6 +145,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     FunctionsAwaited,
     PlaceFunctionFailed,
     RouteBlocked,
+    WallNear,
     ClearanceChanged,
     SymbolMoved,
     MissionEventChanged,

@@ -142,6 +142,19 @@ class RouteBlocked(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class WallNear(FlightEvent):
+    """The vehicle is off its route, and nearer to an obstacle than its margin."""
+
+    kind = "wall"
+    template = (
+        "{free_m:.2f} m beside the vehicle to an obstacle, off its route: "
+        "its setpoint is moved away from there"
+    )
+
+    free_m: Annotated[float, Doc("between the vehicle's rotors and the obstacle, by its position")]
+
+
+@dataclass(frozen=True, slots=True)
 class ClearanceChanged(FlightEvent):
     """Routes keep more from obstacles, or less, as the position is good for less, or more."""
 

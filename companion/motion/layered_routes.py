@@ -19,7 +19,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -27,54 +26,9 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.grid import OccupancyGrid
-from companion.motion.profile import SpeedLimits, flight_time_s
+from companion.motion.passage import LEVEL_M, Passage
+from companion.motion.profile import SpeedLimits
 from companion.motion.routes import PlaceRegion, Route, RouteMap
-
-LEVEL_M = 1e-3
-"""A way that rises by less is level, and one that is shorter over the ground is upright."""
-
-
-@dataclass(frozen=True, slots=True)
-class Passage:
-    """How far it is to a place; inf where no way leads there.
-
-    Attributes:
-        over_ground_m: in the plane.
-        down_m: from its beginning to its end; negative for a climb.
-        climb_m: on the spot at its beginning, before it is level; None where it is sloped.
-    """
-
-    over_ground_m: float
-    down_m: float
-    climb_m: float | None = None
-
-    @property
-    def is_stepped(self) -> bool:
-        """Whether it is level between a climb and a descent on the spot."""
-        return self.climb_m is not None
-
-    def duration_s(self, limits: SpeedLimits) -> float:
-        """Time to fly it from rest to rest; of a stepped one, with a stop between its parts.
-
-        >>> Passage(0.0, -6.0).duration_s(SpeedLimits(4.0, 2.0, 8.0, climb_mps=2.0))
-        4.25
-        >>> level = SpeedLimits(2.0, 2.0, 8.0)
-        >>> Passage(6.0, -6.0, climb_m=6.0).duration_s(level)
-        8.5
-        >>> Passage(6.0, 0.0, climb_m=6.0).duration_s(level)
-        12.75
-        """
-        if math.isinf(self.over_ground_m):
-            return math.inf
-        if self.climb_m is not None:
-            upright = (down for down in (-self.climb_m, self.down_m + self.climb_m) if down)
-            on_the_spot_s = sum(Passage(0.0, down).duration_s(limits) for down in upright)
-            return on_the_spot_s + flight_time_s(self.over_ground_m, limits)
-        length_m = math.hypot(self.over_ground_m, self.down_m)
-        if abs(self.down_m) < LEVEL_M:
-            return flight_time_s(length_m, limits)
-        return flight_time_s(length_m, limits.along(self.down_m / length_m))
-
 
 BELOW_M = 0.3
 """So far below the band a vehicle is that has not only wandered."""
@@ -175,6 +129,17 @@ class LayeredRoutes:
         for plane in self._planes.values():
             plane.add_clearance(added_m)
         self.version += 1
+
+    @property
+    def kept_m(self) -> float:
+        """What routes keep from obstacles, where there is room."""
+        return self._clearance_m + self._added_m
+
+    def plane(self, up_m: float) -> RouteMap | None:
+        """The routes at an altitude, or at the next lower one; None before the first is asked."""
+        layer = self._layer(up_m)
+        lower = max((n for n in self._planes if n < layer), default=layer)
+        return self._planes.get(layer) or self._planes.get(lower)
 
     def keep_within(
         self, fences: Iterable[Sequence[NorthEast]], keep_out: Iterable[Sequence[NorthEast]]

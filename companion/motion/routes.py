@@ -130,6 +130,16 @@ class RouteMap:
         inside = self._room.is_inside
         return inside if self._zones is None else inside & ~self._zones
 
+    @property
+    def obstacles(self) -> OccupancyGrid:
+        """The map, on which zones are occupied as well."""
+        return self._least.space.grid
+
+    def is_usable(self, position: NorthEast) -> bool:
+        """Whether fences and zones leave a position."""
+        cell = self._grid.cell(position)
+        return self._grid.contains(*cell) and bool(self._usable[cell])
+
     def is_as_wide_as(self, other: RouteMap) -> bool:
         """Whether fences and zones leave the same cells as on another one, of the same map."""
         return np.array_equal(self._usable, other._usable)

@@ -14,7 +14,8 @@ from functools import lru_cache
 
 from companion.geometry import Ned
 from companion.motion.departure import Departure, from_motion, gentle, is_slow
-from companion.motion.layered_routes import LayeredRoutes, Passage
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.passage import Passage
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
 from companion.motion.trajectory import Trajectory

@@ -8,7 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 from companion.geometry import Ned
-from companion.motion.layered_routes import LayeredRoutes, Passage
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.passage import Passage
 
 
 class RememberedRoutes(LayeredRoutes):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from companion.battery_profile import interpolated
 from companion.geometry import Ned
 from companion.mission.battery import MissionBattery
-from companion.motion.layered_routes import LEVEL_M, Passage
+from companion.motion.passage import LEVEL_M, Passage
 from companion.motion.profile import SpeedLimits
 from companion.planning.charger import UNITS_PER_WH, Charger
 

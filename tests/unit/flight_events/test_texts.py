@@ -95,6 +95,7 @@ from companion.flight_events.skills import (
     SkillFailed,
     SkillProgressed,
     SymbolMoved,
+    WallNear,
     WrittenTreeFailed,
 )
 from companion.flight_events.sortie import (
@@ -182,6 +183,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (RouteBlocked("A", RouteResponse.ANOTHER_ROUTE), "the way to A is not clear: another route"),
     (RouteBlocked("A", RouteResponse.STOPPING), "the way to A is not clear: stopping"),
     (RouteBlocked("A", RouteResponse.NO_ROUTE), "the way to A is not clear: no route"),
+    (
+        WallNear(0.05),
+        "0.05 m beside the vehicle to an obstacle, off its route: "
+        "its setpoint is moved away from there",
+    ),
     (
         ClearanceChanged(1.2, 0.254),
         "routes keep 1.2 m from obstacles where there is room: the position is good for 0.25 m",

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from companion.drawn_maps import Wall, walled
 from companion.geometry import Ned, NorthEast, is_in_polygon
 from companion.motion.grid import OccupancyGrid, distances_to_edge
-from companion.motion.layered_routes import LayeredRoutes, Passage
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.passage import Passage
 from companion.motion.path import Path
 from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.region import Disc

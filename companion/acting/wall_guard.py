@@ -1,0 +1,58 @@
+"""Keeps the vehicle itself off walls, not its setpoint alone; whatever it flies, or while it holds.
+
+Each setpoint passes here on its way to the gate, moved by what `wall_push.py` says, if fences and
+zones leave the place. What trajectories go on from is the setpoint as it was.
+"""
+
+from __future__ import annotations
+
+from companion.flight_events.skills import WallNear
+from companion.geometry import Ned
+from companion.motion.grid import OccupancyGrid
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.trajectory import Sample
+from companion.motion.wall_push import STILL, push
+from companion.vehicle.port import VehicleState
+from companion.vehicle_profile import VehicleProfile
+
+CLEAR_AGAIN_M = 0.1
+"""A vehicle that has so much more than its margin has left a wall; the next time is told anew."""
+
+
+class WallGuard:
+    """Of one flight.
+
+    Args:
+        routes: know the walls.
+        profile: of the vehicle.
+    """
+
+    def __init__(self, routes: LayeredRoutes, profile: VehicleProfile) -> None:
+        self._routes, self._profile = routes, profile
+        self._is_near = False
+
+    def kept_off(self, told: Sample, state: VehicleState | None) -> tuple[Ned, WallNear | None]:
+        """Where a setpoint is sent to; and what is told, where the vehicle is near to a wall."""
+        if state is None or state.is_landed:
+            return told.position, None
+        plane = self._routes.plane(-told.position[2])
+        if plane is None:
+            return told.position, None
+        kept_m, carrot_m = self._routes.kept_m, self._profile.carrot_m
+        by_north, by_east = by = push(plane.obstacles, kept_m, state.position, told, carrot_m)
+        north, east, down = told.position
+        moved = (north + by_north, east + by_east, down)
+        is_moved = by != STILL and plane.is_usable(moved[:2])
+        if not is_moved and not self._is_near:
+            return told.position, None
+        return moved if is_moved else told.position, self._news(plane.obstacles, state)
+
+    def _news(self, obstacles: OccupancyGrid, state: VehicleState) -> WallNear | None:
+        """Once for each time that the vehicle, off its route, has not its margin."""
+        was_near, needed_m = self._is_near, self._profile.radius_m + self._profile.margin_m
+        here = state.position[:2]
+        again_m = needed_m + (CLEAR_AGAIN_M if was_near else 0.0)
+        self._is_near = obstacles.is_within(here, again_m)
+        if was_near or not self._is_near:
+            return None
+        return WallNear(round(obstacles.clearance_m(here) - self._profile.radius_m, 3))
