@@ -6,6 +6,8 @@ zones leave the place. What trajectories go on from is the setpoint as it was.
 
 from __future__ import annotations
 
+import math
+
 from companion.flight_events.skills import WallNear
 from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
@@ -17,6 +19,8 @@ from companion.vehicle_profile import VehicleProfile
 
 CLEAR_AGAIN_M = 0.1
 """A vehicle that has so much more than its margin has left a wall; the next time is told anew."""
+TOLD_M = 0.3
+"""A setpoint that is moved by less, as for a vehicle that falls behind a little, is not told of."""
 
 
 class WallGuard:
@@ -43,9 +47,10 @@ class WallGuard:
         north, east, down = told.position
         moved = (north + by_north, east + by_east, down)
         is_moved = by != STILL and plane.is_usable(moved[:2])
-        if not is_moved and not self._is_near:
-            return told.position, None
-        return moved if is_moved else told.position, self._news(plane.obstacles, state)
+        sent = moved if is_moved else told.position
+        if not self._is_near and not (is_moved and math.hypot(*by) >= TOLD_M):
+            return sent, None
+        return sent, self._news(plane.obstacles, state)
 
     def _news(self, obstacles: OccupancyGrid, state: VehicleState) -> WallNear | None:
         """Once for each time that the vehicle, off its route, has not its margin."""
