@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from meadow import DATA
 from synthetic import command, event, mission, planner
 
 from companion.mission.literals import parse_effect
@@ -81,30 +82,12 @@ def test_a_recurrence_that_a_rest_fulfils_is_noticed() -> None:
     assert told(mission({"visit": "G F at(A) & G F at(B)"})) == []
 
 
-@pytest.mark.parametrize(("wall_m", "is_told"), [((5.0, 7.0), True), ((2.0, 4.0), False)])
+@pytest.mark.parametrize(("wall_m", "is_told"), [((19.0, 21.0), True), ((9.0, 11.0), False)])
 def test_a_plan_that_ends_above_a_low_wall_is_noticed(
     wall_m: tuple[float, float], is_told: bool
 ) -> None:
-    given = {
-        "version": 1,
-        "name": "above",
-        "limits": {"speed_mps": 2, "up_m": [1, 6], "fence": [[-5, -5], [15, -5], [15, 5], [-5, 5]]},
-        "map": {"walls": [{"east_m": [*wall_m], "north_m": [-1, 1], "up_m": 2}]},
-        "places": {
-            "Home": {"east_m": 0, "north_m": 0, "up_m": 4},
-            "A": {"east_m": 6, "north_m": 0, "up_m": 4},
-        },
-        "sets": {"Place": ["Home", "A"]},
-        "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            }
-        },
-        "initially": ["at(Home)"],
-        "task": {"go": "F at(A)"},
-    }
+    wall = {"east_m": [*wall_m], "north_m": [-1, 1], "up_m": 2}
+    limits = {"speed_mps": 2, "up_m": [1, 6], "fence": [[-5, -5], [30, -5], [30, 5], [-5, 5]]}
+    given = DATA | {"limits": limits, "map": {"walls": [wall]}, "task": {"go": "F at(A)"}}
     text = "A: the plan ends there, and lands above a wall of 2 m"
     assert told(load_mission(given)) == ([text] if is_told else [])
