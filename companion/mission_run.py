@@ -25,16 +25,17 @@ from companion.acting.journal import (
     PlanNumbered,
     VehicleSeen,
 )
+from companion.acting.kept_clearance import KeptClearance
 from companion.acting.phases import ON_THE_GROUND
 from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.preparation import PreparedMission, prepare
 from companion.acting.resumption import Resumption, restore
+from companion.acting.sight_limit import SightLimit
 from companion.acting.sortie import Sortie
 from companion.errors import Aborted, MissionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.reports import SignalHeard, SignalSilent
-from companion.flight_events.skills import ClearanceChanged
 from companion.flight_events.sortie import AutopilotSaid, Phase, RunFailed
 from companion.flight_events.word import since
 from companion.geometry import Ned
@@ -44,7 +45,6 @@ from companion.mission.facts import Fact
 from companion.mission.installed_calls import functions_of
 from companion.mission.model import Mission
 from companion.mission.refinement import confirming
-from companion.motion.position_error import AddedClearance
 from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
 from companion.vehicle.flight_memory import FlightMemory
@@ -210,7 +210,7 @@ class Run:
             else None,
         )
         self._surroundings = Surroundings(mission.grid, telemetry)
-        self._added_clearance = AddedClearance(mission.vehicle.deviation_m)
+        self._sight, self._clearance = SightLimit(self.flight), KeptClearance(self.flight)
         self._charge = ChargeReport(acting.flight, prepared.planner.energy)
 
     def _keep(self, prepared: PreparedMission, journalled: JournalledFlight | None) -> None:
@@ -273,6 +273,7 @@ class Run:
             readings += self._found.look(now_s, self._detections, *zeros)
         if not self.sortie.has_ended:  # the end is the last of its record
             self._tell_of_others(messages)
+        self._sight.take(self.vehicle.scans)
         if self._surroundings.take(self.vehicle.scans):
             self.flight.routes.see(self._surroundings.grid)
         state = self.vehicle.state
@@ -331,14 +332,10 @@ class Run:
 
     def _learn(self) -> None:
         """What the vehicle's drag is; and how good its position is, by what routes keep more."""
-        state, added = self.vehicle.state, self._added_clearance
-        if self.sortie.has_ended or state is None:
-            return
-        self.flight.learn(state)
-        if added.follow(state.accuracy_m):
-            self.flight.routes.add_clearance(added.metres)
-            clearance_m = round(self.mission.vehicle.clearance_m + added.metres, 3)
-            self.flight.report(ClearanceChanged(clearance_m, round(state.accuracy_m, 3)))
+        state = self.vehicle.state
+        if not self.sortie.has_ended and state is not None:
+            self.flight.learn(state)
+            self._clearance.follow(state)
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
         """Takes over the companion's parameters; a flight under way is slowed, if need be."""

@@ -25,6 +25,7 @@ from companion.errors import Collided, CompanionError, printable
 from companion.geometry import GlobalOrigin
 from companion.mavlink.key_file import signing_by
 from companion.mavlink.signing import Signing, harmless
+from companion.motion.grid import OccupancyGrid
 from sitl.installed import demand_jsbsim
 from sitl.link.report_sender import ReportSender
 from sitl.link.routing import LinkName
@@ -152,9 +153,9 @@ def simulate(
     try:
         if check:
             count = len(read_scenario(check)[0].events)
-            plural = "" if count == 1 else "s"
-            typer.echo(f"{check}: a good scenario, {count} event{plural}")
+            typer.echo(f"{check}: a good scenario, {count} event{'' if count == 1 else 's'}")
             return
+        world = _world(scenario, home)
         demand_jsbsim()
         with (
             signing_by(signing_key, f"sitl-{instance}", harmless) as signing,
@@ -162,19 +163,28 @@ def simulate(
             _report_sender(reports) as sender,
         ):
             stop = _Stop(attended)
-            if _simulate(scenario, speed, server, sender, home, seed, quiet, stop, signing):
+            if _simulate(world, scenario, speed, server, sender, seed, quiet, stop, signing):
                 raise typer.Exit(Collided.exit_code)
     except CompanionError as error:
         typer.echo(str(error), err=True)
         raise typer.Exit(error.exit_code) from error
 
 
+def _world(path: Path | None, home: GlobalOrigin | None) -> tuple[Scenario, OccupancyGrid | None]:
+    """A scenario, and its map if it has one; home on the command line wins over the file's."""
+    fallback = home or default_home(dict(os.environ))
+    if path is None:
+        return Scenario(home=fallback), None
+    scenario, grid = read_scenario(path, fallback)
+    return replace(scenario, home=home) if home else scenario, grid
+
+
 def _simulate(
+    world: tuple[Scenario, OccupancyGrid | None],
     path: Path | None,
     speed: float,
     server: Server,
     sender: ReportSender | None,
-    home: GlobalOrigin | None,
     seed: int,
     is_quiet: bool,
     stop: _Stop,
@@ -183,12 +193,8 @@ def _simulate(
     """Simulates until it is to end, and on until the vehicle is at rest; whether it is damaged."""
     from sitl.simulation import Simulation
 
-    fallback = home or default_home(dict(os.environ))
-    world, grid = read_scenario(path, fallback) if path else (Scenario(home=fallback), None)
-    if home:
-        world = replace(world, home=home)  # the command line wins over the file
     instance = server.instance
-    simulation = Simulation(world, grid, seed=seed, instance=instance, signing=signing)
+    simulation = Simulation(*world, seed=seed, instance=instance, signing=signing)
     gcs, offboard = (server.peers[link][1] for link in (LinkName.GCS, LinkName.OFFBOARD))
     typer.echo(f"sitl: vehicle {1 + instance} in {path or 'an empty world'}, {speed:g} x real time")
     typer.echo(

@@ -155,6 +155,21 @@ class WallNear(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class SpeedLimitedBySight(FlightEvent):
+    """The vehicle flies no faster than it can stop within what its range finder sees."""
+
+    kind = "speed"
+    template = (
+        "no faster than {speed_mps:.1f} m/s, where the mission allows {asked_mps:.1f}: what no map "
+        "shows is seen {sight_m:.1f} m ahead (limits.beyond_sight)"
+    )
+
+    speed_mps: Annotated[float, Doc("the speed from which the vehicle stops within sight")]
+    asked_mps: Annotated[float, Doc("that the mission and the vehicle allow")]
+    sight_m: Annotated[float, Doc("how far the range finder's echoes count")]
+
+
+@dataclass(frozen=True, slots=True)
 class ClearanceChanged(FlightEvent):
     """Routes keep more from obstacles, or less, as the position is good for less, or more."""
 

@@ -96,6 +96,8 @@ class Limits:
         fence: polygon of north-east corners.
         keep_out: the same of each area that is never entered, by name.
         is_fence_written: the mission has a fence of its own; else it is the edge of its map.
+        is_beyond_sight: a vehicle with a range finder may fly faster than it can stop within what
+            that sees.
     """
 
     speed_mps: float
@@ -103,6 +105,7 @@ class Limits:
     fence: tuple[NorthEast, ...]
     keep_out: Mapping[str, tuple[NorthEast, ...]] = field(default_factory=dict)
     is_fence_written: bool = True
+    is_beyond_sight: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,8 +76,9 @@ def read_space(
         zone = reading.read(partial(_zone, name, edge, *about), "limits", "keep_out", name)
         if zone is not None:
             keep_out[name] = zone
-    limits = Limits(file.limits.speed_mps, file.limits.up_m, edge, keep_out, fence is not None)
-    for key in ("up_m", "unusual", "keep_out"):
+    bounds = file.limits.speed_mps, file.limits.up_m, edge, keep_out
+    limits = Limits(*bounds, fence is not None, file.limits.beyond_sight)
+    for key in ("up_m", "unusual", "keep_out", "beyond_sight"):
         if not reading.is_whole("limits", key):
             return None
     reading.read(partial(check_reach, limits, file.limits.unusual, document), "limits")

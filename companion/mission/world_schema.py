@@ -41,6 +41,13 @@ class LimitsEntry(DrawnModel):
             "written in another unit."
         ),
     ] = False
+    beyond_sight: Annotated[
+        bool,
+        Field(
+            description="true: nothing stands there that the map does not show. A vehicle with a "
+            "range finder may then fly faster than it can stop within what that sees."
+        ),
+    ] = False
 
 
 Latitude = Annotated[float, Field(ge=-90, le=90)]

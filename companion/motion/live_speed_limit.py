@@ -1,9 +1,10 @@
 """The speed limit in force: one for the costs of plans, for trajectories and for the gate.
 
-The target is what the mission and the vehicle allow, and less if an operator says so. It may change
-in flight. The limit in force goes to a new target at the vehicle's acceleration: a trajectory under
-way is flown more slowly along the same path, without a jump of its speed, and the gate, which knows
-the same limit, does not refuse it. New plans reckon with the target at once.
+The target is what the mission and the vehicle allow, and less if an operator says so, or if the
+vehicle sees less far. It may change in flight. The limit in force goes to a new target at the
+vehicle's acceleration: a trajectory under way is flown more slowly along the same path, without a
+jump of its speed, and the gate, which knows the same limit, does not refuse it. New plans reckon
+with the target at once.
 
 No clock: whoever ticks says what time it is.
 """
@@ -23,7 +24,7 @@ class LiveSpeedLimit:
     """The speed limit of one flight.
 
     Args:
-        limits: of the mission and its vehicle; what an operator says only lowers their speed.
+        limits: of the mission and its vehicle; an operator, and sight, only lower their speed.
 
     Attributes:
         target: the limits that new plans reckon with.
@@ -36,6 +37,7 @@ class LiveSpeedLimit:
         self.now_mps = limits.speed_mps
         self.version = 0
         self._limits = limits
+        self._operator_mps = self._sight_mps = math.inf
         self._change_mps2 = 0.0
         self._now_s: float | None = None
 
@@ -46,7 +48,16 @@ class LiveSpeedLimit:
 
     def set_operator_limit(self, speed_mps: float) -> None:
         """An operator allows no more than this; more than the mission allows changes nothing."""
-        speed_mps = min(speed_mps, self._limits.speed_mps)
+        self._operator_mps = speed_mps
+        self._set_target()
+
+    def set_sight_limit(self, speed_mps: float) -> None:
+        """The vehicle can stop within what it sees at no more than this."""
+        self._sight_mps = speed_mps
+        self._set_target()
+
+    def _set_target(self) -> None:
+        speed_mps = min(self._limits.speed_mps, self._operator_mps, self._sight_mps)
         if speed_mps != self.target.speed_mps:
             self.target = replace(self.target, speed_mps=speed_mps)
             self.version += 1

@@ -94,6 +94,7 @@ from companion.flight_events.skills import (
     SkillCompleted,
     SkillFailed,
     SkillProgressed,
+    SpeedLimitedBySight,
     SymbolMoved,
     WallNear,
     WrittenTreeFailed,
@@ -191,6 +192,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (
         ClearanceChanged(1.2, 0.254),
         "routes keep 1.2 m from obstacles where there is room: the position is good for 0.25 m",
+    ),
+    (
+        SpeedLimitedBySight(4.57, 8.0, 8.0),
+        "no faster than 4.6 m/s, where the mission allows 8.0: what no map shows is seen "
+        "8.0 m ahead (limits.beyond_sight)",
     ),
     (
         SymbolMoved("A", (10.758, 3.337, -2.0), "samples of the region"),
