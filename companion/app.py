@@ -99,7 +99,7 @@ class Companion:
         self._run: Run | None = None
         self._preparation: Preparation | None = None
         self._is_prepared = self._is_stopping = self._has_hung_up = False
-        self._adjusted, self._now_s = -1, 0.0
+        self._adjusted, self._now_s = -1, journalled.goes_on_s if journalled else 0.0
         self._only = OnlyRun.of(mission, recorder, engine, journalled, functions)
         self._listen()
         self._begin_only()

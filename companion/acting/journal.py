@@ -210,6 +210,11 @@ class JournalledFlight:
         return self.changes[-1].positions if self.changes else 0
 
     @property
+    def goes_on_s(self) -> float:
+        """What the flight's clock shows when it goes on."""
+        return self.time_s + self.away_s
+
+    @property
     def is_over(self) -> bool:
         """Whether there is nothing to go on with: it has ended, or never begun to arm."""
         return self.phase is Phase.ENDED or self.armed_s is None

@@ -130,14 +130,17 @@ def restore(
     """
     task, journal = flight.task, flight.journal
     replay = TaskReplay(task, planner)
+    goes_on_s = flight.now_s
     for change in journalled.changes:
         replay.make(change)
+        flight.now_s = change.now_s or goes_on_s
+        tell_positions(flight)  # some may be wanting in the record, which leaves out what it has
+    flight.now_s = goes_on_s
     if journalled.fence is not None:
         keep_to(flight, journalled.fence)
     if (learnt := journalled.energy) is not None and planner.energy is not None:
         flying = RatioEstimate(learnt.flying, learnt.flying_deviation)
         planner.energy.recall(flying, RatioEstimate(learnt.gauge, learnt.gauge_deviation))
-    tell_positions(flight)  # some may be wanting in the record, which leaves out what it has
     events = planner.mission.events
     detector.resume(name for name, event in events.items() if event.fact in task.facts)
     task.on_change = lambda change: journal.note(flight.now_s, change)

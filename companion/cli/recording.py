@@ -102,7 +102,7 @@ def _new_path(name: str, log_dir: Path, now_s: float) -> Path:
 
 def flown_s(cut_off: CutOffRun | None) -> float:
     """What the flight's clock shows now."""
-    return cut_off.journalled.time_s + cut_off.journalled.away_s if cut_off else 0.0
+    return cut_off.journalled.goes_on_s if cut_off else 0.0
 
 
 def close_run(folder: RunFolder, terminal: Terminal) -> None:

@@ -55,7 +55,18 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
         kept = [conjunct for conjunct in planner.conjuncts if conjunct.name not in dropped]
         found += [*_vacuous_lines(planner), *_met_by_rest(kept, plan.lasso)]
         found += _walls_below_the_end(mission, plan.lasso)
-    return (*found, *_cut_off_places(planner))
+    return (*found, *_begins_elsewhere(mission), *_cut_off_places(planner))
+
+
+def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
+    """The place where a mission in metres begins, if it is not where its metres count from."""
+    off_m = math.hypot(*mission.home.position[:2])
+    if mission.anchor is None and off_m > mission.home.inner_m:
+        yield Notice(
+            mission.home.name,
+            f"the mission begins there, {off_m:.1f} m from [0, 0], which is where the vehicle"
+            " stands at its start; a start there is refused",
+        )
 
 
 def _cut_off_places(planner: Planner) -> Iterator[Notice]:

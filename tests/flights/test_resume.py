@@ -11,11 +11,13 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
+import meadow
 import pytest
 from lockstep import Lockstep, World
 
 from companion.acting.journal import CommandIntended, VehicleSeen
 from companion.errors import Aborted
+from companion.flight_events.event import Stamped
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import OutcomeUnknown, PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
@@ -27,6 +29,7 @@ from companion.flight_events.sortie import (
     RunFailed,
     TaskSatisfied,
 )
+from companion.flight_events.word import PositionLeft
 from companion.mavlink.framing import Message, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -116,6 +119,36 @@ def test_killed_at_any_time_no_action_is_done_twice(name: str, seed: int) -> Non
     assert flight.ending == TaskSatisfied() or unknown or is_left_alone
     assert flight.armings == 1 and not flight.simulation.is_armed
     assert flight.simulation.collisions == 0
+
+
+def test_killed_again_at_once_it_knows_the_time(flight: Lockstep) -> None:
+    """Before the one that goes on has heard anything: its clock goes on from where it was."""
+    under_way(flight)
+    for _ in range(2):
+        cut_off(flight)
+    times_s = [time_s for time_s, _ in flight.journal.entries]
+    assert times_s == sorted(times_s)
+    flight.until_the_end()
+    assert flight.one(FlightFoundAgain).away_s == pytest.approx(3.0, abs=0.2)
+    assert flight.ending == TaskSatisfied()
+
+
+def test_positions_that_the_record_lacks_are_told_with_their_own_times() -> None:
+    """The journal was on the disk before the power failed, the end of the record was not."""
+    task = {"often": "revisit(A) <= 60 s", "back": "G F at(Home)"}
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
+    mission = load_mission(meadow.DATA | {"task": task, "limits": limits})
+    flight = meadow.start(mission, resumes=True)
+    flight.until(lambda: flight.places.count("A") == 2).run(1.0)
+    before = left(flight)
+    cut_off(flight, 8.0)
+    flight.recorded.clear()
+    flight.until_reported(ControlTakenBack)
+    assert len(before) > 2 and left(flight) == before
+
+
+def left(flight: Lockstep) -> list[Stamped]:
+    return [each for each in flight.recorded if isinstance(each.event, PositionLeft)]
 
 
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(s, marks=CAMPAIGN) for s in range(2, 10))])

@@ -38,6 +38,19 @@ def test_events_that_are_used_are_not() -> None:
     assert told(asked) == []
 
 
+@pytest.mark.parametrize(("north_m", "notices_told"), [(0.5, 0), (3.0, 1)])
+def test_a_mission_in_metres_that_begins_elsewhere_is_noticed(
+    north_m: float, notices_told: int
+) -> None:
+    """Where it begins is where its metres count from: the vehicle stands there."""
+    places = DATA["places"] | {"Home": DATA["places"]["Home"] | {"north_m": north_m}}
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
+    elsewhere = told(load_mission(DATA | {"places": places, "limits": limits}))
+    assert [text.partition(", which")[0] for text in elsewhere] == [
+        "Home: the mission begins there, 3.0 m from [0, 0]"
+    ] * notices_told
+
+
 @pytest.mark.parametrize(
     ("line", "why"),
     [
