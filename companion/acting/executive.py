@@ -60,6 +60,7 @@ class Executive:
         due: the plan that is due, or was last; None before the first.
         lasso: the present plan; None before the first, and with a tree written by hand.
         failure: why the task has no plan, or none was found; None while it has one.
+        has_lost_way: whether a flight to a place, in want of a plan, has failed.
 
     Args:
         prepared: the mission, with its planner and its first plan.
@@ -73,6 +74,7 @@ class Executive:
         self.lasso: Lasso | None = None
         self.failure: PlanFailure | None = None
         self.due: DueReplan | None = None
+        self.has_lost_way = False
         self.planner = planner = prepared.planner
         self._flight = flight
         self._detector = detector
@@ -220,6 +222,7 @@ class Executive:
             self._replan(reason)
             return
         plan.tree.tick_once()
+        self.has_lost_way = plan.is_leaving and plan.tree.status is Status.FAILURE
         self._tell_tree()
         tell_positions(self._flight)
         is_lap_done = progress.laps > laps
@@ -326,12 +329,12 @@ class Executive:
         self.lasso = lasso
         self._triggers.adopt(lasso)
         self._plan_state = state
-        root = build(flight, lasso, self._assumptions)
+        relied_on = None if state is ExecutiveState.LEAVING else self._assumptions
+        root = build(flight, lasso, relied_on)
         self._take_tree(root, ExecutiveState.GROUNDED if is_landed else state)
 
     def _take_tree(self, root: Behaviour, state: ExecutiveState) -> None:
-        self.state = state
-        self._root = root
+        self.state, self._root = state, root
         self._tree_report = TreeReport(self._flight, root)
 
     def _rest(self) -> None:

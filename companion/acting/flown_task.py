@@ -168,7 +168,10 @@ class FlownTask:
             return SortieEvent.SATISFIED
         if executive.is_leaving and safe.place is not None:
             assert executive.due is not None
-            flight.report(ReturnFailed(safe.place, executive.due.reason))
+            if executive.has_lost_way:
+                flight.report(ReturnFailed(safe.place, executive.due.reason))
+            else:
+                safe.reconsider()
             safe.place = None
         place = safe.choose()
         if place is None:

@@ -115,7 +115,7 @@ class ReplanTriggers:
         if self._flight.progress.is_landed_by_plan:
             assumptions.note_wrong()
             return
-        if assumptions.wrong and self._is_confirmed(plan):
+        if not plan.is_leaving and assumptions.wrong and self._is_confirmed(plan):
             assumptions.renew()
         self._reachability.look()
 
@@ -196,9 +196,12 @@ class ReplanTriggers:
     # -- the task has a plan again -------------------------------------------------------------
 
     def _may_be_possible(self, plan: PlanUnderWay) -> bool:
-        return plan.is_leaving and self._assumptions.may_do_better
+        return plan.is_leaving and (
+            self._assumptions.may_do_better or bool(self._assumptions.wrong)
+        )
 
     def _possible_again(self, _: PlanUnderWay) -> str | None:
+        """Beliefs have come back, or events have changed; the flight goes on while it is asked."""
         task = self._flight.task
         is_possible = None
         if not task.violated:
@@ -208,6 +211,7 @@ class ReplanTriggers:
         if is_possible:
             return self._assumptions.surprise or BELIEF_CAME_BACK
         self._assumptions.forget_restored_beliefs()
+        self._assumptions.renew()
         return None
 
     # -- a line that was dropped can be kept ---------------------------------------------------
@@ -252,6 +256,8 @@ class ReplanTriggers:
 
     def _failure(self, plan: PlanUnderWay) -> str | None:
         """An assumption is wrong, a skill has failed, or a belief has come back."""
+        if plan.is_leaving:
+            return failure_of(plan.tree)
         unexpected = self._assumptions.surprise or failure_of(plan.tree)
         return unexpected or self._violation or BELIEF_CAME_BACK
 

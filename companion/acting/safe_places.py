@@ -53,6 +53,10 @@ class SafePlaces:
         self.place = None
         self._choosing.abandon()
 
+    def reconsider(self) -> None:
+        """The present place is one of those that may be chosen: its way was not lost."""
+        self._tried.discard(self.place or NOWHERE)
+
     @property
     def landed_at(self) -> str | None:
         """The safe place on which the plan has landed the vehicle; None if it has not.

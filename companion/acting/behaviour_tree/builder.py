@@ -89,13 +89,14 @@ class ActionNode(Selector):
             flight.progress.is_stranded = flight.progress.is_landed_by_plan and not stays_on_ground
 
 
-def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
+def build(flight: Flight, lasso: Lasso, assumptions: Assumptions | None) -> Behaviour:
     """The tree of a lasso.
 
     Args:
         flight: what the leaves act on.
         lasso: the plan.
-        assumptions: the values of events on which the plan relies.
+        assumptions: the values of events on which the plan relies; None for a flight to a place in
+            want of a plan, which nothing but a plan ends.
     """
     planned = [Intention(action.name, (action,)) for action in (*lasso.prefix, *lasso.loop)]
     trees = [action_tree(flight, each, assumptions, each is planned[-1]) for each in planned]
@@ -103,7 +104,8 @@ def build(flight: Flight, lasso: Lasso, assumptions: Assumptions) -> Behaviour:
     prefix, lap = trees[:cut], trees[cut:]
     loop = Repeat("L", _sequence("lap", lap), num_success=FOR_EVER)
     root = Sequence("root", memory=False)
-    root.add_children([AssumptionsHold(flight, assumptions), _sequence("plan", [*prefix, loop])])
+    checks = [AssumptionsHold(flight, assumptions)] if assumptions is not None else []
+    root.add_children([*checks, _sequence("plan", [*prefix, loop])])
     return root
 
 
@@ -112,20 +114,22 @@ def action_tree(
     intention: Intention,
     assumptions: Assumptions | None,
     ends_lap: bool = False,
+    is_by_hand: bool = False,
 ) -> Behaviour:
     """The tree of one action (Fig. 6).
 
     Args:
         flight: what the leaves act on.
         intention: what is done.
-        assumptions: those of the plan; None in a tree written by hand.
+        assumptions: those of the plan; None where it relies on none.
         ends_lap: whether the action is the last one of the loop.
+        is_by_hand: whether it is of a tree written by hand.
     """
     action = intention.action
     about = (action.tries, action.timeout_s, action.look_at, action.confirmed_by)
     steps = Refinement("steps", action.execute, *about)
     refinement = _refinement(flight, steps)
-    if assumptions is None and action.destination is None:
+    if is_by_hand and action.destination is None:
         at_place = Sequence("at its place", memory=False)
         at_place.add_children([StillThere(flight, intention), refinement])
         refinement = at_place

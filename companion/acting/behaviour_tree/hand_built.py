@@ -139,7 +139,7 @@ def _action(
     flight: Flight, name: str, actions: tuple[Action, ...], tries: Tries | None
 ) -> Behaviour:
     """An action; one that begins anywhere has nothing to do where its effect holds."""
-    tree = action_tree(flight, Intention(name, actions, tries), None)
+    tree = action_tree(flight, Intention(name, actions, tries), None, is_by_hand=True)
     done = frozenset[Fact].intersection(*(action.adds for action in actions))
     if ANYWHERE not in name or not done or any(action.conditional for action in actions):
         return tree

@@ -54,7 +54,7 @@ class Precondition(Leaf):
     flight that has failed from where that has ended.
 
     Args:
-        assumptions: of the plan; None for a tree written by hand, which is never replaced.
+        assumptions: of the plan; None where it relies on none.
     """
 
     does = LeafType.PRECONDITION

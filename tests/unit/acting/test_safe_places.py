@@ -12,7 +12,9 @@ from sortie_rig import SortieRig
 from synthetic import command, event, facts_of, mission, move, reading
 
 from companion.acting.flight_limit import FlightLimit
+from companion.acting.replanning.replanner import Replanner
 from companion.errors import NoPlanError
+from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.sortie import (
     Phase,
     PhaseEntered,
@@ -23,7 +25,16 @@ from companion.flight_events.sortie import (
 )
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
-from companion.mission.model import Execution, Land, LandAtSafePlace, Mission, Skill, TakeOff, Wait
+from companion.mission.model import (
+    Execution,
+    Land,
+    LandAtSafePlace,
+    Mission,
+    Otherwise,
+    Skill,
+    TakeOff,
+    Wait,
+)
 from companion.mission.tree_nodes import Act, Steps
 from companion.motion.grid import OccupancyGrid
 from companion.planning.planner import Planner
@@ -211,6 +222,38 @@ def test_a_plan_that_comes_back_on_the_way_is_flown() -> None:
     leaving(run, "B")
     run.step(reading("low", 0.0), reading("calm"))
     assert run.until(Phase.ENDED).end == TaskSatisfied()
+
+
+def alarmed(*places: str) -> Mission:
+    """It cannot be done at A; an event on the way home matters to the task, and brings no plan."""
+    do = command("do", "at(A)", "done")
+    otherwise = LandAtSafePlace(places) if places else Otherwise.RETURN_HOME
+    task = "F done & G (low -> F at(C))"
+    return mission(task, "HABC", [do], [event("low")], otherwise=otherwise)
+
+
+@pytest.mark.parametrize(("places", "first"), [((), "H"), (("B", "C"), "B")])
+def test_an_event_on_the_way_that_brings_no_plan_changes_nothing(
+    places: tuple[str, ...], first: str
+) -> None:
+    run = leaving(refused(alarmed(*places)), first)
+    before = len(run.events)
+    run.step(reading("low"))
+    landed(run, first)
+    assert not run.of(ReturnFailed) and begun(run) == [first]
+    assert not [e for e in run.events[before:] if isinstance(e, NoPlanFound | PlanReplaced)]
+
+
+def test_where_the_plan_that_was_hoped_for_is_none_it_goes_on_to_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """What is possible may have changed when the plan is made."""
+    run = leaving(refused(alarmed("B", "C")), "B")
+    with monkeypatch.context() as patch:
+        patch.setattr(Replanner, "is_possible", property(lambda self: True))
+        run.step(reading("low"))
+    landed(run, "B")
+    assert not run.of(ReturnFailed) and begun(run) == ["B", "B"]
 
 
 def test_a_tree_that_fails_leads_there() -> None:
