@@ -33,11 +33,17 @@ class Dock(Protocol):
         """How long the vehicle waits on a dock that gives nothing, before it gives that up."""
         ...
 
+    @property
+    def lasts_for_another_try(self) -> bool:
+        """Whether the charge lasts for taking off and landing again, the reserve left."""
+        ...
+
 
 class AnyDock:
     """A dock of which plans know nothing: whatever it gives is enough, and nobody waits for it."""
 
     patience_s = 0.0
+    lasts_for_another_try = True
 
     def charging_s(self, before: float, after: float) -> float:
         """As long as it takes."""
@@ -75,6 +81,16 @@ class PlannedDock:
         if any(self._is_in_reach(action) for action in docks if action.name != running.name):
             return 0.0
         return max(self.planner.mission.patience_s, running.retry_after_s or 0.0)
+
+    @property
+    def lasts_for_another_try(self) -> bool:
+        """At the safe place that takes the least from here, which is the dock itself where it is one."""
+        energy = self.planner.energy
+        if energy is None:
+            return True
+        drains = [drain for place in energy.safe if (drain := energy.to_land_at(place)) is not None]
+        needed = energy.model.reserve + energy.to_take_off() + min(drains, default=0)
+        return energy.level() >= needed
 
     def _is_in_reach(self, action: Action) -> bool:
         """Whether it may charge there, and the charge lasts for the way, the reserve left."""

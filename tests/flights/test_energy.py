@@ -128,9 +128,13 @@ def soon_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("soon_given_up")
-def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve() -> None:
-    """It has arrived with what that one asks for: no other place is in reach."""
-    flight = fly(pads=[])
+@pytest.mark.parametrize("tries", [1, 2])
+def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve(tries: int) -> None:
+    """It has arrived with what that one asks for: no other place, nor another try, is in reach."""
+    given = two_docks()
+    recharge = given["skills"]["recharge"] | {"tries": tries}
+    mission = load_mission(given | {"skills": given["skills"] | {"recharge": recharge}})
+    flight = fly(mission=mission, pads=[])
     flight.until(lambda: flight.companion.has_ended, 400.0)
     assert [e.belief for e in flight.of(BeliefWithdrawn)] == ["canCharge(E)"]
     assert flight.exit_code == 3 and not flight.simulation.is_armed

@@ -111,8 +111,9 @@ class TakeOffVehicle(ReachGoals):
 class BeginAgain(TakeOffVehicle):
     """Before each try of a skill that lands or takes off: another try begins as the first one did.
 
-    The vehicle takes off again for one that has begun in the air. It does not land where nobody has
-    said so: a skill that has begun on the ground, and has taken off, is not tried again.
+    The vehicle takes off again for one that has begun in the air, if its charge lasts for that. It
+    does not land where nobody has said so: a skill that has begun on the ground, and has taken off,
+    is not tried again.
     """
 
     does = LeafType.BEGIN_AGAIN
@@ -120,7 +121,7 @@ class BeginAgain(TakeOffVehicle):
     def __init__(self, flight: Flight) -> None:
         super().__init__(flight, "as at first?")
         self._first_at: int | None = None
-        self._began_on_ground = False
+        self._began_on_ground, self._lasts = False, True
 
     def initialise(self) -> None:
         """Notes where the first try of an action begins; no position is left between its tries."""
@@ -128,7 +129,9 @@ class BeginAgain(TakeOffVehicle):
         if self._first_at != positions:
             self._first_at = positions
             self._began_on_ground = progress.is_landed_by_plan
+        self._lasts = True
         if progress.is_landed_by_plan and not self._began_on_ground:
+            self._lasts = self._flight.dock.lasts_for_another_try
             super().initialise()
 
     def update(self) -> Status:
@@ -137,6 +140,8 @@ class BeginAgain(TakeOffVehicle):
             return Status.SUCCESS
         if self._began_on_ground:
             return self.fail("not tried again: it began on the ground, and is in the air")
+        if not self._lasts:
+            return self.fail("not tried again: the charge does not last for it, the reserve left")
         return super().update()
 
 

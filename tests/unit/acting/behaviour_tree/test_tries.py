@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from rig import Rig
 from synthetic import POSITIONS, command, mission, move, skill
 
+from companion.acting.docks import AnyDock
 from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import SkillCompleted, SkillFailed, SymbolMoved
@@ -22,6 +23,7 @@ from companion.vehicle.port import Failed, Goal, Progress
 DENIED = (0.1, Failed("denied"))
 DONE = (0.1, Progress.DONE)
 SILENT = (0.0, Progress.RUNNING)
+ALMOST_EMPTY = type("AlmostEmpty", (AnyDock,), {"lasts_for_another_try": False})()
 PHOTO = Command(25, 31010, "MAV_CMD_USER_1", (1.0,))
 SHOT = Command(25, 31010, "MAV_CMD_USER_1", (2.0,))
 
@@ -158,6 +160,18 @@ def test_another_try_of_a_landing_begins_in_the_air() -> None:
     assert len(rig.of(VehicleLanded)) == len(rig.of(VehicleAirborne)) == 2
     up = [Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD]
     assert rig.vehicle.pursued == [Goal.LANDED, *up, Goal.LANDED, *up]
+
+
+def test_without_the_charge_for_it_a_landing_is_not_tried_again() -> None:
+    """It stays on the ground."""
+    rig = dock(Fly("to"), Land(), PHOTO, TakeOff(), tries=3)
+    rig.flight.dock = ALMOST_EMPTY
+    rig.vehicle.payloads.answers = [DENIED] * 9
+    rig.run_until(SkillFailed)
+    (failed,) = rig.of(SkillFailed)
+    assert failed.reason == "not tried again: the charge does not last for it, the reserve left"
+    assert len(rig.of(VehicleLanded)) == 1 and not rig.of(VehicleAirborne)
+    assert rig.vehicle.pursued == [Goal.LANDED]
 
 
 def test_a_landing_that_fails_is_begun_again_from_the_air() -> None:
