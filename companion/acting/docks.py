@@ -84,7 +84,7 @@ class PlannedDock:
 
     @property
     def lasts_for_another_try(self) -> bool:
-        """At the safe place that takes the least from here, which is the dock itself where it is one."""
+        """At the safe place that takes the least from here: on a dock, that dock."""
         energy = self.planner.energy
         if energy is None:
             return True
