@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from companion.cli.times import minutes
 from companion.errors import TaskViolated, printable
 
 if TYPE_CHECKING:
@@ -119,7 +120,6 @@ def _dropped(finding: Finding) -> str:
 
 def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -> str:
     """A position, what each conjunct says after it, and its facts."""
-    minutes, seconds = divmod(time_s, 60)
     states = "".join(SYMBOLS[finding.states[position.number].value] for finding in findings)
     notes = [f"{name} had risen" for name in sorted(position.risen)]
     notes += [f"{name} begins anew" for name in sorted(position.restarted)]
@@ -128,5 +128,5 @@ def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -
     notes += [f"without {withdrawn}"] if withdrawn else []
     notes += ["and so for ever"] if position.for_ever else []
     facts = ", ".join(sorted(position.facts))
-    time = f"{int(minutes):02d}:{seconds:04.1f}"
-    return f"  {position.number:>4}  {time}  {states}  {facts}" + "".join(f"; {n}" for n in notes)
+    row = f"  {position.number:>4}  {minutes(time_s)}  {states}  {facts}"
+    return row + "".join(f"; {note}" for note in notes)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from companion.cli.resuming import CutOffRun, mark_latest
 from companion.cli.terminal import Terminal
+from companion.cli.times import minutes
 from companion.errors import CompanionError, LinkError
 
 if TYPE_CHECKING:
@@ -113,5 +114,4 @@ def close_run(folder: RunFolder, terminal: Terminal) -> None:
 
 def line(stamped: Stamped) -> str:
     """An event as a line of the terminal."""
-    minutes, seconds = divmod(stamped.time_s, 60)
-    return f" {int(minutes):02d}:{seconds:04.1f}  {stamped.event.text}"
+    return f" {minutes(stamped.time_s)}  {stamped.event.text}"
