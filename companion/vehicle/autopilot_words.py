@@ -13,6 +13,8 @@ Rules:
    event is told by its number, and is no news: the checks of other modes cannot be told apart.
 4. What was said more than LATELY_S ago is old, and explains no refusal.
 5. In flight what is said is news, at most MOST_NEWS in NEWS_S.
+6. An event that leaves its reason to the report is told with what that has for the present mode.
+   "Failsafe warning:" alone says nothing, and is not told: PX4 v1.18 says it after each landing.
 """
 
 from __future__ import annotations
@@ -37,7 +39,7 @@ REPEAT_S = 10.0
 MOST_NEWS, NEWS_S = 10, 10.0
 MOST_WAITING = 64
 REPORT_S, REPORT_TIMES = 1.0, 5
-_GROUP = "default"
+_GROUP, _EXPLAINED = "default", "append_health_and_arming_messages"
 _ADDRESSED = frozenset({"FILE_TRANSFER_PROTOCOL", "RESPONSE_EVENT_ERROR"})
 
 SPOKEN = frozenset(
@@ -126,11 +128,15 @@ class AutopilotWords:
 
     def why_not_armed(self, now_s: float) -> list[str]:
         """What stands in the way of arming in the present mode, and what was said lately."""
-        metadata = self._fetch.metadata
-        group = metadata.mode_groups.get(self.custom_mode) if metadata else None
-        reasons = self._report.reasons(group)[:MOST_REASONS]
+        reasons = self._reasons()
         said = [text for text in self.lately(now_s) if not any(r in text for r in reasons)]
         return reasons + said
+
+    def _reasons(self) -> list[str]:
+        """What has not passed for the present mode, by the newest report."""
+        metadata = self._fetch.metadata
+        group = metadata.mode_groups.get(self.custom_mode) if metadata else None
+        return self._report.reasons(group)[:MOST_REASONS]
 
     # -- in ------------------------------------------------------------------------------------
 
@@ -170,7 +176,13 @@ class AutopilotWords:
         if self._report.take(definition, event.level, text, arguments):
             return
         if definition.group == _GROUP and event.level <= WARNING:
-            self._say(now_s, text)
+            self._say(now_s, self._explained(text) if definition.type == _EXPLAINED else text)
+
+    def _explained(self, text: str) -> str:
+        """Rule 6; empty if there is nothing to tell."""
+        if reasons := self._reasons():
+            return f"{text.removesuffix(':')}: {', '.join(reasons)}"
+        return "" if text.endswith(":") else text
 
     def _say(self, now_s: float, text: str) -> None:
         """Rule 5."""
