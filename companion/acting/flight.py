@@ -174,11 +174,15 @@ class Flight:
         return None if state is None else self.departure_of(state)
 
     def departure_of(self, state: VehicleState) -> Departure:
-        """The same for a state: the motion that it is told, if it follows that; else its own."""
+        """The same for a state: the motion that it is told, if it follows that; else its own.
+
+        A vehicle above its altitudes comes down to them as it leaves.
+        """
         told, stop, t_s = self._setpoint, self._stop, self.stopping_s
         within_m = LAG_SHARE * self.profile.carrot_m
         if told is None or distance(told.position, state.position) >= within_m:
-            own = Sample(state.position, state.velocity, AT_REST, is_finished=False)
+            here = self._not_above_band(state.position)
+            own = Sample(here, state.velocity, AT_REST, is_finished=False)
             return Departure(own, stop, t_s)
         return at_rest(told.position) if stop is None else Departure(stop.sample(t_s), stop, t_s)
 
@@ -249,6 +253,8 @@ class Flight:
     def hold(self, heading_rad: float | None = None) -> None:
         """Stays where the last setpoint was, or where the vehicle is in the air.
 
+        A little above its altitudes, where a pilot may have given it back, it comes down to them.
+
         Args:
             heading_rad: to which it turns; None to keep the heading.
         """
@@ -259,7 +265,14 @@ class Flight:
             at_rest = _rest_at(self._setpoint.position)
             self._stream(at_rest, heading_rad, is_landing=self._is_landing)
         elif state is not None and not state.is_landed:
-            self._stream(_rest_at(state.position), heading_rad)
+            self._stream(_rest_at(self._not_above_band(state.position)), heading_rad)
+
+    def _not_above_band(self, position: Ned) -> Ned:
+        """A position, or the highest one below it that is allowed, if that is a setpoint away."""
+        north, east, down = position
+        highest_down = -self.limits.up_m[1]
+        is_near = highest_down - down < self.profile.carrot_m
+        return (north, east, highest_down) if down < highest_down and is_near else position
 
     def hold_here(self) -> None:
         """Stays where the vehicle is now, wherever its last setpoint was."""

@@ -13,7 +13,7 @@ Rules, in this order; the first that applies decides:
 6. A number that is not finite: hold.
 7. Outside the fence or the altitude band, or nearer than the margin to the fence: hold; of the
    autopilot's own fence, where it is kept beside the mission's, the same. The same in
-   a keep-out zone, or behind one; but a vehicle that is in one, or below the band, may be sent to
+   a keep-out zone, or behind one; but a vehicle that is in one, or beside the band, may be sent to
    where it is less so. A landing on a marker may lead below the band over a site of the mission, or
    not as far down as the band would let it: as low as the site is, no lower.
 8. Further from the vehicle than the carrot: hold. A setpoint that stays behind when this program
@@ -267,7 +267,8 @@ def _outside_band(judged: _Judged) -> Refusal | None:
         sites = judged.envelope.sites
         over = [s.lowest_up_m for s in sites if math.dist(s.centre, (north, east)) <= s.radius_m]
         low = max(over, default=low)
-    is_inside = min(low, -judged.state.position[2]) <= -down <= high
+    here_up_m = -judged.state.position[2]
+    is_inside = min(low, here_up_m) <= -down <= max(high, here_up_m)
     return None if is_inside else Refusal("outside the altitude band")
 
 

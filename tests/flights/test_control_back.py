@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from random import Random
 
+import meadow
 import pytest
 from lockstep import COMPANION, Cut, Lockstep, World
 
 from companion.flight_events.skills import PlaceReached
-from companion.flight_events.sortie import FlightFoundAgain, Phase, PhaseEntered
+from companion.flight_events.sortie import FlightFoundAgain, Phase, PhaseEntered, SetpointRefused
 from companion.mavlink.framing import dialect
+from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 
 BACK_S = 5.0
@@ -126,6 +128,33 @@ def test_control_is_back_five_seconds_after_the_later_key(
     flight.until(lambda: flight.simulation.mode == OURS, 20.0).tick()
     assert 0.0 < mode_since_s(flight, OURS) - turned_s <= BACK_S
     assert flight.armings == 1
+
+
+@pytest.mark.parametrize("above_m", [0.2, 0.9])
+def test_a_vehicle_that_is_given_back_above_its_altitudes_comes_down_and_flies_on(
+    above_m: float,
+) -> None:
+    """At the highest of them it flies over the wall: where it is, it may not."""
+    wall = {"east_m": [40, 41], "north_m": [-12, 12], "up_m": 3}
+    fence = [[-9, -9], [70, -9], [70, 9], [-9, 9]]
+    limits = {"speed_mps": 4, "up_m": [1, 6], "fence": fence}
+    places = meadow.DATA["places"] | {"A": {"east_m": 60, "north_m": 0, "up_m": 3}}
+    about = {
+        "places": places,
+        "limits": limits,
+        "map": {"walls": [wall]},
+        "task": {"go": "F at(A)"},
+    }
+    flight = meadow.start(load_mission(meadow.DATA | about), resumes=True)
+    flight.until(lambda: flight.simulation.flight.position[1] > 10.0)
+    flight.station_chooses("AUTO.RTL")
+    flight.until(lambda: -flight.simulation.flight.position[2] > 5.8 + above_m)
+    flight.station_chooses(HOLD)
+    flight.run(4.0)
+    assert 0.0 < -flight.simulation.flight.position[2] - 6.0 < 1.0
+    continued_s = operator_says_continue(flight)
+    flight.until_reported(PlaceReached, place="A")
+    assert flight.now_s - continued_s < 30.0 and not flight.of(SetpointRefused)
 
 
 def test_and_so_it_is_after_a_kill_in_the_take_off(

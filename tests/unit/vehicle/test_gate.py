@@ -279,6 +279,13 @@ def test_the_altitude_band_has_two_ends(up_m: float, is_within: bool) -> None:
     assert found.refusal == (None if is_within else Refusal("outside the altitude band"))
 
 
+@pytest.mark.parametrize(("up_m", "is_within"), [(4.5, True), (4.25, True), (4.5 + AFTER, False)])
+def test_a_vehicle_above_the_band_is_sent_no_higher(up_m: float, is_within: bool) -> None:
+    state = heard(position=(5.0, 5.0, -4.5))
+    found = verdict(replace(GOOD, position=(5.0, 5.0, -up_m)), state)
+    assert found.refusal == (None if is_within else Refusal("outside the altitude band"))
+
+
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_the_carrot_reaches_equally_far_in_every_direction(axis: int, sign: int) -> None:
