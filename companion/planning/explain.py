@@ -1,9 +1,10 @@
 """The reason why there is no plan: conjuncts that conflict, facts out of reach, lost beliefs.
 
-A smallest conflicting set is found by deletion: drop one conjunct after the other for as long
-as the rest still has no plan. Facts that these conjuncts mention, that some skill makes true, and
-that no sequence of skills can reach are named with what their skills lack, and so are places to
-which no route leads. If one withdrawn belief alone would make the task possible again, it is named.
+A smallest conflicting set is found by deletion: drop one conjunct after the other for as long as
+the rest still has no plan. One that is violated is a reason by itself, and dropped last. Facts that
+these conjuncts mention, that some skill makes true, and that no sequence of skills can reach are
+named with what their skills lack, and so are places to which no route leads. If one withdrawn
+belief alone would make the task possible again, it is named.
 
 Planning assumes that every event keeps its value. The values of events are told where nothing else
 explains why a fact is out of reach, or lines of the task cannot hold.
@@ -105,6 +106,7 @@ class Explanation:
         shortages: why the battery does not last, in words.
         late: which bounds in time cannot be kept, and from which limit on they could be, in words.
         remarks: on lines that are often written so, and never hold.
+        violated: the lines of the conflict that no continuation of what was read can satisfy.
     """
 
     conflict: tuple[Conjunct, ...]
@@ -116,6 +118,7 @@ class Explanation:
     shortages: tuple[str, ...] = ()
     late: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    violated: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.told({})
@@ -130,6 +133,7 @@ class Explanation:
         for conjunct in self.conflict:
             place = f"  (line {lines[conjunct.name]})" if conjunct.name in lines else ""
             words.append(f"  {conjunct.name}: {conjunct.text}{place}")
+        words += [f"  {name} is violated, whatever is done now" for name in self.violated]
         words += [f"  {unreachable}" for unreachable in self.unreachable]
         words += [f"  no route leads to {place} on the map" for place in self.no_route]
         words += [f"  {reason}" for reason in (*self.shortages, *self.late, *self.remarks)]
@@ -184,7 +188,7 @@ def why_no_plan(
         late: says which bounds cannot be kept in it.
     """
     core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
-    for i in tuple(core):
+    for i in sorted(core, key=lambda i: not problem.automaton_states[i]):
         rest = [j for j in core if j != i]
         if is_solvable(problem.only(rest)) is False:
             core = rest
@@ -199,11 +203,15 @@ def why_no_plan(
     needed = frozenset[Fact]().union(*(lack for fact in unreachable for lack in fact.needs))
     no_route = _without_route(problem, mentioned | needed, reached, world)
     concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
-    events = {event: event in problem.facts for event in sorted(concerned & world.events)}
     short = shortages(problem.only(core)) if problem.energy is not None else ()
     too_late = late(problem.only(core))
+    lost = [problem.conjuncts[i] for i in core if not problem.automaton_states[i]]
+    violated = tuple(conjunct.name for conjunct in lost)
+    is_known = bool(short or too_late) or any(conjunct.bound for conjunct in lost)
+    told = () if is_known else sorted(concerned & world.events)
+    events = {event: event in problem.facts for event in told}
     about = conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short, too_late
-    return Explanation(*about, remarks_on(conflict, problem.facts))
+    return Explanation(*about, remarks_on(conflict, problem.facts), violated)
 
 
 def _with(problem: Problem, belief: Fact) -> Problem:

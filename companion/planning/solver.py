@@ -6,6 +6,7 @@ Every plan passes the independent check. Before a flight there is time for the b
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -27,7 +28,7 @@ from companion.planning.objective import Objective
 from companion.planning.readiness import Readiness, ready_lines
 from companion.planning.time_check import time_fault
 from companion.planning.timed.known_laps import KnownLaps
-from companion.planning.timed.lateness import late_bounds
+from companion.planning.timed.lateness import NO_LIMIT_MS, late_bounds, with_limit
 from companion.planning.timed.search import TimedSearch
 
 NO_PROOF = "none was found, which is no proof; leave a line out of ready, or move its place"
@@ -132,7 +133,8 @@ class Solver:
 
     def explain_soon(self, problem: Problem) -> Explanation:
         """Why there is no plan, as far as searches in flight can tell."""
-        return why_no_plan(problem, self._is_solvable_soon, world_of(self.mission, problem))
+        about = self._is_solvable_soon, world_of(self.mission, problem)
+        return why_no_plan(problem, *about, self._is_short_soon, self._is_late_soon)
 
     def _checked(
         self,
@@ -235,6 +237,23 @@ class Solver:
                 return True
             answer = None if found is None else answer
         return answer
+
+    def _is_short_soon(self, problem: Problem) -> tuple[str, ...]:
+        """That the charge is the reason, if it is; not what would be enough."""
+        energy = problem.energy
+        if energy is None or not self._is_solvable_soon(replace(problem, energy=None)):
+            return ()
+        now = math.floor(energy.percents[max(0, energy.level)])
+        return (f"the charge, {now} %, is too little",)
+
+    def _is_late_soon(self, problem: Problem) -> tuple[str, ...]:
+        """The bounds without which there would be a plan; not the limits that could be kept."""
+        return tuple(
+            f"{conjunct.text} cannot be kept in time from here"
+            for number, conjunct in enumerate(problem.conjuncts)
+            if conjunct.bound is not None
+            and self._is_solvable_soon(with_limit(problem, number, NO_LIMIT_MS))
+        )
 
     def _shortages(self, problem: Problem) -> tuple[str, ...]:
         short = shortages(self._search, problem, BEFORE_FLIGHT)

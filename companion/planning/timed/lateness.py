@@ -70,16 +70,22 @@ def _waiting(
     Raises:
         SearchLimit: it is not known whether there is a plan.
     """
-    conjunct = problem.conjuncts[number]
-    assert conjunct.bound is not None
-    other = replace(conjunct, bound=replace(conjunct.bound, limit_ms=limit_ms))
-    conjuncts = (*problem.conjuncts[:number], other, *problem.conjuncts[number + 1 :])
-    asked = replace(problem, conjuncts=conjuncts)
+    asked = with_limit(problem, number, limit_ms)
+    other = asked.conjuncts[number]
     solution = next(search.solutions(asked, effort), None)
     if solution is None:
         return None
     waits = longest_waits(asked, solution.lasso)
     return next((wait for wait in waits if wait.conjunct is other), LongestWait(other, 0, ()))
+
+
+def with_limit(problem: Problem, number: int, limit_ms: int) -> Problem:
+    """A problem with another limit of the bound of one of its conjuncts."""
+    conjunct = problem.conjuncts[number]
+    assert conjunct.bound is not None
+    other = replace(conjunct, bound=replace(conjunct.bound, limit_ms=limit_ms))
+    conjuncts = (*problem.conjuncts[:number], other, *problem.conjuncts[number + 1 :])
+    return replace(problem, conjuncts=conjuncts)
 
 
 def _limit_ms(planned_ms: int) -> int:

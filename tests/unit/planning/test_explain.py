@@ -249,6 +249,13 @@ def test_events_that_a_skill_needs_are_told_with_their_values() -> None:
     ]
 
 
+def test_a_line_that_is_violated_is_the_reason_whatever_else_there_is() -> None:
+    asked = mission({"away": "G !at(H)", "do": "F done"}, skills=[command("do", "at(A)", "done")])
+    found = explained(planner(asked), withdrawn=frozenset({"can_do"}))
+    assert [conjunct.name for conjunct in found.conflict] == ["away"]
+    assert "\n  away is violated, whatever is done now\n" in str(found)
+
+
 @pytest.mark.parametrize(("task", "holds"), [("F found", False), ("G !found", True)])
 def test_events_that_the_lines_in_conflict_mention_are_told(task: str, holds: bool) -> None:
     initially = ["at(H)", *(["found"] if holds else [])]

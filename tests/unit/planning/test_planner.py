@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+import re
+from dataclasses import replace
 from typing import Any
 
 import pytest
+from meadow import DATA
 from reference_search import best_lap_and_prefix
 from synthetic import command, event, facts_of, mission, move, planner
 
 from companion.errors import CompanionError, NoPlanError
 from companion.ltl.automaton import successors
 from companion.ltl.budget import Budget, TranslationLimit
+from companion.mission.loader import load_mission
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
@@ -170,6 +174,28 @@ def test_no_plan_is_explained() -> None:
     problem, histories = made.initial_problem()
     assert made.replan(problem, histories) is None
     assert made.explain_soon(problem) == caught.value.explanation
+
+
+LIMITS = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
+FOUND = {"found": {"when": "COMMAND.MAV_CMD_USER_1"}}
+
+
+def test_in_flight_a_charge_that_is_too_little_is_told_and_no_event() -> None:
+    about = {"limits": LIMITS, "events": FOUND, "battery": {"reserve": 20}}
+    task = {"go": "F at(A) & G (found -> F at(Home))"}
+    made = Planner(load_mission(DATA | about | {"task": task}))
+    problem, _ = made.initial_problem()
+    assert problem.energy is not None
+    little = replace(problem.energy, level=problem.energy.floors["Home"] + 1)
+    told = str(made.explain_soon(replace(problem, energy=little)))
+    assert re.search(r"\n  the charge, 2\d %, is too little$", told)
+
+
+def test_in_flight_a_bound_that_comes_too_soon_is_told_and_no_event() -> None:
+    task = {"go": "G (found -> F at(Home))", "soon": "F[<=3s] at(A)"}
+    made = Planner(load_mission(DATA | {"limits": LIMITS, "events": FOUND, "task": task}))
+    told = str(made.explain_soon(made.initial_problem()[0]))
+    assert told.endswith("\n  F[<=3s] at(A) cannot be kept in time from here")
 
 
 def test_it_is_explained_without_a_plan_alone() -> None:
