@@ -83,6 +83,7 @@ class ReplanTriggers:
         self._reachability = replanner.reachability
         self._cut_off, self._line = Question[str](), Question[str]()
         self._possible, self._late = Question[bool](), Question[str]()
+        self._figure = Question[str]()
         self._flown_on_paper: tuple[Lasso, int] | None = None
         self.has_used_slice = False
 
@@ -104,7 +105,7 @@ class ReplanTriggers:
 
     @property
     def _questions(self) -> tuple[Question[str] | Question[bool], ...]:
-        return self._cut_off, self._line, self._possible, self._late
+        return self._cut_off, self._line, self._possible, self._late, self._figure
 
     def look(self, plan: PlanUnderWay) -> None:
         """Looks at events and map. What events have become is taken over if the plan stays best."""
@@ -186,12 +187,20 @@ class ReplanTriggers:
 
     def _is_figure_wrong(self, plan: PlanUnderWay) -> bool:
         energy, is_landed = self._energy, self._flight.progress.is_landed_by_plan
-        may_replan = not plan.is_leaving and not is_landed
-        return energy is not None and may_replan and energy.is_figure_wrong
+        if energy is None or plan.is_leaving or is_landed:
+            return False
+        return self._figure.is_open or energy.is_figure_wrong
 
-    def _figure_is_wrong(self, _: PlanUnderWay) -> str | None:
-        assert self._energy is not None
-        return self._energy.take_factor()
+    def _figure_is_wrong(self, plan: PlanUnderWay) -> str | None:
+        """Where flights take less, the plan under way lasts: it is kept if there is no other."""
+        energy = self._energy
+        assert energy is not None
+
+        def news() -> str:
+            does_last, reason = not energy.takes_more, energy.take_factor()
+            return "" if does_last and self._replanner.plan_now() is None else reason
+
+        return self._figure.ask(plan.lasso, news) or None
 
     # -- the task has a plan again -------------------------------------------------------------
 

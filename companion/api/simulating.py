@@ -201,7 +201,7 @@ def world_alone(mission: Mission) -> dict[str, object]:
     if mission.map_file:
         return world | {"map": str(Path(mission.map_file).resolve())}
     if grid.is_open and not walls:
-        return world | {"lidar": {}}
+        return world
     (south, west), _, (north, east), _ = grid.corners
     area = {} if grid.is_open else {"east_m": [west, east], "north_m": [south, north]}
     return world | {"map": {**area, "cell_m": grid.cell_m, "walls": walls}}

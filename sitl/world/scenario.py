@@ -157,7 +157,9 @@ def read_scenario(
         MissionError: a file cannot be read, or says something that cannot be.
     """
     source = given if isinstance(given, Source) else read_source(given, "scenario")
-    scenario, document = _parse(source, default_home, default_map is not None)
+    has_walls = default_map is not None and bool(default_map.occupied.any())
+    stands_in = DEFAULT_MAP if has_walls else MapEntry()
+    scenario, document = _parse(source, default_home, stands_in if default_map else None)
     grid = _grid(scenario.map, document) or default_map
     now = TrueMap(grid, scenario.obstacles).grid
     radius_m = scenario.vehicle.radius_m
@@ -176,11 +178,11 @@ def parse_scenario(text: str, path: Path) -> Scenario:
     Raises:
         MissionError: with the place in the file.
     """
-    return _parse(Source(text, str(path), path.parent, path), PX4_HOME, has_default_map=False)[0]
+    return _parse(Source(text, str(path), path.parent, path), PX4_HOME)[0]
 
 
 def _parse(
-    source: Source, default_home: GlobalOrigin, has_default_map: bool
+    source: Source, default_home: GlobalOrigin, default_map: str | MapEntry | None = None
 ) -> tuple[Scenario, Document]:
     if isinstance(source.content, str) and re.search(r"^(skills|task):", source.content, re.M):
         hint = "the world in which MISSION.yaml is flown is MISSION.sim.yaml (docs/scenario.md)"
@@ -189,13 +191,13 @@ def _parse(
         source.content, source.name, ScenarioModel, {("version",): 1}
     )
     map_ = source.folder / model.map if isinstance(model.map, str) else model.map
-    if map_ is None and has_default_map:
-        model = model.model_copy(update={"map": DEFAULT_MAP})
+    if map_ is None:
+        model = model.model_copy(update={"map": default_map})
     checked = _checked(model, source.folder, document, reading)
     reading.tell()
 
     def varied(data: Data) -> object:
-        return _parse(replace(source, content=data, path=None), default_home, has_default_map)
+        return _parse(replace(source, content=data, path=None), default_home, default_map)
 
     start, home, wind = model.start, model.home, model.wind
     lidar = model.lidar_on_board

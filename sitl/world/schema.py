@@ -284,7 +284,9 @@ class ScenarioModel(Strict):
     ] = {}
     target: Annotated[TargetModel | None, described("a target detector on board")] = None
     payload: Annotated[PayloadModel | None, described("a payload on board")] = None
-    lidar: Annotated[LidarModel | None, described("there by default where there is a map")] = None
+    lidar: Annotated[
+        LidarModel | None, described("there by default where there are walls or obstacles")
+    ] = None
     marker_camera: Annotated[
         MarkerCameraModel | None, described("looks down for landing markers")
     ] = None
@@ -307,8 +309,9 @@ class ScenarioModel(Strict):
 
     @property
     def lidar_on_board(self) -> LidarModel | None:
-        """The lidar: what the file says, or by default one where there is a map."""
-        return self.lidar or (LidarModel() if self.map else None)
+        """The lidar: what the file says, or by default one where it has something to see."""
+        has_walls = self.map.walls if isinstance(self.map, MapEntry) else self.map
+        return self.lidar or (LidarModel() if has_walls or self.obstacles else None)
 
     @property
     def components(self) -> tuple[tuple[tuple[str | int, ...], int], ...]:

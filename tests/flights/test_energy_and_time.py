@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from lockstep import Lockstep
-from test_energy_factor import POWER_W
+from test_energy_factor import says
 from two_docks import PADS, RESERVE, between_docks, lowest, text, two_docks
 
 from companion.acting.behaviour_tree import landing
@@ -38,7 +38,7 @@ def violated(flight: Lockstep) -> list[str]:
 THIRSTY = {
     "reserve": RESERVE,
     "capacity_wh": 75.5,
-    "power_w": POWER_W,
+    "power_w": says(0.8),
     "curve": [[0, 0], [20, 18.7], [60, 58], [80, 78.6], [90, 89.2], [100, 100]],
 }
 """A battery whose flights take a quarter more than that."""

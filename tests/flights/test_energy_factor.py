@@ -9,6 +9,7 @@ import pytest
 from lockstep import Lockstep
 from two_docks import RESERVE, between_docks, lowest, text, two_docks
 
+from companion.acting.replanning.replanner import Replanner
 from companion.api.simulating import world_of
 from companion.flight_events.energy import EnergyUsed, GaugeJumped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
@@ -20,12 +21,16 @@ from companion.mission.loader import load_mission
 MISSIONS = Path(__file__).parents[2] / "missions"
 INSIDE = ((-1.5, -1.5), (21.5, -1.5), (21.5, 13.5), (-1.5, 13.5))
 """Fence of the hall, east and north."""
-SAYS = 0.8
-"""The power of the mission, against what it really takes."""
-POWER_W = {
-    "level": [[0, 189.4 * SAYS], [5, 192.0 * SAYS], [10, 204.8 * SAYS]],
-    "climb": [[-1, 179.4 * SAYS], [0, 189.4 * SAYS], [3, 225.0 * SAYS]],
-}
+
+
+def says(share: float) -> dict[str, list[list[float]]]:
+    """The power of a mission that says such a share of what flights really take."""
+    level = ((0, 189.4), (5, 192.0), (10, 204.8))
+    climb = ((-1, 179.4), (0, 189.4), (3, 225.0))
+    return {
+        "level": [[speed, share * watts] for speed, watts in level],
+        "climb": [[speed, share * watts] for speed, watts in climb],
+    }
 
 
 def fly(data: dict[str, Any], *happens: dict[str, Any], **options: Any) -> Lockstep:
@@ -35,7 +40,7 @@ def fly(data: dict[str, Any], *happens: dict[str, Any], **options: Any) -> Locks
 
 
 def test_flights_that_take_a_quarter_more_go_on_with_plans_that_know_it() -> None:
-    battery = {"reserve": RESERVE, "capacity_wh": 75.5, "power_w": POWER_W}
+    battery = {"reserve": RESERVE, "capacity_wh": 75.5, "power_w": says(0.8)}
     battery["curve"] = [[0, 0], [20, 18.7], [60, 58], [80, 78.6], [90, 89.2], [100, 100]]
     flight = fly(two_docks(battery=battery))
     assert lowest(flight, 300.0) >= RESERVE - 0.3
@@ -47,6 +52,21 @@ def test_flights_that_take_a_quarter_more_go_on_with_plans_that_know_it() -> Non
     assert all(time_s < 200.0 for time_s in late), text(flight)
     served = [s for s in flight.reports if isinstance(s.event, PlaceReached) and s.time_s > 200.0]
     assert {"A", "B"} <= {s.event.place for s in served}
+
+
+@pytest.mark.parametrize("has_another", [True, False])
+def test_flights_that_take_less_end_no_plan_where_there_is_no_other(
+    has_another: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A plan made anew has less in hand than the one under way had; with a bound there is none."""
+    battery = {"reserve": RESERVE, "capacity_wh": 75.5, "power_w": says(1.2)}
+    if not has_another:
+        monkeypatch.setattr(Replanner, "plan_now", lambda _: None)
+    flight = fly(two_docks(battery=battery))
+    flight.until(lambda: len(flight.of(EnergyUsed)) >= 3, limit_s=400.0).run(5.0)
+    less = [e for e in flight.of(PlanReplaced) if "less energy" in e.reason]
+    assert bool(less) == has_another, text(flight)
+    assert not flight.of(NoPlanFound), text(flight)
 
 
 def test_a_gauge_that_jumps_up_in_flight_is_not_believed() -> None:

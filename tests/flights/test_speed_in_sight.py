@@ -38,6 +38,7 @@ def flight(*boxes: Box, up: Air = clear, **limits: Any) -> Lockstep:
     world = {
         "version": 1,
         "map": {"east_m": [-30, 120], "north_m": [-30, 30]},
+        "lidar": {},
         "obstacles": [{"name": f"box{i}", "box": box} for i, box in enumerate(boxes)],
     }
     return Lockstep(mission, world_of(mission, world), up=up, has_station=True)

@@ -79,8 +79,16 @@ class EnergyWatch:
         With less energy only where that is worth another lap, and after a charge, which was for
         more: in the middle of a lap another one would meet again what was just met.
         """
-        ratio = self._energy.known.to_plan_with / self._energy.model.factor
-        return ratio > 1 + MORE or (ratio < 1 - LESS and self._has_charged)
+        return self.takes_more or (self._ratio < 1 - LESS and self._has_charged)
+
+    @property
+    def takes_more(self) -> bool:
+        """Whether flights take so much more than plans reckon with that these may not last."""
+        return self._ratio > 1 + MORE
+
+    @property
+    def _ratio(self) -> float:
+        return self._energy.known.to_plan_with / self._energy.model.factor
 
     @property
     def _has_charged(self) -> bool:
