@@ -11,7 +11,9 @@ height to another:
 - over the top: a climb on the spot to the clearance above a wall that is higher than both ends, or
   almost, then level, then a descent on the spot; within the altitude band.
 
-The quickest one is flown, and costs what it takes. A start from which nothing leads away level, low
+The quickest one is flown, and costs what it takes. Where routes keep more than the least clearance,
+a way that keeps as much above walls, too, comes before all that do not; what leads over the top
+keeps as much of it as the band allows. A start from which nothing leads away level, low
 above a roof or below the band, is left by a climb.
 """
 
@@ -75,7 +77,7 @@ class LayeredRoutes:
         self._goals = {name: place.position for name, place in places.items()}
         self._added_m = 0.0
         self._planes: dict[int, RouteMap] = {}
-        self._tops = _tops(grid, clearance_m, up_m[1])
+        self._tops, self._ceiling_m = _tops(grid, clearance_m, up_m[1]), up_m[1]
         self._unknown: set[str] = set()
 
     def hide(self, place: str) -> None:
@@ -93,9 +95,9 @@ class LayeredRoutes:
         """Whether it is known where a place is."""
         return place not in self._unknown
 
-    def _layer(self, up_m: float) -> int:
-        """Which walls are in the way at an altitude."""
-        return self._grid.layer(up_m - self._clearance_m + LEVEL_M)
+    def _layer(self, up_m: float, added_m: float = 0.0) -> int:
+        """Which walls are in the way at an altitude, for who keeps so much more above them."""
+        return self._grid.layer(up_m - self._clearance_m - added_m + LEVEL_M)
 
     def _plane(self, layer: int) -> RouteMap:
         if layer not in self._planes:
@@ -124,7 +126,7 @@ class LayeredRoutes:
         self.version += before != [plane.version for plane in self._planes.values()]
 
     def add_clearance(self, added_m: float) -> None:
-        """Routes keep so much more from obstacles, where the map has the room."""
+        """Routes keep so much more from obstacles, where the map, or the band, has the room."""
         self._added_m = added_m
         for plane in self._planes.values():
             plane.add_clearance(added_m)
@@ -161,7 +163,9 @@ class LayeredRoutes:
 
     def find(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells of outdated distance maps; True once all are current."""
-        layers = {self._layer(-goal[2]) for goal in self._goals.values()} | {*self._tops}
+        ups_m = [-goal[2] for goal in self._goals.values()]
+        layers = {self._layer(up_m, added_m) for added_m in self._margins for up_m in ups_m}
+        layers |= {*self._tops}
         return all(self._plane(layer).find(max_cells) for layer in sorted(layers))
 
     def search(self, start: Ned, place: str, max_cells: int) -> bool:
@@ -170,7 +174,7 @@ class LayeredRoutes:
         Raises:
             KeyError: there is no such place.
         """
-        layers = dict.fromkeys(layer for layer, _ in self._ways(start, place))
+        layers = self._layers_to(start, place)
         return all(self._plane(layer).search(start[:2], place, max_cells) for layer in layers)
 
     def aim(self, place: str, goal: Ned) -> None:
@@ -200,7 +204,7 @@ class LayeredRoutes:
 
     def is_connected(self, start: Ned, place: str) -> bool:
         """Whether free cells lead from near a start to a place, whatever regions lie between."""
-        layers = dict.fromkeys(layer for layer, _ in self._ways(start, place))
+        layers = self._layers_to(start, place)
         return any(self._plane(layer).is_connected(start[:2], place) for layer in layers)
 
     def passage(self, start: Ned, place: str) -> Passage:
@@ -212,15 +216,20 @@ class LayeredRoutes:
         return self._quickest(start, place)[1]
 
     def _quickest(self, start: Ned, place: str) -> tuple[int, Passage]:
-        """The quickest way, and the layer that it is flown in."""
+        """The quickest way of those that keep most, and the layer that it is flown in."""
         down_m = self._goals[place][2] - start[2]
-        found = []
-        for layer, level_up_m in self._ways(start, place):
-            over_ground_m = self._plane(layer).distance_m(start[:2], place)
-            climb_m = None if level_up_m is None else level_up_m + start[2]
-            found.append((layer, Passage(over_ground_m, down_m, climb_m)))
-        found = found or [(0, Passage(math.inf, down_m))]  # nobody knows where the place is
-        return min(found, key=lambda each: each[1].duration_s(self._limits))
+        quickest = 0, Passage(math.inf, down_m)  # nobody knows where the place is
+        for added_m in self._margins:
+            found = []
+            for layer, level_up_m in self._ways(start, place, added_m):
+                over_ground_m = self._plane(layer).distance_m(start[:2], place)
+                climb_m = None if level_up_m is None else level_up_m + start[2]
+                found.append((layer, Passage(over_ground_m, down_m, climb_m)))
+            if found:
+                quickest = min(found, key=lambda each: each[1].duration_s(self._limits))
+            if math.isfinite(quickest[1].over_ground_m):
+                break
+        return quickest
 
     def distance_m(self, start: Ned, place: str) -> float:
         """Length of the quickest way to a place over the ground; inf if there is none."""
@@ -258,19 +267,37 @@ class LayeredRoutes:
 
         return self._stepped(stop, place, 0.0, level)
 
-    def _ways(self, start: Ned, place: str) -> Iterator[tuple[int, float | None]]:
-        """The ways to a place: in which layer, and how high the level part is; None is sloped."""
+    @property
+    def _margins(self) -> tuple[float, ...]:
+        """What ways keep above low walls beside the least clearance: the most comes first."""
+        is_more = self._added_m > 0 and self._grid.low is not None
+        return (self._added_m, 0.0) if is_more else (0.0,)
+
+    def _layers_to(self, start: Ned, place: str) -> Iterable[int]:
+        """The layers of all ways to a place, once each."""
+        ways = (way for added_m in self._margins for way in self._ways(start, place, added_m))
+        return dict.fromkeys(layer for layer, _ in ways)
+
+    def _ways(self, start: Ned, place: str, added_m: float) -> Iterator[tuple[int, float | None]]:
+        """The ways to a place: in which layer, and how high the level part is; None is sloped.
+
+        Args:
+            start: of the way.
+            place: where it leads.
+            added_m: what it keeps above low walls beside the least clearance.
+        """
         if not self.knows(place):
             return
         ups_m = (-start[2], -self._goals[place][2])
-        low, high = self._layer(min(ups_m)), self._layer(max(ups_m))
+        low, high = self._layer(min(ups_m), added_m), self._layer(max(ups_m), added_m)
         must_climb = self._must_climb(start)
         if not must_climb and not self._is_above_an_edge(start, low, high):
             yield low, None
         if high != low or must_climb:
             yield high, max(ups_m)
-        for layer, up_m in self._tops.items():
-            if layer > high and up_m > max(ups_m):
+        for layer, least_up_m in self._tops.items():
+            up_m = min(least_up_m + self._added_m, self._ceiling_m)
+            if layer > high and up_m >= least_up_m + added_m and up_m > max(ups_m):
                 yield layer, up_m
 
     def _must_climb(self, start: Ned) -> bool:

@@ -223,7 +223,7 @@ def test_a_velocity_that_is_off_keeps_nobody_waiting_above_the_marker() -> None:
 
 
 def test_a_marker_that_is_too_near_to_be_seen_is_landed_on() -> None:
-    flight = descending(ROOF_M + 0.6, seed=5, **PX4)
+    flight = descending(ROOF_M + 0.6, seed=2, **PX4)
     flight.changes(is_present=False)
     assert flight.until_landed() < 0.5
     assert not flight.of(MarkerLost)

@@ -163,6 +163,43 @@ def test_the_top_is_flown_over_within_the_band_alone_and_where_that_is_quicker()
         assert routes.passage(start, "B").is_stepped is is_over
 
 
+@pytest.mark.parametrize(("ceiling_m", "kept_m"), [(8.0, 1.3), (3.0, 1.0), (2.6, 0.6)])
+def test_where_the_position_is_not_exact_the_top_is_flown_over_as_much_higher_as_the_band_allows(
+    ceiling_m: float, kept_m: float
+) -> None:
+    start, goal = (*WEST, -1.0), (*EAST, -1.0)
+    routes = routes_to(goal, Wall(ACROSS, 2.0), up_m=(0.5, ceiling_m))
+    before = routes.version
+    routes.add_clearance(0.7)
+    assert routes.version > before
+    route = routes.route(start, "B")
+    assert route is not None and routes.passage(start, "B").climb_m == pytest.approx(1.0 + kept_m)
+    assert max(-down for *_, down in flown(route)) == pytest.approx(2.0 + kept_m)
+    routes.add_clearance(0.0)
+    assert routes.passage(start, "B").climb_m == pytest.approx(1.0 + CLEARANCE_M)
+
+
+@pytest.mark.parametrize(
+    ("wall", "ceiling_m", "climb_m", "is_straight"),
+    [(ACROSS, 8.0, 0.6, True), (ACROSS, 2.9, None, True), (HALF, 2.9, None, False)],
+    ids=["higher", "as before", "round it"],
+)
+def test_what_leads_low_over_a_wall_is_flown_last_where_the_position_is_not_exact(
+    wall: tuple[Point, ...], ceiling_m: float, climb_m: float | None, is_straight: bool
+) -> None:
+    """Both ends are 0.7 m above the wall: more than the least clearance, and less than is kept."""
+    start, goal = (*WEST, -2.7), (*EAST, -2.7)
+    routes = routes_to(goal, Wall(wall, 2.0), up_m=(0.5, ceiling_m))
+    plain = routes.passage(start, "B")
+    assert plain.climb_m is None and plain.over_ground_m == pytest.approx(10.0, abs=0.1)
+    routes.add_clearance(0.7)
+    assert routes.search(start, "B", 10**6) and routes.is_connected(start, "B")
+    way, route = routes.passage(start, "B"), routes.route(start, "B")
+    assert way.climb_m == (None if climb_m is None else pytest.approx(climb_m))
+    assert (way.over_ground_m == pytest.approx(10.0, abs=0.1)) is is_straight
+    assert route is not None and routes.is_clear(route.waypoints)
+
+
 def test_the_lowest_of_several_tops_that_leads_there_is_flown_over() -> None:
     tower = Wall(((3.0, 9.0), (3.0, 10.0), (9.0, 10.0), (9.0, 9.0)), 5.0)
     routes = routes_to((*EAST, -1.0), Wall(ACROSS, 2.0), tower, up_m=(0.5, 9.0))
