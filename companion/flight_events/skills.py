@@ -160,7 +160,7 @@ class SpeedLimitedBySight(FlightEvent):
 
     kind = "speed"
     template = (
-        "no faster than {speed_mps:.1f} m/s, where the mission allows {asked_mps:.1f}: what no map "
+        "no faster than {speed_mps:.2f} m/s, where the mission allows {asked_mps:.2f}: what no map "
         "shows is seen {sight_m:.1f} m ahead (limits.beyond_sight)"
     )
 

@@ -195,7 +195,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     (
         SpeedLimitedBySight(4.57, 8.0, 8.0),
-        "no faster than 4.6 m/s, where the mission allows 8.0: what no map shows is seen "
+        "no faster than 4.57 m/s, where the mission allows 8.00: what no map shows is seen "
         "8.0 m ahead (limits.beyond_sight)",
     ),
     (
