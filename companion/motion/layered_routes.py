@@ -314,17 +314,21 @@ class LayeredRoutes:
         )
 
     def _stepped(self, start: Ned, place: str, climb_m: float, level: LevelRoute) -> Route | None:
-        """A climb on the spot, a level route, a descent on the spot; of no height, left out."""
+        """A climb on the spot, a level route, a descent on the spot; what has no length, left out."""
         goal = self._goals[place]
         down_m = start[2] - climb_m
         route = level((*start[:2], down_m), place, down_m)
         if route is None:
             return None
+        climbs, descends = start[2] > down_m + LEVEL_M, goal[2] > down_m + LEVEL_M
         waypoints = route.waypoints
         blends = list(route.blends or (None,) * (len(waypoints) - 2))
-        if start[2] > down_m + LEVEL_M:
+        if (climbs or descends) and route.length_m == 0.0:  # it is straight above, or below
+            ends = [start] * climbs + [waypoints[0]] + [goal] * descends
+            return Route(np.array(ends), (None,) * (len(ends) - 2))
+        if climbs:
             waypoints, blends = np.vstack([start, waypoints]), [None, *blends]
-        if goal[2] > down_m + LEVEL_M:
+        if descends:
             waypoints, blends = np.vstack([waypoints, goal]), [*blends, None]
         return Route(waypoints, tuple(blends))
 

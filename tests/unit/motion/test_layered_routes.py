@@ -219,6 +219,14 @@ def test_what_is_low_above_a_roof_or_below_the_band_climbs_first() -> None:
     assert below.waypoints[1].tolist() == [*WEST, -2.0]
 
 
+def test_straight_below_a_place_there_is_no_level_part() -> None:
+    """One of no length could not be flown: its speed was no number."""
+    route = routes_to((*WEST, -2.0), up_m=(1.0, 9.0)).route((*WEST, 0.0), "B")
+    assert route is not None
+    assert route.waypoints.tolist() == [[*WEST, 0.0], [*WEST, -2.0]]
+    assert duration_s(route) > 2.0 / LIMITS.climb_mps
+
+
 def test_what_is_above_the_edge_of_a_roof_leaves_it_level() -> None:
     """Clear of it by its height alone, it would come too near on a slope."""
     roof = Wall(((0.5, 5.0), (0.5, 11.0), (6.0, 11.0), (6.0, 5.0)), 2.5)
