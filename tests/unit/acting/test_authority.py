@@ -174,6 +174,8 @@ def test_what_each_phase_may_find(
     elif phase in in_flight and state == STANDING:
         assert found == "the vehicle was disarmed"
         assert loss_of_control(phase, state, flight(is_landed_by_plan=True)) is None
+    elif phase is Phase.OFFBOARD and state == ABOUT_TO_FLY:
+        assert found == "the vehicle has landed", "a pilot gave it back as he landed"
     else:
         assert found is None
 
