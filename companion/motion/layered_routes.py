@@ -314,7 +314,7 @@ class LayeredRoutes:
         )
 
     def _stepped(self, start: Ned, place: str, climb_m: float, level: LevelRoute) -> Route | None:
-        """A climb on the spot, a level route, a descent on the spot; what has no length, left out."""
+        """A climb on the spot, a level route, a descent on the spot; without length, left out."""
         goal = self._goals[place]
         down_m = start[2] - climb_m
         route = level((*start[:2], down_m), place, down_m)

@@ -106,8 +106,10 @@ class _Reader:
         self.last = 0
         self._events = events
         self._risen: set[str] = set()
+        self._begun_ms = 0
         if self._next is not None:
-            self._clock = clock.begun(_ms(self._next.reached_s))
+            self._begun_ms = _ms(self._next.reached_s)
+            self._clock = clock.begun(self._begun_ms)
 
     @property
     def is_at_the_end(self) -> bool:
@@ -138,11 +140,12 @@ class _Reader:
         self._clock = self._clock.anew()
 
     def change(self, event: MissionEventChanged, now_ms: int) -> None:
-        """An event has changed."""
+        """An event has changed; one from before the task begins is of its first letter."""
         self._events[event.event] = event.holds
         if event.holds:
             self._risen.add(event.event)
-        self._clock = self._clock.seeing(self._letter, now_ms)
+        if now_ms >= self._begun_ms:
+            self._clock = self._clock.seeing(self._letter, now_ms)
 
     def leave(self, position: PositionLeft, now_ms: int) -> None:
         """A position was left."""

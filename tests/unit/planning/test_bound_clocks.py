@@ -377,3 +377,18 @@ def test_who_stands_where_it_is_to_be_is_not_late() -> None:
     task.complete(move, 15.0)
     assert waiting(task, 60.0) == []
     assert task.problem()[0].clocks_ms == (None,)
+
+
+def test_an_event_from_before_the_task_begins_asks_from_then_on() -> None:
+    """It came in the take-off: neither the flight nor the audit counts the time until it flies."""
+    task = TaskState(Planner(bounded("answer"), lambda origin, goal: 4.0))
+    task.take(ALARM, True)
+    task.take(ALARM, False)
+    task.now_s = 10.0
+    assert waiting(task, 24.0) == []
+    asked = PositionLeft(0, ("alarm", "at(A)"), ("alarm",), 10.0, (), (), False, ())
+    met = PositionLeft(1, ("at(B)",), (), 24.0, (), (), False, ())
+    rose, fell = (MissionEventChanged("alarm", holds) for holds in (True, False))
+    word = TimedWord(((3.0, rose), (3.0, fell), (12.0, asked), (30.0, met)), 30.0)
+    ((_, bound),) = parts(parse_line(LINES["answer"]))
+    assert bound is not None and word.overruns(bound, "answer") == ()
