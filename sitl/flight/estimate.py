@@ -9,15 +9,17 @@ and reports. Four cases:
     wander         the velocity's error v is such a process, too, and the position's error
                    integrates it while fixes pull it back: e' = v - e / T. Both with one time
                    constant, which the two deviations determine: T = sqrt(2) sd(e) / sd(v). PX4's
-                   filter, which fuses white noise, looks so from outside
+                   filter, which fuses white noise, looks so from outside. The height, where it
+                   wanders, too, does so with T = 20 s
     GPS lost       dead reckoning: the velocity's error is a random walk of 0.1 m/s per root of a
                    second, so the position's deviation grows as 0.1 sqrt(t^3 / 3)
 
 The accuracy that is told is the root of the sum of these variances, and of CLAIMED_M, which a
 filter with a perfect receiver claims. A fix after a loss takes the estimate back at once, as PX4's
-estimator resets its position. Height comes from the barometer, attitude and rates from inertial
-sensors: they stay true. A jump adds to all of these for good, the fixes included, as after a reset
-to a receiver or a barometer that is off.
+estimator resets its position. Height comes from the barometer, and stays true but for a wander that
+is asked for; what it is claimed to be good for does not tell of that, as a PX4's does not. Attitude
+and rates come from inertial sensors, and stay true. A jump adds to all of these for good, the fixes
+included, as after a reset to a receiver or a barometer that is off.
 
 Source: Gauss-Markov errors of GPS after Parkinson and Spilker, Global Positioning System, vol. 1.
 """
@@ -32,6 +34,7 @@ from companion.geometry import Ned
 from sitl.flight.physics import FlightState
 
 WANDER_S = 60.0
+HEIGHT_S = 20.0
 VELOCITY_WALK = 0.1  # m/s per sqrt(s): a calm consumer IMU without a magnetometer's help
 CLAIMED_M = 0.05  # as with motion capture, or a receiver with corrections (RTK)
 NEGLIGIBLE_M = 1e-3
@@ -59,41 +62,57 @@ class Wander:
     Attributes:
         position_m: root of the mean square of the position's error, north and east together.
         velocity_mps: the same of the velocity's error.
+        height_m: root of the mean square of the height's error; its vertical velocity is off by
+            what makes that of it.
     """
 
     position_m: float
     velocity_mps: float
+    height_m: float = 0.0
+
+    def level_error(self, rng: random.Random) -> WanderingError:
+        """The errors of north and east."""
+        time_s = math.sqrt(2) * self.position_m / self.velocity_mps
+        return WanderingError(2, self.velocity_mps / math.sqrt(2), time_s, rng)
+
+    def height_error(self, rng: random.Random) -> WanderingError | None:
+        """The error of down; None where the height is true."""
+        if not self.height_m:
+            return None
+        return WanderingError(1, math.sqrt(2) * self.height_m / HEIGHT_S, HEIGHT_S, rng)
 
 
 class WanderingError:
-    """The errors of a `Wander`, from its stationary distribution on.
+    """Errors that wander, of one or more coordinates, from their stationary distribution on.
+
+    Args:
+        axes: how many coordinates.
+        velocity_mps: standard deviation of the error of each coordinate's velocity.
+        time_s: the time constant.
+        rng: of the errors.
 
     Attributes:
-        position, velocity: the errors now, north and east.
+        position, velocity: (axes,) the errors now.
     """
 
-    def __init__(self, wander: Wander, rng: random.Random) -> None:
-        self._velocity_sd = wander.velocity_mps / math.sqrt(2)
-        self._time_s = math.sqrt(2) * wander.position_m / wander.velocity_mps
-        self._rng = rng
+    def __init__(self, axes: int, velocity_mps: float, time_s: float, rng: random.Random) -> None:
+        self._axes, self._time_s, self._rng = axes, time_s, rng
+        self._velocity_sd = velocity_mps
         self.velocity = self._draw(self._velocity_sd)
         # Correlated as they are for ever after: E[e v] = sd(v)^2 T / 2.
-        half, rest = self._time_s / 2, self._draw(self._velocity_sd * self._time_s / 2)
-        self.position = (
-            half * self.velocity[0] + rest[0],
-            half * self.velocity[1] + rest[1],
-        )
+        half, rest = time_s / 2, self._draw(self._velocity_sd * time_s / 2)
+        self.position = tuple(half * v + r for v, r in zip(self.velocity, rest, strict=True))
 
     def step(self, dt_s: float) -> None:
         """Time passes."""
         keep = math.exp(-dt_s / self._time_s)
         kick = self._draw(self._velocity_sd * math.sqrt(1 - keep * keep))
-        (north, east), (v_n, v_e) = self.position, self.velocity
-        self.position = (north * keep + v_n * dt_s, east * keep + v_e * dt_s)
-        self.velocity = (v_n * keep + kick[0], v_e * keep + kick[1])
+        before = zip(self.position, self.velocity, strict=True)
+        self.position = tuple(e * keep + v * dt_s for e, v in before)
+        self.velocity = tuple(v * keep + k for v, k in zip(self.velocity, kick, strict=True))
 
-    def _draw(self, deviation: float) -> tuple[float, float]:
-        return (self._rng.gauss(0.0, deviation), self._rng.gauss(0.0, deviation))
+    def _draw(self, deviation: float) -> tuple[float, ...]:
+        return tuple(self._rng.gauss(0.0, deviation) for _ in range(self._axes))
 
 
 class Estimator:
@@ -126,8 +145,9 @@ class Estimator:
         self.fix_error = self._noise
         self.error = self.fix_error
         self._rng = rng
-        self._wandering = WanderingError(wander, rng) if wander else None
+        self._wandering = wander.level_error(rng) if wander else None
         self._wander_m = wander.position_m if wander else 0.0
+        self._height = wander.height_error(rng) if wander else None
         self._velocity_error = (0.0, 0.0)
         self._now_s: float | None = None
 
@@ -152,6 +172,8 @@ class Estimator:
         gps = self.gps
         if gps.noise_m > 0 or self._noise != (0.0, 0.0):
             self._step_noise(gps.noise_m, dt_s)
+        if self._height is not None:
+            self._height.step(dt_s)
         if gps.is_lost:
             self.time_since_fix_s += dt_s
             self._dead_reckon(dt_s)
@@ -167,7 +189,8 @@ class Estimator:
         wandering.step(dt_s)
         (north, east), (e_n, e_e) = self.fix_error, wandering.position
         self.error = (north + e_n, east + e_e)
-        self._velocity_error = wandering.velocity
+        v_n, v_e = wandering.velocity
+        self._velocity_error = (v_n, v_e)
 
     def _step_noise(self, noise_m: float, dt_s: float) -> None:
         keep = math.exp(-dt_s / WANDER_S)
@@ -191,15 +214,18 @@ class Estimator:
 
     def seen(self, truth: FlightState) -> FlightState:
         """The estimate of a state, with the errors of the last step."""
-        if self.error == (0.0, 0.0) == self._velocity_error and not self._jumped[2]:
+        height = self._height
+        is_level_true = self.error == (0.0, 0.0) == self._velocity_error
+        if is_level_true and height is None and not self._jumped[2]:
             return truth
+        e_d, e_vd = (height.position[0], height.velocity[0]) if height is not None else (0.0, 0.0)
         north, east, down = truth.position
         v_n, v_e, v_d = truth.velocity
         (e_n, e_e), (e_vn, e_ve) = self.error, self._velocity_error
         return FlightState(
             truth.time_s,
-            (north + e_n, east + e_e, down + self._jumped[2]),
-            (v_n + e_vn, v_e + e_ve, v_d),
+            (north + e_n, east + e_e, down + self._jumped[2] + e_d),
+            (v_n + e_vn, v_e + e_ve, v_d + e_vd),
             truth.attitude,
             truth.euler,
             truth.rates,

@@ -207,7 +207,7 @@ def _parse(
         start=ned_from_enu(start.east_m, start.north_m, 0.0),
         yaw_rad=math.radians(start.heading_deg),
         airframe=model.airframe,
-        wander=Wander(model.wander.position_m, model.wander.velocity_mps) if model.wander else None,
+        wander=Wander(**model.wander.model_dump()) if model.wander else None,
         wind=ned_from_enu(wind.east_mps, wind.north_mps, 0.0),
         turbulence_mps=wind.turbulence_mps,
         battery=battery(model.battery),

@@ -69,10 +69,11 @@ class WindModel(Strict):
 
 
 class WanderModel(Strict):
-    """The errors of the estimate while GPS has its fix; PX4's own are 0.25 m and 0.3 m/s."""
+    """The errors of the estimate while GPS has its fix; PX4's own are 0.25 m, 0.3 m/s, 0.5 m."""
 
     position_m: Annotated[float, described("RMS of the horizontal position", gt=0, le=5)] = 0.25
     velocity_mps: Annotated[float, described("RMS of the velocity", gt=0, le=5)] = 0.3
+    height_m: Annotated[float, described("RMS of the height", ge=0, le=5)] = 0.0
 
 
 class CircleModel(Strict):

@@ -13,7 +13,7 @@ from companion.acting.crash_watch import DISARMED_S, OVERTURNED_S, Crash, CrashW
 from companion.geometry import Ned
 from companion.vehicle.port import Mode, VehicleState
 from companion.vehicle_profile import VehicleProfile
-from sitl.flight.estimate import Wander, WanderingError
+from sitl.flight.estimate import Wander
 
 TICK_S = 0.05
 FLYING = VehicleState(
@@ -115,7 +115,7 @@ def test_a_later_sign_may_follow_an_impact_and_none_follows_a_fall() -> None:
 
 def test_an_estimate_that_wanders_jumps_nowhere() -> None:
     for seed in range(20):
-        wander = WanderingError(Wander(0.25, 0.3), Random(seed))
+        wander = Wander(0.25, 0.3).level_error(Random(seed))
         velocities: list[Ned] = []
         for _ in range(1000):
             wander.step(TICK_S)

@@ -58,13 +58,13 @@ def test_most_of_it_is_known_after_a_leg() -> None:
 @pytest.mark.parametrize("seed", range(5))
 def test_it_is_learnt_by_a_velocity_that_wanders(seed: int) -> None:
     estimate = DragEstimate()
-    fly(estimate, 0.7, seconds=60.0, wander=WanderingError(Wander(0.25, 0.3), Random(seed)))
+    fly(estimate, 0.7, seconds=60.0, wander=Wander(0.25, 0.3).level_error(Random(seed)))
     assert estimate.per_s == pytest.approx(0.7, abs=0.2)
 
 
 def test_a_vehicle_without_drag_that_hovers_is_told_nothing() -> None:
     estimate = DragEstimate()
-    wander = WanderingError(Wander(0.25, 0.3), Random(1))
+    wander = Wander(0.25, 0.3).level_error(Random(1))
     for tick in range(1200):
         wander.step(STEP_S)
         estimate.take(tick * STEP_S, wander.velocity, (0.0, 0.0))

@@ -164,3 +164,24 @@ def test_the_accuracy_that_is_told_follows_the_errors() -> None:
     lost.gps = GpsQuality()
     lost.step(TRUTH, 30.0)
     assert lost.accuracy_m == good
+
+
+def test_a_height_wanders_with_its_deviation_and_is_what_its_velocity_makes_of_it() -> None:
+    estimator = Estimator(random.Random(5), wander=Wander(0.25, 0.3, height_m=0.5))
+    dt_s = 0.02
+    seen = [estimator.step(TRUTH, dt_s * i) for i in range(500_000)]  # 500 time constants
+    errors = [belief.position[2] - TRUTH.position[2] for belief in seen]
+    assert math.sqrt(fmean(e * e for e in errors)) == pytest.approx(0.5, rel=0.1)
+    rises = [(b - a) / dt_s for a, b in pairwise(errors)]
+    off_mps = [belief.velocity[2] - TRUTH.velocity[2] for belief in seen]
+    assert max(abs(a - b) for a, b in zip(rises, off_mps, strict=False)) < 0.2
+    assert estimator.accuracy_m == pytest.approx(math.hypot(CLAIMED_M, 0.25))
+
+
+def test_a_height_wanders_only_where_that_is_asked_for() -> None:
+    level, all_three = (
+        Estimator(random.Random(5), wander=Wander(0.25, 0.3, height_m)) for height_m in (0.0, 0.5)
+    )
+    believe(level, 10.0), believe(all_three, 10.0)
+    assert level.seen(TRUTH).position[2] == TRUTH.position[2]
+    assert all_three.seen(TRUTH).position[2] != TRUTH.position[2]

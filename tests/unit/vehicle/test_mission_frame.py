@@ -8,7 +8,7 @@ import pytest
 
 from companion.geometry import Ned, distance
 from companion.vehicle.mission_frame import SETTLING_S, MissionFrame
-from sitl.flight.estimate import Wander, WanderingError
+from sitl.flight.estimate import Wander
 
 PLACE: Ned = (3.0, -1.0, -2.0)
 TICK_S = 0.05
@@ -48,7 +48,7 @@ def test_an_estimate_that_wanders_is_averaged_before_anything_is_said() -> None:
 
 def test_the_frame_is_nearer_to_the_truth_than_one_sample() -> None:
     def errors(seed: int) -> tuple[float, float]:
-        wander = WanderingError(Wander(0.25, 0.3), Random(seed))
+        wander = Wander(0.25, 0.3).level_error(Random(seed))
         heard: list[Ned] = []
         for _ in range(round(2 * SETTLING_S / TICK_S)):
             wander.step(TICK_S)
