@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from lockstep import Lockstep
 
@@ -11,7 +13,7 @@ from companion.mission.loader import load_mission
 from companion.planning.planner import Planner
 from sitl.world.scenario import read_scenario
 
-WALL = {"east_m": [7, 8], "north_m": [-20, 20], "up_m": 3}
+WALL: dict[str, Any] = {"east_m": [7, 8], "north_m": [-20, 20], "up_m": 3}
 MISSION = {
     "version": 1,
     "name": "over",
@@ -55,6 +57,26 @@ def test_it_is_crossed_at_the_clearance_above_it_and_as_planned() -> None:
     assert flight.simulation.collisions == 0 and not flight.of(SetpointRefused)
     there, back = (s.time_s for s in flight.reports if isinstance(s.event, PlaceReached))
     assert back - there == pytest.approx(planned_s, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "seed", [9, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(9))]
+)
+def test_a_height_that_is_off_as_a_px4s_is_takes_nobody_into_the_wall(seed: int) -> None:
+    """By 0.7 m, the most that flights of a PX4 were off by (RMS); some of them by twice as much."""
+    limits = {**MISSION["limits"], "up_m": [1, 8]}  # type: ignore[dict-item]
+    mission = load_mission({**MISSION, "limits": limits})
+    world = {"version": 1, "map": {"walls": [WALL]}, "airframe": "px4_sih"}
+    flight = Lockstep(mission, read_scenario(world | {"wander": {"height_m": 0.7}}), seed=seed)
+    over_m: list[float] = []
+    while not flight.companion.has_ended:
+        flight.tick()
+        _, east, down = flight.simulation.flight.position
+        if 6.5 <= east <= 8.5:
+            over_m.append(-down - WALL["up_m"])
+    assert flight.ending == TaskSatisfied()
+    assert flight.simulation.collisions == 0
+    assert min(over_m) > mission.vehicle.margin_m
 
 
 def test_a_ceiling_below_the_clearance_leaves_no_way() -> None:
