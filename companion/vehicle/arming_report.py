@@ -70,12 +70,17 @@ class ArmingReport:
         Args:
             group: of modes, what is about another one is left out; None for all.
         """
+        return self.errors(group) or self._told(group, WARNING)
+
+    def errors(self, group: int | None) -> list[str]:
+        """Those of the reasons that are no mere warnings."""
+        return self._told(group, ERROR)
+
+    def _told(self, group: int | None, least: int) -> list[str]:
         checks = [
             check
             for chunk in self._chunks.values()
             for check in chunk
-            if group is None or check.modes >> group & 1
+            if check.level <= least and (group is None or check.modes >> group & 1)
         ]
-        errors = [check for check in checks if check.level <= ERROR]
-        told = errors or [check for check in checks if check.level <= WARNING]
-        return list(dict.fromkeys(check.text for check in sorted(told, key=lambda c: c.level)))
+        return list(dict.fromkeys(check.text for check in sorted(checks, key=lambda c: c.level)))

@@ -13,8 +13,9 @@ Rules:
    event is told by its number, and is no news: the checks of other modes cannot be told apart.
 4. What was said more than LATELY_S ago is old, and explains no refusal.
 5. In flight what is said is news, at most MOST_NEWS in NEWS_S.
-6. An event that leaves its reason to the report is told with what that has for the present mode.
-   "Failsafe warning:" alone says nothing, and is not told: PX4 v1.18 says it after each landing.
+6. An event that leaves its reason to the report is told with the errors that are there for the
+   present mode. "Failsafe warning:" alone says nothing, and is not told: PX4 v1.18 says it after
+   each landing.
 """
 
 from __future__ import annotations
@@ -128,15 +129,15 @@ class AutopilotWords:
 
     def why_not_armed(self, now_s: float) -> list[str]:
         """What stands in the way of arming in the present mode, and what was said lately."""
-        reasons = self._reasons()
+        reasons = self._report.reasons(self._group)[:MOST_REASONS]
         said = [text for text in self.lately(now_s) if not any(r in text for r in reasons)]
         return reasons + said
 
-    def _reasons(self) -> list[str]:
-        """What has not passed for the present mode, by the newest report."""
+    @property
+    def _group(self) -> int | None:
+        """That of the present mode, in a report; None where it is not known."""
         metadata = self._fetch.metadata
-        group = metadata.mode_groups.get(self.custom_mode) if metadata else None
-        return self._report.reasons(group)[:MOST_REASONS]
+        return metadata.mode_groups.get(self.custom_mode) if metadata else None
 
     # -- in ------------------------------------------------------------------------------------
 
@@ -180,7 +181,7 @@ class AutopilotWords:
 
     def _explained(self, text: str) -> str:
         """Rule 6; empty if there is nothing to tell."""
-        if reasons := self._reasons():
+        if reasons := self._report.errors(self._group)[:MOST_REASONS]:
             return f"{text.removesuffix(':')}: {', '.join(reasons)}"
         return "" if text.endswith(":") else text
 

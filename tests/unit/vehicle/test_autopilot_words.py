@@ -229,9 +229,9 @@ def test_in_flight_what_is_said_is_news_a_bounded_number_of_it(px4: Px4) -> None
 def test_a_failsafe_is_told_with_the_reasons_that_the_report_has_for_this_mode(px4: Px4) -> None:
     px4.is_flown = True
     px4.run(0.1)
-    px4.report = [(MODE_ONLY, ERROR, check(1 << 0))]
+    px4.report = [(MODE_ONLY, ERROR, check(1 << 0)), (NO_GPS, WARNING, check(1 << 4))]
     px4.say_report()
-    px4.event(WARNS, WARNING)  # with nothing for this mode it says nothing
+    px4.event(WARNS, WARNING)  # with no error for this mode it says nothing
     px4.event(SWITCHES, CRITICAL)
     assert px4.words.take_news() == ["Failsafe activated: switching"]
     px4.report = [(NO_GPS, ERROR, check(1 << 4))]
