@@ -15,7 +15,6 @@ from pathlib import Path
 
 from companion.errors import FormulaError, KeyPath, Location, MissionError
 from companion.flight_events.event import FlightEvent, Stamped
-from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
 from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded
@@ -23,7 +22,7 @@ from companion.flight_events.tree import TreeBuilt
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.ltl.parser import parse_line
 from companion.ltl.timed_formula import Line
-from companion.record.timed_word import TimedWord
+from companion.record.timed_word import Step, TimedWord
 
 ENDS_THE_TASK = (Phase.RETURNING, Phase.HOLDING, Phase.PARTING, Phase.LANDING)
 """Phases that nothing of the task comes after."""
@@ -114,12 +113,12 @@ def _record(
     violations: set[tuple[str, int]] = set()
     tree: TreeBuilt | None = None
     ending: RunEnded | None = None
-    steps: list[tuple[float, MissionEventChanged | PositionLeft]] = []
+    steps: list[tuple[float, Step]] = []
     until_s, is_counted = 0.0, True
     for stamped, where in events:
         if is_counted:
             until_s, is_counted = stamped.time_s, not _ends_the_task(stamped.event)
-        if isinstance(stamped.event, MissionEventChanged | PositionLeft):
+        if isinstance(stamped.event, Step):
             steps.append((stamped.time_s, stamped.event))
         match stamped.event:
             case PlanMade() | WrittenTreeAdopted() as first:

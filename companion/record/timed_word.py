@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.plans import LineTakenUp
 from companion.flight_events.word import PositionLeft
 from companion.ltl.bound_clock import BoundClock
 from companion.ltl.patterns import AT
@@ -22,18 +23,22 @@ from companion.ltl.time_bounds import TimeBound
 
 _NEVER_MS = 1 << 62
 
+Step = MissionEventChanged | PositionLeft | LineTakenUp
+"""What a record has of the word in time."""
+
 
 @dataclass(frozen=True, slots=True)
 class TimedWord:
     """A flight, for clocks.
 
     Attributes:
-        steps: changes of events and positions as they were left, each with its time.
+        steps: changes of events, positions as they were left, and lines as they were taken up,
+            each with its time.
         until_s: when time ceased to count.
         told: lines, and the positions after which their clocks had run over, as the flight told it.
     """
 
-    steps: tuple[tuple[float, MissionEventChanged | PositionLeft], ...]
+    steps: tuple[tuple[float, Step], ...]
     until_s: float
     told: frozenset[tuple[str, int]] = frozenset()
 
@@ -56,20 +61,26 @@ class TimedWord:
                 reader.begin_anew()
             if isinstance(step, MissionEventChanged):
                 reader.change(step, _ms(time_s))
-            else:
+            elif isinstance(step, PositionLeft):
                 reader.leave(step, _ms(time_s))
         return tuple(reader.after(_ms(self.until_s), (name, reader.last) in self.told))
 
     def _anew(self, name: str) -> frozenset[int]:
-        """The steps at which a line begins anew: the last rise before the position with it."""
-        found, rise = set(), None
+        """The steps at which a line begins anew, which the position left next says.
+
+        It is taken up so; or an event has risen by which it does, the last one that has.
+        """
+        found, rise, taken_up = set[int](), None, None
         for number, (_, step) in enumerate(self.steps):
-            if isinstance(step, MissionEventChanged):
-                rise = number if step.holds else rise
-            else:
-                if name in step.restarted:
-                    found.add(number if rise is None else rise)
-                rise = None
+            match step:
+                case MissionEventChanged(holds=True):
+                    rise = number
+                case LineTakenUp(line=line, anew=True) if line == name:
+                    taken_up = number
+                case PositionLeft():
+                    if name in step.restarted:
+                        found.add(next(n for n in (taken_up, rise, number) if n is not None))
+                    rise = taken_up = None
         return frozenset(found)
 
     def _events_at_first(self) -> dict[str, bool]:

@@ -14,6 +14,7 @@ import pytest
 from synthetic import event, mission
 
 from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.plans import LineTakenUp
 from companion.flight_events.word import PositionLeft
 from companion.ltl.formula import Formula
 from companion.ltl.parser import parse_line
@@ -392,3 +393,15 @@ def test_an_event_from_before_the_task_begins_asks_from_then_on() -> None:
     word = TimedWord(((3.0, rose), (3.0, fell), (12.0, asked), (30.0, met)), 30.0)
     ((_, bound),) = parts(parse_line(LINES["answer"]))
     assert bound is not None and word.overruns(bound, "answer") == ()
+
+
+def test_a_line_that_is_taken_up_anew_has_run_over_before() -> None:
+    """It is not begun anew by the event that has risen between, long before."""
+    ((_, bound),) = parts(parse_line("F[<=20s] at(A)"))
+    home = PositionLeft(0, ("at(H)",), (), 2.0, (), (), False, ())
+    late = PositionLeft(1, ("alarm", "at(A)"), ("alarm",), 25.0, (), ("soon",), False, ())
+    rose, fell = (MissionEventChanged("alarm", holds) for holds in (True, False))
+    taken_up = LineTakenUp("soon", anew=True)
+    steps = ((3.0, home), (5.0, rose), (5.0, fell), (23.0, taken_up), (26.0, late))
+    word = TimedWord(steps, 30.0, frozenset({("soon", 0)}))
+    assert bound is not None and word.overruns(bound, "soon") == (0,)
