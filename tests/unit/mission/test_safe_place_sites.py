@@ -63,5 +63,5 @@ def test_one_to_which_no_route_leads_is_noticed() -> None:
     mission = load_mission(data({}, ["Home", "P"], map={"walls": [across]}))
     assert mission.otherwise == LandAtSafePlace(("Home", "P"))
     planner = Planner(mission)
-    (notice,) = notices(planner, planner.plan())
-    assert str(notice) == "P: in land_at, and no clear route leads there from Home"
+    told = [str(notice) for notice in notices(planner, planner.plan())]
+    assert "P: in land_at, and no clear route leads there from Home" in told
