@@ -1,9 +1,9 @@
 """No flight is faster than the vehicle can stop within what its range finder sees.
 
 The map shows what was known before. What it does not show, a range finder sees when the vehicle is
-so near (REACH_M at most); so it counts for the speed as soon as one is heard, before arming as a
-rule. Of several the one that sees least counts: nobody says which of them looks ahead. A vehicle
-without a range finder sees nothing, and nothing is promised.
+near enough (`RangeScan.reach_m`); so that counts for the speed as soon as one is heard, before
+arming as a rule. Of several the one that sees least counts: nobody says which of them looks ahead.
+A vehicle without a range finder sees nothing, and nothing is promised.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 from companion.acting.flight import Flight
 from companion.flight_events.skills import SpeedLimitedBySight
-from companion.motion.range_scan import REACH_M, RangeScan
+from companion.motion.range_scan import RangeScan
 from companion.motion.speed_in_sight import fastest_mps
 
 
@@ -33,13 +33,13 @@ class SightLimit:
         flight = self._flight
         if not scans or flight.limits.is_beyond_sight:
             return
-        sight_m = min(REACH_M, *(scan.range_m for scan in scans))
+        sight_m = min(scan.reach_m for scan in scans)
         if sight_m >= self._sight_m:
             return
         self._sight_m = sight_m
         speed_mps = fastest_mps(sight_m, flight.profile)
         flight.speed_limit.set_sight_limit(speed_mps)
-        asked_mps = min(flight.limits.speed_mps, flight.profile.speed_mps)
+        asked_mps = flight.speed_limit.greatest_mps
         if speed_mps < asked_mps:
             about = round(speed_mps, 2), asked_mps, round(sight_m, 2)
             flight.report(SpeedLimitedBySight(*about))

@@ -27,6 +27,7 @@ class LiveSpeedLimit:
         limits: of the mission and its vehicle; an operator, and sight, only lower their speed.
 
     Attributes:
+        greatest_mps: what the mission and the vehicle allow.
         target: the limits that new plans reckon with.
         now_mps: the speed limit in force.
         version: counts the changes of the target.
@@ -36,7 +37,7 @@ class LiveSpeedLimit:
         self.target = limits
         self.now_mps = limits.speed_mps
         self.version = 0
-        self._limits = limits
+        self.greatest_mps = limits.speed_mps
         self._operator_mps = self._sight_mps = math.inf
         self._change_mps2 = 0.0
         self._now_s: float | None = None
@@ -57,7 +58,7 @@ class LiveSpeedLimit:
         self._set_target()
 
     def _set_target(self) -> None:
-        speed_mps = min(self._limits.speed_mps, self._operator_mps, self._sight_mps)
+        speed_mps = min(self.greatest_mps, self._operator_mps, self._sight_mps)
         if speed_mps != self.target.speed_mps:
             self.target = replace(self.target, speed_mps=speed_mps)
             self.version += 1

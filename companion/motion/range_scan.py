@@ -38,6 +38,11 @@ class RangeScan:
     range_m: float
     up_m: float = 0.0
 
+    @property
+    def reach_m(self) -> float:
+        """How far its echoes count."""
+        return min(self.range_m, REACH_M)
+
 
 def echoes(scan: RangeScan, reach_m: float, behind_m: float = 0.0) -> Floats:
     """(n, 2) north-east points where the beams of a scan end, within reach.

@@ -29,7 +29,7 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from companion.motion.grid import OccupancyGrid
-from companion.motion.range_scan import REACH_M, RangeScan, echoes
+from companion.motion.range_scan import RangeScan, echoes
 
 HIT_LOG_ODDS = 0.85
 """Added by a hit: the log-odds of 0.7."""
@@ -74,7 +74,7 @@ class SensedMap:
 
     def integrate(self, scan: RangeScan) -> bool:
         """Takes in a scan; True if a cell has become occupied or free."""
-        reach_m = min(scan.range_m, REACH_M)
+        reach_m = scan.reach_m
         hits, passed = self._hits(scan, reach_m), self._passed(scan, reach_m)
         if not passed.size and (self._log_odds[hits] == self._max_log_odds[hits]).all():
             return False  # nothing new, as nearly always

@@ -1,7 +1,7 @@
 """How fast a vehicle may fly by what it sees: it stops before what no map shows.
 
 An obstacle counts from where the range finder's echoes count. From there on the vehicle flies on
-for REACTION_S, then brakes, and comes to rest with its clearance left. Two thirds of REACTION_S are
+for REACTION_S, then brakes, and comes to rest with its clearance left. Half of REACTION_S is
 known: two scans, of which the second one is believed, a tick, the response of the controller. The
 rest is for wind: with it 120 flights in up to 4 m/s of it, at things 0.3 to 40 m wide, stopped or
 went round them, but for four that brushed a corner of what they went round.

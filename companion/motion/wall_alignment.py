@@ -23,7 +23,7 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from companion.motion.grid import OccupancyGrid
-from companion.motion.range_scan import REACH_M, RangeScan, echoes
+from companion.motion.range_scan import RangeScan, echoes
 
 INLIER_M = 0.25
 """In the last pass, an echo further from any wall does not count."""
@@ -92,7 +92,7 @@ class WallAlignment:
         """
         if not self._has_walls:
             return NONE
-        reach_m, cell_m = min(scan.range_m, REACH_M), self._grid.cell_m
+        reach_m, cell_m = scan.reach_m, self._grid.cell_m
         lever = _LEVER_M / cell_m
         held = _HELD * np.diag([1.0, 1.0, lever * lever])
         found = NONE

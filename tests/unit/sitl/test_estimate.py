@@ -182,6 +182,7 @@ def test_a_height_wanders_only_where_that_is_asked_for() -> None:
     level, all_three = (
         Estimator(random.Random(5), wander=Wander(0.25, 0.3, height_m)) for height_m in (0.0, 0.5)
     )
-    believe(level, 10.0), believe(all_three, 10.0)
+    for estimator in (level, all_three):
+        believe(estimator, 10.0)
     assert level.seen(TRUTH).position[2] == TRUTH.position[2]
     assert all_three.seen(TRUTH).position[2] != TRUTH.position[2]
