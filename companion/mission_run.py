@@ -225,7 +225,7 @@ class Run:
         self.start_s = journalled.begun.start_s
         self.executive.replans = journalled.replans
         self._found.restore(journalled.found, prepared.planner)
-        restore(journalled, flight, prepared.planner, self._detector)
+        self._report(restore(journalled, flight, prepared.planner, self._detector))
         if (seen := journalled.seen) is not None:
             self._telemetry.frame.keep(seen.origin, seen.altitude_m)
 
@@ -325,10 +325,14 @@ class Run:
         for stamped in reports:
             if isinstance(stamped.event, PlanReplaced | NoPlanFound):
                 self.recorder.journal.note(now_s, PlanNumbered(stamped.event.number))
-            time_s = round(stamped.time_s - self.start_s, 3)
-            self.recorder.report(Stamped(time_s, since(stamped.event, self.start_s)))
+        self._report(reports)
         for reading in self._clocks.due(now_s, self.start_s, self.sortie.has_ended):
             self.recorder.clocks(reading)
+
+    def _report(self, reports: list[Stamped]) -> None:
+        for stamped in reports:
+            time_s = round(stamped.time_s - self.start_s, 3)
+            self.recorder.report(Stamped(time_s, since(stamped.event, self.start_s)))
 
     def _learn(self) -> None:
         """What the vehicle's drag is; and how good its position is, by what routes keep more."""

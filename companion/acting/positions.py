@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from companion.acting.flight import Flight
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.planning.lasso import Conjunct
@@ -9,8 +11,13 @@ from companion.planning.lasso import Conjunct
 
 def tell_late(flight: Flight) -> None:
     """Reports each bounded line whose clock has just run over."""
+    tell_overrun(flight, flight.task.run_clocks(flight.now_s))
+
+
+def tell_overrun(flight: Flight, late: Iterable[Conjunct]) -> None:
+    """Reports bounded lines that are late since the position left last."""
     task = flight.task
-    for conjunct in task.run_clocks(flight.now_s):
+    for conjunct in late:
         _tell_violated(flight, conjunct, task.last_position, tuple(sorted(task.facts)))
 
 

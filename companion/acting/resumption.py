@@ -13,12 +13,14 @@ from companion.acting.event_detector import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.journal import CommandSettled, JournalledFlight
 from companion.acting.phases import SortieEvent
-from companion.acting.positions import tell_positions
+from companion.acting.positions import tell_overrun, tell_positions
 from companion.acting.preflight.kept_fence import keep_to
 from companion.errors import Aborted, CompanionError
+from companion.flight_events.event import Stamped
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import OutcomeUnknown
 from companion.flight_events.sortie import FlightFoundAgain, Phase
+from companion.flight_events.word import ViolatedBefore
 from companion.geometry import distance
 from companion.planning.energy.ratio_estimate import RatioEstimate
 from companion.planning.planner import Planner
@@ -122,8 +124,12 @@ class Resumption:
 
 def restore(
     journalled: JournalledFlight, flight: Flight, planner: Planner, detector: EventDetector
-) -> None:
+) -> list[Stamped]:
     """The task is where the journal has it; from now on changes are kept in it.
+
+    Returns:
+        the word so far and what it violates: for the record, which leaves out what it has. It is no
+        news: of lines that are violated one event tells.
 
     Raises:
         LookupError: the journal is of another mission.
@@ -132,10 +138,14 @@ def restore(
     replay = TaskReplay(task, planner)
     goes_on_s = flight.now_s
     for change in journalled.changes:
-        replay.make(change)
+        late = replay.make(change)
         flight.now_s = change.now_s or goes_on_s
-        tell_positions(flight)  # some may be wanting in the record, which leaves out what it has
+        tell_positions(flight)
+        tell_overrun(flight, late)
     flight.now_s = goes_on_s
+    word = flight.collect_reports()
+    if task.violated:
+        flight.report(ViolatedBefore(task.violated))
     if journalled.fence is not None:
         keep_to(flight, journalled.fence)
     if (learnt := journalled.energy) is not None and planner.energy is not None:
@@ -152,6 +162,7 @@ def restore(
         _give_up(replay, each.action, flight)
         journal.note(flight.now_s, CommandSettled(each.number))
     task.interrupt()
+    return word
 
 
 def _give_up(replay: TaskReplay, name: str, flight: Flight) -> None:

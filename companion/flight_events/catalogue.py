@@ -124,7 +124,7 @@ from companion.flight_events.sortie import (
     WeakFailsafeAccepted,
 )
 from companion.flight_events.tree import NodesChanged, TreeBuilt, TreeStopped
-from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.flight_events.word import ConjunctViolated, PositionLeft, ViolatedBefore
 
 EVENTS: tuple[type[FlightEvent], ...] = (
     PlanMade,
@@ -158,6 +158,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     PlacesConnected,
     PositionLeft,
     ConjunctViolated,
+    ViolatedBefore,
     PhaseEntered,
     WeakFailsafeAccepted,
     FenceWritten,

@@ -67,3 +67,20 @@ class ConjunctViolated(FlightEvent):
     optional: Annotated[bool, Doc("whether the line may be dropped, so that the task goes on")] = (
         False
     )
+
+
+@dataclass(frozen=True, slots=True)
+class ViolatedBefore(FlightEvent):
+    """A flight goes on whose task was violated before the companion was away."""
+
+    kind = "violated before"
+    template = "violated before: {listed}"
+
+    lines: Annotated[
+        tuple[str, ...], Doc("a list of the lines of the task that no continuation can satisfy")
+    ]
+
+    @property
+    def listed(self) -> str:
+        """The lines in words."""
+        return ", ".join(self.lines)

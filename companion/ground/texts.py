@@ -51,7 +51,7 @@ from companion.flight_events.sortie import (
     SetpointRefused,
     VehicleCrashed,
 )
-from companion.flight_events.word import ConjunctViolated
+from companion.flight_events.word import ConjunctViolated, ViolatedBefore
 from companion.mavlink.framing import Message, dialect
 from companion.mavlink.statustext import chunks
 
@@ -82,11 +82,11 @@ def severity(event: FlightEvent) -> int:
             return WARNING
         case FlightFoundAgain() | ControlTakenBack() | FrameDoubted() | OriginMoved():
             return WARNING
-        case PlaceLost() | LineDropped() | ConjunctViolated() | DatagramsDropped():
+        case PlaceLost() | LineDropped() | ConjunctViolated() | ViolatedBefore():
             return WARNING
         case UploadNews(is_refused=True) | FramesRefused() | PortLost() | SignalSilent():
             return WARNING
-        case ReportRefused() | ReportUnknown() | SignalOfAnother():
+        case ReportRefused() | ReportUnknown() | SignalOfAnother() | DatagramsDropped():
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from companion.mission.facts import Fact
 from companion.planning.domain import Action, reach
+from companion.planning.lasso import Conjunct
 from companion.planning.planner import Planner
 from companion.planning.task_changes import TaskChange
 from companion.planning.task_state import TaskState
@@ -33,11 +34,12 @@ class TaskReplay:
         """The action of a name."""
         return self._actions[name]
 
-    def make(self, change: TaskChange) -> None:
-        """One change, after those before it."""
+    def make(self, change: TaskChange) -> Sequence[Conjunct]:
+        """One change, after those before it; the bounded lines whose clock it found run over."""
         self._state.now_s = change.now_s
         arguments = _READERS[change.method](self, change.arguments)
-        getattr(self._state, change.method)(*arguments)
+        done = getattr(self._state, change.method)(*arguments)
+        return done if change.method == TaskState.run_clocks.__name__ else ()
 
     def _of_action(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
         name, *rest = arguments

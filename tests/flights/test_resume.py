@@ -16,7 +16,7 @@ import pytest
 from lockstep import Lockstep, World
 
 from companion.acting.journal import CommandIntended, VehicleSeen
-from companion.errors import Aborted
+from companion.errors import Aborted, NoPlanError
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import OutcomeUnknown, PlaceReached, SkillCompleted
@@ -29,10 +29,12 @@ from companion.flight_events.sortie import (
     RunFailed,
     TaskSatisfied,
 )
-from companion.flight_events.word import PositionLeft
+from companion.flight_events.word import ConjunctViolated, PositionLeft, ViolatedBefore
 from companion.mavlink.framing import Message, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
+from companion.record.audit import audit
+from companion.record.events import record_of
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -141,10 +143,58 @@ def test_positions_that_the_record_lacks_are_told_with_their_own_times() -> None
     flight = meadow.start(mission, resumes=True)
     flight.until(lambda: flight.places.count("A") == 2).run(1.0)
     before = left(flight)
-    cut_off(flight, 8.0)
     flight.recorded.clear()
+    cut_off(flight, 8.0)
     flight.until_reported(ControlTakenBack)
     assert len(before) > 2 and left(flight) == before
+
+
+def violated_twice() -> Lockstep:
+    """Late for A by a pause, in which the alarm comes; it has flown home for that."""
+    task = {"visit": "F at(A)", "quick": "F[<=14s] at(A)", "calm": "G !alarm"}
+    lost = {"far": {"formula": "G !alarm", "priority": 2}}
+    fence = [[-9, -9], [30, -9], [30, 9], [-9, 9]]
+    given = {
+        "task": task | lost,
+        "events": {"alarm": {"when": "COMMAND.MAV_CMD_USER_1", "latch": True}},
+        "limits": {"speed_mps": 2, "up_m": [1, 10], "fence": fence},
+        "otherwise": "return_home",
+        "patience_s": 0,
+    }
+    flight = meadow.start(load_mission(meadow.DATA | given), resumes=True)
+    flight.until_reported(PhaseEntered, phase=Phase.TASK).run(2.0)
+    flight.station_commands(CONTINUE, 0.0, component=COMPANION)
+    flight.until_reported(ConjunctViolated, conjunct="quick")
+    flight.station_commands(dialect.MAV_CMD_USER_1, component=COMPANION)
+    says_continue(flight)
+    return flight.until_reported(ConjunctViolated, conjunct="calm").run_for(0.4)
+
+
+def test_what_was_violated_before_is_told_as_that_and_is_in_the_record_once() -> None:
+    flight = violated_twice()
+    before = word_of(flight)
+    assert [(each.conjunct, each.position) for each in flight.of(ConjunctViolated)] == [
+        ("quick", 0),
+        ("calm", 1),
+        ("far", 1),
+    ]
+    flight.reports.clear()
+    flight.recorded[:] = [e for e in flight.recorded if e not in before]  # the power took them
+    heard = len(flight.heard)
+    cut_off(flight)
+    assert word_of(flight) == before  # at once, with its own times
+    flight.until_the_end()
+    assert flight.one(ViolatedBefore) == ViolatedBefore(("quick", "calm"))
+    texts = [s.message.text for s in flight.heard[heard:] if hasattr(s.message, "text")]
+    told = [text for text in texts if "violated at" in text or "violated before" in text]
+    assert told == ["violated before: quick, calm"]
+    found = audit(record_of(flight.recorded))
+    assert not found.differs and flight.exit_code == NoPlanError.exit_code
+
+
+def word_of(flight: Lockstep) -> list[Stamped]:
+    kinds = PositionLeft | ConjunctViolated
+    return [each for each in flight.recorded if isinstance(each.event, kinds)]
 
 
 def left(flight: Lockstep) -> list[Stamped]:

@@ -7,8 +7,8 @@ const KINDS = {
   plans: new Set(["plan", "replan", "awaited", "dropped", "taken up", "lap", "engine failed"]),
   skills: new Set(["at", "done", "failed", "lap", "symbol", "photo", "marker", "progress", "report"]),
   faults: new Set([
-    "failed", "withdrawn", "violation", "crash", "dropped", "lost", "gate", "silent", "unknown", "map",
-    "port lost", "engine failed",
+    "failed", "withdrawn", "violation", "violated before", "crash", "dropped", "lost", "gate", "silent",
+    "unknown", "map", "port lost", "engine failed",
   ]),
 };
 

@@ -138,7 +138,7 @@ from companion.flight_events.tree import (
     TreeNode,
     TreeStopped,
 )
-from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.flight_events.word import ConjunctViolated, PositionLeft, ViolatedBefore
 
 MOVE = PlannedAction("move(Home, A)", "move", ("Home", "A"), 5.8)
 WAIT = PlannedAction("wait", "wait", (), 0.1)
@@ -225,6 +225,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         ConjunctViolated("calm", "G !low", position=4, facts=("at(A)", "low")),
         "calm violated at position 4: G !low",
     ),
+    (ViolatedBefore(("calm", "quick")), "violated before: calm, quick"),
     *((PhaseEntered(phase), phase.value) for phase in Phase),
     (WeakFailsafeAccepted("COM_LOW_BAT_ACT is 0"), "accepted: COM_LOW_BAT_ACT is 0"),
     (
