@@ -2,8 +2,8 @@
 
 The vehicle may be off from where its autopilot takes it to be. So routes keep more than the least
 clearance, where the map has room for that; a passage that is too narrow is flown at the next lower
-one. Levels are a step of what is added apart, and each place is flown to at the highest one that
-leads there.
+one. Levels are a step of what is added apart. Each place is flown to at the highest one that leads
+there, unless it makes the way much longer than one at which a large part is kept (`decisive_ways`).
 
 A place may itself stand nearer to an obstacle than a level asks for, and so may the vehicle. Around
 each a disc is open in which routes keep as much as the place, or the vehicle, does.
@@ -12,8 +12,9 @@ each a disc is open in which routes keep as much as the place, or the vehicle, d
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -25,11 +26,13 @@ from companion.motion.distance_maps import DistanceMaps
 from companion.motion.free_space import FreeSpace
 from companion.motion.grid import OccupancyGrid
 from companion.motion.grid_graph import Cell
-from companion.motion.position_error import STEP_M
+from companion.motion.position_error import ENOUGH_SHARE, STEP_M
 from companion.motion.regions import Regions
 
 _MAX_STARTS = 1000  # of which the cell is kept
 _OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
+DETOUR = 1.4
+"""A way so many times as long is flown for the sake of what is added to the clearance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,12 +43,14 @@ class Room:
         least_m: the clearance that no route goes below.
         is_inside: (rows, cols) cells that the fence holds.
         regions: of the exclusive places.
+        others: by place, the regions of all others, which a leg to it may not enter.
         goals: by place, where routes to it end; changed where symbols are aimed elsewhere.
     """
 
     least_m: float
     is_inside: npt.NDArray[np.bool_]
     regions: Regions
+    others: Mapping[str, Regions]
     goals: Mapping[str, Ned]
 
 
@@ -59,6 +64,20 @@ class Obstacles(NamedTuple):
 
     grid: OccupancyGrid
     walls: npt.NDArray[np.bool_]
+
+
+class Entry(NamedTuple):
+    """Where a way to a place enters free cells.
+
+    Attributes:
+        to_go: the cost-to-go of the place.
+        cell: from which a way leads there.
+        length_m: of the whole way, in the plane.
+    """
+
+    to_go: CostToGo
+    cell: Cell
+    length_m: float
 
 
 class ClearanceLevel:
@@ -174,26 +193,34 @@ class ClearanceLevel:
         goal = self._grid.cell(self._room.goals[place][:2])
         return self.around(start).is_connected(start, goal)
 
-    def plain_entry(self, start: NorthEast, place: str) -> tuple[CostToGo, Cell] | None:
-        """The same as `entry`, quickly, for a start from whose own cell a path leads on."""
+    def entry(self, start: NorthEast, place: str) -> Entry | None:
+        """Where a way to a place enters the cells from which there is one; None without any."""
+        return self.plain_entry(start, place) or self._entry_near(start, place)
+
+    def plain_entry(self, start: NorthEast, place: str) -> Entry | None:
+        """The same, quickly, for a start from whose own cell a path leads on; else None."""
         cell = self._plain_cell(start)
         goal = self._grid.cell(self._room.goals[place][:2])
         if cell is None or not self.space.are_connected(cell, goal):
             return None
         to_go = self.maps.cost_to_go(place, cell)
-        return (to_go, cell) if to_go and math.isfinite(to_go.cost[cell]) else None
+        is_way = to_go is not None and math.isfinite(to_go.cost[cell])
+        return self._entered(start, place, to_go, cell) if to_go and is_way else None
 
-    def entry(self, start: NorthEast, place: str, others: Regions) -> tuple[CostToGo, Cell] | None:
-        """Where a route to a place enters the cells from which there is a way; None without any.
-
-        Args:
-            start: of the route.
-            place: where it leads.
-            others: the regions of other places, which the leg to that cell may not enter.
-        """
+    def _entry_near(self, start: NorthEast, place: str) -> Entry | None:
         to_go = self.maps.cost_to_go(place) if self.is_connected(start, place) else None
+        others = self._room.others[place]
         cell = self.around(start).entry(start, others, to_go.cost) if to_go else None
-        return (to_go, cell) if to_go and cell else None
+        return self._entered(start, place, to_go, cell) if to_go and cell else None
+
+    def _entered(self, start: NorthEast, place: str, to_go: CostToGo, cell: Cell) -> Entry:
+        goal, grid = self._room.goals[place][:2], self._grid
+        if to_go.cost[cell] == 0:
+            return Entry(to_go, cell, math.dist(start, goal))
+        first = math.dist(start, grid.centre(*cell))
+        last = math.dist(goal, grid.centre(*grid.cell(goal)))
+        along = float(to_go.cost[cell]) * grid.cell_m
+        return Entry(to_go, cell, first + along + last)
 
     def _plain_cell(self, start: NorthEast) -> Cell | None:
         """Kept, since each place is a start of routes to all others."""
@@ -240,3 +267,59 @@ def levels_above(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
     """The levels at which routes keep up to so much more than the least, the highest first."""
     count = round(added_m / STEP_M)
     return [least.above(added_m * i / count) for i in range(count, 0, -1)]
+
+
+@dataclass
+class WayAt:
+    """A way at one clearance; what is asked for is searched then, and once.
+
+    Args:
+        level: of the way.
+        start: of the way.
+        place: where it leads.
+    """
+
+    level: ClearanceLevel
+    start: NorthEast
+    place: str
+
+    @cached_property
+    def entry(self) -> Entry | None:
+        """Where it enters free cells; None if no way leads there."""
+        return self.level.entry(self.start, self.place)
+
+    @property
+    def length_m(self) -> float:
+        """Its length in the plane; inf if no way leads there."""
+        return math.inf if self.entry is None else self.entry.length_m
+
+
+def decisive_ways(
+    levels: Sequence[ClearanceLevel], start: NorthEast, place: str, straight_m: float
+) -> Iterator[WayAt]:
+    """The ways that decide on which one is flown, each looked at once it is asked for more.
+
+    The last one is flown: that at the highest level at which it is not DETOUR times as long as
+    where ENOUGH_SHARE of what is added is kept. A way is no shorter at a higher level, nor than a
+    straight line.
+
+    Args:
+        levels: the highest first.
+        start: of the way.
+        place: where it leads.
+        straight_m: the straight line there.
+    """
+    highest = WayAt(levels[0], start, place)
+    yield highest
+    is_direct = highest.length_m <= DETOUR * straight_m
+    if is_direct or not levels[-1].is_connected(start, place):
+        return
+    enough = WayAt(levels[int((1 - ENOUGH_SHARE) * (len(levels) - 1) + 1e-9)], start, place)
+    yield enough
+    most_m = DETOUR * enough.length_m
+    for level in levels:
+        way = next((w for w in (highest, enough) if w.level is level), None)
+        way = way or WayAt(level, start, place)
+        yield way
+        if math.isfinite(way.length_m) and way.length_m <= most_m:
+            return

@@ -15,7 +15,7 @@ are low (`layered_routes.py`), and the vehicle's dynamics (`trajectory.py`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,11 +23,16 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.blends import Blend
-from companion.motion.clearance_level import ClearanceLevel, Obstacles, Room, levels_above
-from companion.motion.cost_to_go import CostToGo
+from companion.motion.clearance_level import (
+    ClearanceLevel,
+    Obstacles,
+    Room,
+    WayAt,
+    decisive_ways,
+    levels_above,
+)
 from companion.motion.free_space import FreeSpace, points_of
 from companion.motion.grid import OccupancyGrid, cells_inside
-from companion.motion.grid_graph import Cell
 from companion.motion.line_of_sight import Points
 from companion.motion.polygons import cells_beside, cells_of
 from companion.motion.region import Region
@@ -105,12 +110,12 @@ class RouteMap:
         self._goals = {name: place.position for name, place in places.items()}
         exclusive = {name: place for name, place in places.items() if place.is_exclusive}
         regions = _regions(grid, exclusive)
-        self._others = {name: regions.without(name) for name in places}
         inside = np.ones_like(grid.occupied)
         for polygon in (fence, *within):
             beside = cells_beside(grid.occupied.shape, points_of(grid, polygon), 0)
             inside &= cells_inside(grid, polygon, fence_margin_m) & ~beside
-        self._room = Room(clearance_m, inside, regions, self._goals)
+        self._others = {name: regions.without(name) for name in places}
+        self._room = Room(clearance_m, inside, regions, self._others, self._goals)
         self._least = ClearanceLevel(self._room, self._obstacles(grid), clearance_m)
         self._least.look()  # its cells decide on the version
         self._levels = [self._least]
@@ -165,12 +170,10 @@ class RouteMap:
         """
         if self._is_in_sight(start, place) or not self.is_connected(start, place):
             return True
-        for level in self._levels:
-            max_cells -= level.search(start, place, max_cells)
-            if not level.is_known(start, place):
+        for way in self._decisive_ways(start, place):
+            max_cells -= way.level.search(start, place, max_cells)
+            if not way.level.is_known(start, place):
                 return False
-            if level.plain_entry(start, place) or level.entry(start, place, self._others[place]):
-                return True
         return True
 
     def aim(self, place: str, goal: Ned) -> None:
@@ -215,18 +218,9 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
-        goal = self._goals[place][:2]
         if self._is_in_sight(start, place):
-            return math.dist(start, goal)
-        entry = self._entry(start, place)
-        if entry is None:
-            return math.inf
-        (_, to_go, cell), grid = entry, self._grid
-        if to_go.cost[cell] == 0:
-            return math.dist(start, goal)
-        first = math.dist(start, grid.centre(*cell))
-        last = math.dist(goal, grid.centre(*grid.cell(goal)))
-        return first + float(to_go.cost[cell]) * grid.cell_m + last
+            return math.dist(start, self._goals[place][:2])
+        return self._way(start, place).length_m
 
     def route_from_motion(
         self, start: Ned, stop: Ned, place: str, down_m: float | None = None
@@ -268,13 +262,13 @@ class RouteMap:
         if self._is_in_sight(start[:2], place):
             space = self._levels[0].space
             points = space.point([start[:2], goal[:2]])
-        elif entry := self._entry(start[:2], place):
-            level, to_go, cell = entry
-            space = level.around(*(point[:2] for point in (*flown, start)))
-            path = np.vstack([space.point(start), to_go.path(cell) + 0.5, space.point(goal)])
+        elif entry := (way := self._way(start[:2], place)).entry:
+            space = way.level.around(*(point[:2] for point in (*flown, start)))
+            cells = entry.to_go.path(entry.cell) + 0.5
+            path = np.vstack([space.point(start), cells, space.point(goal)])
             kept = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the clearance band
-            way = pull_string(path[kept:], _ClearLegs(space, others.around(path)))
-            points = np.vstack([path[:kept], way])
+            pulled = pull_string(path[kept:], _ClearLegs(space, others.around(path)))
+            points = np.vstack([path[:kept], pulled])
         else:
             return None
         plane = points * self._grid.cell_m + self._grid.origin
@@ -295,16 +289,14 @@ class RouteMap:
         leg = space.point(start), space.point(self._goals[place][:2])
         return bool(legs.may_be_clear(*leg) and legs.are_clear(*leg))
 
-    def _entry(self, start: NorthEast, place: str) -> tuple[ClearanceLevel, CostToGo, Cell] | None:
-        """Where a route to a place enters free cells, at the highest level that leads there."""
-        if entry := self._levels[0].plain_entry(start, place):
-            return (self._levels[0], *entry)
-        if not self.is_connected(start, place):
-            return None
-        for level in self._levels:
-            if entry := level.entry(start, place, self._others[place]):
-                return (level, *entry)
-        return None
+    def _way(self, start: NorthEast, place: str) -> WayAt:
+        """The way on which a place is flown to, if any leads there."""
+        *_, way = self._decisive_ways(start, place)
+        return way
+
+    def _decisive_ways(self, start: NorthEast, place: str) -> Iterator[WayAt]:
+        straight_m = math.dist(start, self._goals[place][:2])
+        return decisive_ways(self._levels, start, place, straight_m)
 
 
 def _regions(grid: OccupancyGrid, places: Mapping[str, PlaceRegion]) -> Regions:

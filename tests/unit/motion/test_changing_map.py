@@ -149,7 +149,7 @@ def test_levels_that_no_route_needs_cost_nothing_when_the_map_changes(
     other = HALL.copy()
     other[110, 10] = True
     routes.see(OccupancyGrid(other, 0.1, (0.0, 0.0)))
-    assert sorted(made) == pytest.approx([0.3, 1.3])
+    assert sorted(made) == pytest.approx([0.3, 1.0, 1.3])  # least, enough, and all
 
 
 def test_the_version_changes_with_the_free_cells_alone() -> None:
