@@ -66,7 +66,7 @@ class Obstacles(NamedTuple):
     walls: npt.NDArray[np.bool_]
 
 
-class Entry(NamedTuple):
+class WayEntry(NamedTuple):
     """Where a way to a place enters free cells.
 
     Attributes:
@@ -193,11 +193,11 @@ class ClearanceLevel:
         goal = self._grid.cell(self._room.goals[place][:2])
         return self.around(start).is_connected(start, goal)
 
-    def entry(self, start: NorthEast, place: str) -> Entry | None:
+    def entry(self, start: NorthEast, place: str) -> WayEntry | None:
         """Where a way to a place enters the cells from which there is one; None without any."""
         return self.plain_entry(start, place) or self._entry_near(start, place)
 
-    def plain_entry(self, start: NorthEast, place: str) -> Entry | None:
+    def plain_entry(self, start: NorthEast, place: str) -> WayEntry | None:
         """The same, quickly, for a start from whose own cell a path leads on; else None."""
         cell = self._plain_cell(start)
         goal = self._grid.cell(self._room.goals[place][:2])
@@ -207,20 +207,20 @@ class ClearanceLevel:
         is_way = to_go is not None and math.isfinite(to_go.cost[cell])
         return self._entered(start, place, to_go, cell) if to_go and is_way else None
 
-    def _entry_near(self, start: NorthEast, place: str) -> Entry | None:
+    def _entry_near(self, start: NorthEast, place: str) -> WayEntry | None:
         to_go = self.maps.cost_to_go(place) if self.is_connected(start, place) else None
         others = self._room.others[place]
         cell = self.around(start).entry(start, others, to_go.cost) if to_go else None
         return self._entered(start, place, to_go, cell) if to_go and cell else None
 
-    def _entered(self, start: NorthEast, place: str, to_go: CostToGo, cell: Cell) -> Entry:
+    def _entered(self, start: NorthEast, place: str, to_go: CostToGo, cell: Cell) -> WayEntry:
         goal, grid = self._room.goals[place][:2], self._grid
         if to_go.cost[cell] == 0:
-            return Entry(to_go, cell, math.dist(start, goal))
+            return WayEntry(to_go, cell, math.dist(start, goal))
         first = math.dist(start, grid.centre(*cell))
         last = math.dist(goal, grid.centre(*grid.cell(goal)))
         along = float(to_go.cost[cell]) * grid.cell_m
-        return Entry(to_go, cell, first + along + last)
+        return WayEntry(to_go, cell, first + along + last)
 
     def _plain_cell(self, start: NorthEast) -> Cell | None:
         """Kept, since each place is a start of routes to all others."""
@@ -284,7 +284,7 @@ class WayAt:
     place: str
 
     @cached_property
-    def entry(self) -> Entry | None:
+    def entry(self) -> WayEntry | None:
         """Where it enters free cells; None if no way leads there."""
         return self.level.entry(self.start, self.place)
 
@@ -297,7 +297,7 @@ class WayAt:
 def decisive_ways(
     levels: Sequence[ClearanceLevel], start: NorthEast, place: str, straight_m: float
 ) -> Iterator[WayAt]:
-    """The ways that decide on which one is flown, each looked at once it is asked for more.
+    """The ways that decide on which one is flown; each may be searched before it is looked at.
 
     The last one is flown: that at the highest level at which it is not DETOUR times as long as
     where ENOUGH_SHARE of what is added is kept. A way is no shorter at a higher level, nor than a
@@ -309,17 +309,15 @@ def decisive_ways(
         place: where it leads.
         straight_m: the straight line there.
     """
-    highest = WayAt(levels[0], start, place)
-    yield highest
-    is_direct = highest.length_m <= DETOUR * straight_m
+    ways = [WayAt(level, start, place) for level in levels]
+    yield ways[0]
+    is_direct = ways[0].length_m <= DETOUR * straight_m
     if is_direct or not levels[-1].is_connected(start, place):
         return
-    enough = WayAt(levels[int((1 - ENOUGH_SHARE) * (len(levels) - 1) + 1e-9)], start, place)
+    enough = ways[int((1 - ENOUGH_SHARE) * (len(ways) - 1) + 1e-9)]
     yield enough
     most_m = DETOUR * enough.length_m
-    for level in levels:
-        way = next((w for w in (highest, enough) if w.level is level), None)
-        way = way or WayAt(level, start, place)
+    for way in ways:
         yield way
         if math.isfinite(way.length_m) and way.length_m <= most_m:
             return
