@@ -31,7 +31,7 @@ from companion.motion.regions import Regions
 
 _MAX_STARTS = 1000  # of which the cell is kept
 _OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
-DETOUR = 1.4
+DETOUR = 1.1
 """A way so many times as long is flown for the sake of what is added to the clearance."""
 
 
