@@ -76,7 +76,8 @@ def test_a_quick_look_dismisses_no_clear_leg_and_most_others(
     assert may_be_clear[is_clear].all()
     is_inside = ((a > 0) & (b > 0) & (a < grid.occupied.shape) & (b < grid.occupied.shape)).all(1)
     dismissed = np.count_nonzero(~may_be_clear & is_inside)
-    assert dismissed >= 0.5 * np.count_nonzero(~is_clear & is_inside)
+    blocked = np.count_nonzero(~is_clear & is_inside)
+    assert dismissed >= 0.5 * blocked - 5  # of a few, chance may leave more
 
 
 @FAST
