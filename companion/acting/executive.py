@@ -28,7 +28,7 @@ from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.behaviour_tree.tree_report import TreeReport
 from companion.acting.event_detector import EventDetector
-from companion.acting.executive_states import STATUS, ExecutiveState, TaskStatus
+from companion.acting.executive_states import FLIES_BY_PLAN, STATUS, ExecutiveState, TaskStatus
 from companion.acting.flight import Flight, PlanProgress
 from companion.acting.ground_plans import GroundPlans
 from companion.acting.positions import tell_positions
@@ -105,7 +105,7 @@ class Executive:
             flight.task.take(events[name], holds)
             flight.report(MissionEventChanged(name, holds))
             restores |= events[name].restores if holds else frozenset()
-        for belief in flight.task.restore(flight.now_s, restores):
+        for belief in flight.task.restore(flight.now_s, self.state not in FLIES_BY_PLAN, restores):
             flight.report(BeliefRestored(belief))
             self._assumptions.note_restored_beliefs()
 

@@ -20,6 +20,12 @@ class ExecutiveState(Enum):
     WITHOUT_PLAN = "the task has no plan"
 
 
+FLIES_BY_PLAN = frozenset(
+    {ExecutiveState.EXECUTING, ExecutiveState.REPLANNING, ExecutiveState.EXPLAINING}
+)
+"""There is a plan that leads to more positions, or may be one at once."""
+
+
 class TaskStatus(Enum):
     """How the task stands."""
 

@@ -6,7 +6,8 @@ The word of the flight (after Section III-A of the paper):
 2. A position is read by the automata when it is left, that is, when the next skill begins.
    Until then an event may still change it. Plans are made as if it were read.
 3. No rise of an event is lost. A letter has each event that is true when it is read, or has risen
-   since the last letter was read. An event that was read and has fallen since is false.
+   since the last letter was read. An event that was read and has fallen since is false. Nor is a
+   failure lost: a belief comes back by time once a position has read that it is not held.
 4. An interrupted skill appends no position. The system moves first: the automata read next at
    the place that the vehicle reaches. So an event can never break `X` by itself.
 5. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
@@ -61,7 +62,7 @@ class TaskState:
         self.is_changing = False
         self._planner = planner
         self._readings = TaskReadings(planner.conjuncts)
-        self._beliefs = HeldBeliefs()
+        self._beliefs = HeldBeliefs(planner.task_facts)
 
         self.facts = planner.mission.initially
         self.risen = frozenset[Fact]()
@@ -177,6 +178,7 @@ class TaskState:
         self.risen = frozenset()
         self._restarted = ()
         self._is_read = True
+        self._beliefs.read()
         self._readings.foresee(self._next_letter)
 
     @recorded
@@ -274,9 +276,15 @@ class TaskState:
         return self._beliefs.is_cut_off
 
     @recorded
-    def restore(self, now_s: float, predicates: frozenset[str]) -> list[Fact]:
-        """Holds beliefs again whose time has come, or whose predicate is named; which ones."""
-        return self._beliefs.restore(now_s, predicates)
+    def restore(self, now_s: float, is_waiting: bool, predicates: frozenset[str]) -> list[Fact]:
+        """Holds beliefs again whose time has come, or whose predicate is named; which ones.
+
+        Args:
+            now_s: the time.
+            is_waiting: whether the vehicle waits for them, in want of a plan.
+            predicates: of beliefs that an event restores.
+        """
+        return self._beliefs.restore(now_s, is_waiting, predicates)
 
     @recorded
     def take(self, event: Event, holds: bool) -> None:

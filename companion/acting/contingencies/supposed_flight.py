@@ -287,7 +287,7 @@ class SupposedFlight:
         self._pass_time(wait_s)
         if energy is not None and self._level is not None:
             self._level -= energy.model.hovering(wait_s)
-        flight.task.restore(flight.now_s, frozenset())
+        flight.task.restore(flight.now_s, True, frozenset())
         return self._make_plan(reason)
 
     @property

@@ -54,7 +54,9 @@ def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: floa
         "depart": state.depart,
         "withdraw": lambda: state.withdraw(assumed, now_s + 5.0 if choice % 2 else None),
         "cut_off": lambda: state.cut_off(assumed),
-        "restore": lambda: state.restore(now_s, frozenset({"can_do"} if choice % 3 else ())),
+        "restore": lambda: state.restore(
+            now_s, choice % 2 == 0, frozenset({"can_do"} if choice % 3 else ())
+        ),
         "drop": lambda: state.drop(["sites", "first"][: choice % 3]),
         "keep": state.keep_dropped,
         "leave": state.leave,
@@ -106,7 +108,7 @@ def test_every_change_can_be_replayed() -> None:
 
 def test_what_changes_nothing_is_not_kept() -> None:
     _, state, changes = kept(ASKED)
-    state.restore(1.0, frozenset())
+    state.restore(1.0, True, frozenset())
     assert changes == []
 
 
