@@ -2,8 +2,7 @@
 
 The vehicle may be off from where its autopilot takes it to be. So routes keep more than the least
 clearance, where the map has room for that; a passage that is too narrow is flown at the next lower
-one. Levels are a step of what is added apart. Each place is flown to at the highest one that leads
-there, unless it makes the way much longer than one at which a large part is kept (`decisive_ways`).
+one. Levels are a step of what is added apart; at which one a place is flown to, way_choice.py says.
 
 A place may itself stand nearer to an obstacle than a level asks for, and so may the vehicle. Around
 each a disc is open in which routes keep as much as the place, or the vehicle, does.
@@ -12,9 +11,8 @@ each a disc is open in which routes keep as much as the place, or the vehicle, d
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -26,13 +24,11 @@ from companion.motion.distance_maps import DistanceMaps
 from companion.motion.free_space import FreeSpace
 from companion.motion.grid import OccupancyGrid
 from companion.motion.grid_graph import Cell
-from companion.motion.position_error import ENOUGH_SHARE, STEP_M
+from companion.motion.position_error import STEP_M
 from companion.motion.regions import Regions
 
 _MAX_STARTS = 1000  # of which the cell is kept
 _OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
-DETOUR = 1.1
-"""A way so many times as long is flown for the sake of what is added to the clearance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,57 +263,3 @@ def levels_above(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
     """The levels at which routes keep up to so much more than the least, the highest first."""
     count = round(added_m / STEP_M)
     return [least.above(added_m * i / count) for i in range(count, 0, -1)]
-
-
-@dataclass
-class WayAt:
-    """A way at one clearance; what is asked for is searched then, and once.
-
-    Args:
-        level: of the way.
-        start: of the way.
-        place: where it leads.
-    """
-
-    level: ClearanceLevel
-    start: NorthEast
-    place: str
-
-    @cached_property
-    def entry(self) -> WayEntry | None:
-        """Where it enters free cells; None if no way leads there."""
-        return self.level.entry(self.start, self.place)
-
-    @property
-    def length_m(self) -> float:
-        """Its length in the plane; inf if no way leads there."""
-        return math.inf if self.entry is None else self.entry.length_m
-
-
-def decisive_ways(
-    levels: Sequence[ClearanceLevel], start: NorthEast, place: str, straight_m: float
-) -> Iterator[WayAt]:
-    """The ways that decide on which one is flown; each may be searched before it is looked at.
-
-    The last one is flown: that at the highest level at which it is not DETOUR times as long as
-    where ENOUGH_SHARE of what is added is kept. A way is no shorter at a higher level, nor than a
-    straight line.
-
-    Args:
-        levels: the highest first.
-        start: of the way.
-        place: where it leads.
-        straight_m: the straight line there.
-    """
-    ways = [WayAt(level, start, place) for level in levels]
-    yield ways[0]
-    is_direct = ways[0].length_m <= DETOUR * straight_m
-    if is_direct or not levels[-1].is_connected(start, place):
-        return
-    enough = ways[int((1 - ENOUGH_SHARE) * (len(ways) - 1) + 1e-9)]
-    yield enough
-    most_m = DETOUR * enough.length_m
-    for way in ways:
-        yield way
-        if math.isfinite(way.length_m) and way.length_m <= most_m:
-            return

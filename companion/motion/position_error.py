@@ -15,8 +15,6 @@ from __future__ import annotations
 import math
 
 SIGMAS = 3.0
-ENOUGH_SHARE = 2 / 3
-"""Of what is added, where all of it would be a long way round: two deviations."""
 MOST_M = 1.5
 """No more is reckoned with: an autopilot that is worse off soon lands."""
 STEP_M = 0.1

@@ -23,14 +23,7 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.blends import Blend
-from companion.motion.clearance_level import (
-    ClearanceLevel,
-    Obstacles,
-    Room,
-    WayAt,
-    decisive_ways,
-    levels_above,
-)
+from companion.motion.clearance_level import ClearanceLevel, Obstacles, Room, levels_above
 from companion.motion.free_space import FreeSpace, points_of
 from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.line_of_sight import Points
@@ -39,6 +32,7 @@ from companion.motion.region import Region
 from companion.motion.regions import Regions
 from companion.motion.rounding import Waypoints, rounded
 from companion.motion.string_pulling import length, pull_string
+from companion.motion.way_choice import WayAt, decisive_ways
 
 CELLS_PER_TICK = 10_000
 """Cells that are searched at once: setpoints leave in the same loop."""

@@ -19,15 +19,14 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from companion.motion.clearance_level import DETOUR
 from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
 from companion.motion.line_of_sight import LineOfSight
 from companion.motion.path import Path
-from companion.motion.position_error import ENOUGH_SHARE
 from companion.motion.region import Disc
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, RouteMap
+from companion.motion.way_choice import DETOUR, ENOUGH_SHARE
 
 FAST = drawn(60)
 
