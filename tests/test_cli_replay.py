@@ -105,7 +105,7 @@ def test_a_run_without_a_scene_is_refused(
     shutil.copy(surveillance_run / "events.jsonl", tmp_path)
     ended = companion("replay", tmp_path, "--port", 0)
     assert ended.code == 2
-    assert "scene.json cannot be read" in ended.err
+    assert "scene.json is missing, and nothing shows the run without it" in ended.err
 
 
 def test_a_damaged_line_is_refused_with_its_place(
@@ -250,7 +250,7 @@ def test_what_cannot_be_shown_leaves_no_file(
     assert ended.code == 2 and f"{tmp_path} is no run folder" in ended.err
     shutil.copy(surveillance_run / "events.jsonl", tmp_path)
     ended = companion("replay", tmp_path, "--mcap", file)
-    assert ended.code == 2 and "scene.json cannot be read" in ended.err
+    assert ended.code == 2 and "scene.json is missing" in ended.err
     assert not file.exists()
 
 

@@ -18,6 +18,7 @@ from companion.acting.preflight.kept_fence import keep_to
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.plans import TaskRecalled
 from companion.flight_events.skills import OutcomeUnknown
 from companion.flight_events.sortie import FlightFoundAgain, Phase
 from companion.flight_events.word import ViolatedBefore
@@ -128,8 +129,8 @@ def restore(
     """The task is where the journal has it; from now on changes are kept in it.
 
     Returns:
-        the word so far and what it violates: for the record, which leaves out what it has. It is no
-        news: of lines that are violated one event tells.
+        the task, the word so far and what it violates: for the record, which leaves out what it
+        has. They are no news: of lines that are violated one event tells.
 
     Raises:
         LookupError: the journal is of another mission.
@@ -137,6 +138,9 @@ def restore(
     task, journal = flight.task, flight.journal
     replay = TaskReplay(task, planner)
     goes_on_s = flight.now_s
+    mission = planner.mission
+    recalled = TaskRecalled(mission.written_task, mission.priorities)
+    flight.add_report(Stamped(journalled.begun.start_s, recalled))
     for change in journalled.changes:
         late = replay.make(change)
         flight.now_s = change.now_s or goes_on_s
@@ -151,7 +155,7 @@ def restore(
     if (learnt := journalled.energy) is not None and planner.energy is not None:
         flying = RatioEstimate(learnt.flying, learnt.flying_deviation)
         planner.energy.recall(flying, RatioEstimate(learnt.gauge, learnt.gauge_deviation))
-    events = planner.mission.events
+    events = mission.events
     detector.resume(name for name, event in events.items() if event.fact in task.facts)
     task.on_change = lambda change: journal.note(flight.now_s, change)
     for shot in journalled.shots:

@@ -6,6 +6,7 @@ from heapq import merge
 from pathlib import Path
 
 from companion.flight_events.event import Stamped
+from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
 from companion.monitor.follower import Follower
 from companion.monitor.scene import read_scene
 from companion.monitor.tailing import EventLines
@@ -41,7 +42,10 @@ def trail_of_run(folder: Path) -> Trail:
     while follower.read():
         pass
     trail = Trail()
-    happened: list[Stamped | Snapshot] = [*EventLines(folder / EVENTS_FILE).news()]
+    events = EventLines(folder / EVENTS_FILE).news()
+    if not any(isinstance(each.event, PlanMade | WrittenTreeAdopted) for each in events):
+        trail.begin("before any plan that is recorded")
+    happened: list[Stamped | Snapshot] = [*events]
     for each in merge(happened, follower.snapshots, key=lambda each: each.time_s):
         if isinstance(each, Stamped):
             trail.take(each)

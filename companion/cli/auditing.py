@@ -57,7 +57,7 @@ def audit(
     \b
     Exit codes:
       0  the flight satisfies the task, or nothing speaks against it so far
-      2  RUN is no run folder, or a line of it is not as documented
+      2  RUN is no run folder, its events are lost, or a line of them is not as documented
       6  a conjunct that may not be dropped is violated, or is not fulfilled by the rest at the end
 
     A run that was cut off is audited as far as it goes. What the lines of events.jsonl mean is said
@@ -92,6 +92,8 @@ def _print(run: Path, record: RunRecord, result: Audit) -> None:
         typer.echo("note       the mission has no task to hold the flight against")
     if record.is_torn:
         typer.echo("note       the last line of events.jsonl is not whole; it was left out")
+    if record.is_headless:
+        typer.echo("note       the beginning of events.jsonl was lost; the word is the journal's")
     for name, number in result.differs:
         typer.echo(f"note       not the same in flight: {name} at position {number}")
     typer.echo(f"word       {len(record.positions)} positions, a column for each conjunct below")

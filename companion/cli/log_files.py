@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import IO
+from typing import IO, TYPE_CHECKING
 
 import typer
 
 from companion.errors import CompanionError, MissionError
+
+if TYPE_CHECKING:
+    from companion.flight_events.sortie import RunEnded
 
 ATTACHED = ("mission.yaml", "scene.json", "events.jsonl", "clocks.json")
 """Files of the run that go along, so that one file is enough."""
@@ -21,9 +24,7 @@ def write_run(run: Path, output: Path) -> None:
         MissionError: it is no run folder, or the file is there already.
         CompanionError: the file cannot be written.
     """
-    from companion.record.events import read_events
-
-    ending = read_events(run).ending  # says what is wrong with a folder, as an audit does
+    ending = look_at(run)
     try:
         with output.open("xb") as stream:
             try:
@@ -40,6 +41,25 @@ def write_run(run: Path, output: Path) -> None:
     if ending is None:
         typer.echo("notice     the run has no end: it was cut off, or still goes on")
     typer.echo(f"written    {output}: {count} messages, {output.stat().st_size / 1e6:.1f} MB")
+
+
+def look_at(run: Path) -> RunEnded | None:
+    """The end of a run that is to be shown, if it has one.
+
+    Where its events are lost that is told, and the rest can be shown.
+
+    Raises:
+        MissionError: what is wrong with the folder, as an audit says it.
+    """
+    from companion.record.events import TLOG_FILE, EventsLost, is_lost, read_events
+
+    try:
+        return read_events(run).ending
+    except EventsLost as lost:
+        if is_lost(run / TLOG_FILE):
+            raise
+        typer.echo(f"notice     {lost.what}")
+        return None
 
 
 def _write(run: Path, stream: IO[bytes]) -> int:

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from companion.cli.log_files import write_run
+from companion.cli.log_files import look_at, write_run
 from companion.errors import CompanionError
 from companion.monitor.child import Child, listen, url
 
@@ -130,9 +130,8 @@ def replay(
         write_run(run, mcap)
         return
     from companion.monitor.server import replay as serve
-    from companion.record.events import read_events
 
-    read_events(run)  # says what is wrong with a folder, as an audit does
+    look_at(run)
     with listen("127.0.0.1", port) as listener:
         typer.echo(f"monitor    {url(listener)}    Ctrl-C ends it")
         if open_page:

@@ -50,7 +50,8 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
         CompanionError: it was of another mission, or its journal is damaged.
     """
     from companion.mission.digest import digest
-    from companion.record.journal_file import JOURNAL_FILE, read_journal
+    from companion.record.events import JOURNAL_FILE
+    from companion.record.journal_file import read_journal
 
     log_dir = log_dir.expanduser()
     latest = log_dir / LATEST

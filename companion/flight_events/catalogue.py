@@ -60,6 +60,7 @@ from companion.flight_events.plans import (
     PlanAwaited,
     PlanMade,
     PlanReplaced,
+    TaskRecalled,
     WrittenTreeAdopted,
 )
 from companion.flight_events.rally import (
@@ -129,6 +130,7 @@ from companion.flight_events.word import ConjunctViolated, PositionLeft, Violate
 EVENTS: tuple[type[FlightEvent], ...] = (
     PlanMade,
     WrittenTreeAdopted,
+    TaskRecalled,
     PlanReplaced,
     LineDropped,
     LineTakenUp,

@@ -84,6 +84,18 @@ class WrittenTreeAdopted(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class TaskRecalled(FlightEvent):
+    """A flight goes on whose record has lost its first plan, and with it the task."""
+
+    kind = "task"
+    template = "the task as it is flown; the beginning of this record was lost"
+    is_told = False
+
+    task: Task
+    priorities: Priorities = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class PlanReplaced(FlightEvent):
     """Another plan was made."""
 

@@ -22,7 +22,13 @@ from companion.errors import CompanionError
 from companion.flight_events.catalogue import FOR_PROGRAMS
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.fence import FenceKept
-from companion.flight_events.plans import LineDropped, LineTakenUp, PlanMade, WrittenTreeAdopted
+from companion.flight_events.plans import (
+    LineDropped,
+    LineTakenUp,
+    PlanMade,
+    TaskRecalled,
+    WrittenTreeAdopted,
+)
 from companion.flight_events.skills import ClearanceChanged, SymbolMoved
 from companion.flight_events.tree import ActionTreeNode, TreeBuilt
 from companion.flight_events.word import PositionLeft
@@ -144,7 +150,7 @@ class Follower:
 
     def _derived(self, event: FlightEvent, time_s: float) -> Iterator[FlightEvent]:
         match event:
-            case PlanMade(task=task) | WrittenTreeAdopted(task=task):
+            case PlanMade(task=task) | WrittenTreeAdopted(task=task) | TaskRecalled(task=task):
                 self._is_written = isinstance(event, WrittenTreeAdopted)
                 self._task = TaskReader({name: parse_line(text) for name, text in task.items()})
                 yield AutomataDrawn(tuple(each.drawing for each in self._task.automata))

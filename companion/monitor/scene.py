@@ -22,10 +22,9 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.profile import SpeedLimits
 from companion.motion.region import Area, Disc, Region
 from companion.motion.routes import PlaceRegion
-from companion.record.events import no_run_folder
+from companion.record.events import SCENE_FILE, has_a_run, no_run_folder
 from companion.vehicle_profile import VehicleProfile
 
-SCENE = "scene.json"
 MAX_CELLS = 16_000_000
 NO_BAND = (-math.inf, -math.inf)
 
@@ -64,11 +63,13 @@ def read_scene(folder: Path) -> Scene:
     Raises:
         MissionError: there is none, or it is not as documented.
     """
-    path = folder / SCENE
+    path = folder / SCENE_FILE
     try:
         data = json.loads(path.read_bytes())
     except OSError as error:
-        raise no_run_folder(folder, SCENE, error) from error
+        if not has_a_run(folder):
+            raise no_run_folder(folder, SCENE_FILE, error) from error
+        raise MissionError(f"{path} is missing, and nothing shows the run without it") from error
     except (ValueError, RecursionError) as error:
         raise MissionError(f"{path}: this is not JSON") from error
     try:

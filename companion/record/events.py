@@ -15,7 +15,7 @@ from pathlib import Path
 
 from companion.errors import FormulaError, KeyPath, Location, MissionError
 from companion.flight_events.event import FlightEvent, Stamped
-from companion.flight_events.plans import PlanMade, WrittenTreeAdopted
+from companion.flight_events.plans import PlanMade, TaskRecalled, WrittenTreeAdopted
 from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded
 from companion.flight_events.tree import TreeBuilt
@@ -27,6 +27,16 @@ from companion.record.timed_word import Step, TimedWord
 ENDS_THE_TASK = (Phase.RETURNING, Phase.HOLDING, Phase.PARTING, Phase.LANDING)
 """Phases that nothing of the task comes after."""
 EVENTS_FILE = "events.jsonl"
+MISSION_FILE, SCENE_FILE = "mission.yaml", "scene.json"
+TLOG_FILE = "flight.tlog"
+JOURNAL_FILE = "journal.jsonl"
+OTHERS = (SCENE_FILE, TLOG_FILE, JOURNAL_FILE)
+"""What else a run folder has from the beginning on; not all have a journal."""
+_LOOKED_AT_BYTES = 4096
+
+
+class EventsLost(MissionError):
+    """A run was recorded, and what happened in it is not on the disk; its files may show it yet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +52,7 @@ class RunRecord:
         ending: how the run ended; None if it was cut off.
         is_torn: the last line is not whole, and was left out.
         in_time: the word with its times, for lines that are bounded.
+        is_headless: its beginning was lost, and the word is told anew by the flight that went on.
     """
 
     task: Mapping[str, Line]
@@ -53,25 +64,67 @@ class RunRecord:
     ending: RunEnded | None
     is_torn: bool
     in_time: TimedWord
+    is_headless: bool = False
 
 
 def read_events(folder: Path) -> RunRecord:
     """Reads what a run folder says of the task.
 
     Raises:
-        MissionError: there is no events.jsonl, it is not as documented, or no plan was made.
+        EventsLost: a run was cut off, and nothing of events.jsonl is left.
+        MissionError: it is no run folder, a line is not as documented, or no plan was made.
     """
     path = folder / EVENTS_FILE
     try:
         *whole, rest = path.read_bytes().split(b"\n")
+    except FileNotFoundError as error:
+        if not has_a_run(folder):
+            raise no_run_folder(folder, EVENTS_FILE, error) from error
+        raise events_lost(folder, "is missing") from error
     except OSError as error:
         raise no_run_folder(folder, EVENTS_FILE, error) from error
     is_torn = bool(rest) and not _is_json(rest)
     if rest and not is_torn:
         whole.append(rest)
+    if not whole:
+        raise events_lost(folder, "has no whole line" if rest.strip(b"\0") else "is empty")
     places = [Location(str(path), number, 1) for number in range(1, len(whole) + 1)]
     events = [read_line(line, where) for line, where in zip(whole, places, strict=True)]
     return _record(zip(events, places, strict=True), str(path), is_torn)
+
+
+def has_a_run(folder: Path) -> bool:
+    """Whether a run was recorded there, whatever is left of it."""
+    return any((folder / file).is_file() for file in (EVENTS_FILE, *OTHERS))
+
+
+def is_lost(path: Path) -> bool:
+    """Whether a file is missing, empty, or begins with the zeros of a power failure."""
+    try:
+        with path.open("rb") as file:
+            return not file.read(_LOOKED_AT_BYTES).strip(b"\0")
+    except FileNotFoundError:
+        return True
+
+
+def events_lost(folder: Path, what: str) -> EventsLost:
+    """What is missing of a run that was cut off, and what can be looked at yet."""
+    left = []
+    if not is_lost(folder / TLOG_FILE):
+        shown = f"companion replay {folder} shows it, companion figure {folder} draws it"
+        if is_lost(folder / SCENE_FILE):
+            shown = f"MAVProxy and QGroundControl show it; {SCENE_FILE} is lost, too"
+        left.append(f"where the vehicle was is in {TLOG_FILE}: {shown}")
+    if plans := sorted(path.name for path in folder.glob("plan-*.json") if not is_lost(path)):
+        left.append(f"what was planned is in {', '.join(plans)}")
+    if not is_lost(folder / JOURNAL_FILE):
+        how = "companion run --resume writes it anew where it goes on with the flight"
+        left.append(f"the word up to there is in {JOURNAL_FILE}: {how}")
+    return EventsLost(
+        f"{folder / EVENTS_FILE} {what}, so the run cannot be audited: it was cut off before what "
+        "happened was on the disk",
+        hint="\n".join(left) or "nothing else is left of it",
+    )
 
 
 def no_run_folder(folder: Path, file: str, error: OSError) -> MissionError:
@@ -114,14 +167,15 @@ def _record(
     tree: TreeBuilt | None = None
     ending: RunEnded | None = None
     steps: list[tuple[float, Step]] = []
-    until_s, is_counted = 0.0, True
+    until_s, is_counted, is_headless = 0.0, True, False
     for stamped, where in events:
         if is_counted:
             until_s, is_counted = stamped.time_s, not _ends_the_task(stamped.event)
         if isinstance(stamped.event, Step):
             steps.append((stamped.time_s, stamped.event))
         match stamped.event:
-            case PlanMade() | WrittenTreeAdopted() as first:
+            case PlanMade() | WrittenTreeAdopted() | TaskRecalled() as first:
+                is_headless = task is None and isinstance(first, TaskRecalled)
                 task, priorities = _formulas(first.task, where), first.priorities
             case PositionLeft() as position:
                 _demand_next(position.number, len(positions), where)
@@ -133,12 +187,14 @@ def _record(
                 tree = built
             case RunEnded() as end:
                 ending = end
+    if task is None and ending is None:
+        raise MissionError(f"{name}: the run was cut off, and no plan is in what is left of it")
     if task is None:
         why = f": {ending.text}" if ending else ""
         raise MissionError(f"{name}: no plan was made in this run, so nothing was flown{why}")
     word = tuple(positions), tuple(times_s), frozenset(violations)
     in_time = TimedWord(tuple(steps), until_s, frozenset(violations))
-    return RunRecord(task, priorities, *word, tree, ending, is_torn, in_time)
+    return RunRecord(task, priorities, *word, tree, ending, is_torn, in_time, is_headless)
 
 
 def _ends_the_task(event: FlightEvent) -> bool:

@@ -20,8 +20,8 @@ from companion.acting.journal import JournalEntry, JournalledFlight, put_togethe
 from companion.errors import CompanionError
 from companion.flight_events.values import Unfit, value_of
 from companion.flight_events.writing import json_of
+from companion.record.events import JOURNAL_FILE
 
-JOURNAL_FILE = "journal.jsonl"
 KINDS: dict[str, type] = {kind.__name__: kind for kind in get_args(JournalEntry)}
 
 _Noted = tuple[float, JournalEntry]

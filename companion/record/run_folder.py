@@ -15,27 +15,24 @@
 from __future__ import annotations
 
 import json
-import os
 import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from companion.acting.journal import Journal, NoJournal
-from companion.errors import MissionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import RecordingFailed
 from companion.flight_events.plans import PlanMade, PlanReplaced
-from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import RunEnded
-from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
 from companion.mavlink.framing import dialect, message_id, split_frames
 from companion.mission.model import Mission
 from companion.record.clocks import ClockFile
+from companion.record.cut_off import ToldWord, cut_events, cut_tlog, write_if_lost
 from companion.record.drawing import draw_here
-from companion.record.events import EVENTS_FILE
+from companion.record.events import EVENTS_FILE, MISSION_FILE, SCENE_FILE, TLOG_FILE
 from companion.record.journal_file import JournalFile
 from companion.record.scene import scene
 from companion.record.trail import Trail
@@ -86,18 +83,21 @@ class RunFolder:
         self.has_ended = False
         self._is_failing = False
         self._flushed_s = 0.0
-        events = folder / EVENTS_FILE
-        self._told = _Told()
+        events, tlog = folder / EVENTS_FILE, folder / TLOG_FILE
+        about = json.dumps(scene(mission, start_unix_s)) + "\n"
+        self._told = ToldWord()
         if cut_off_at is None:
-            (folder / "mission.yaml").write_text(mission.text, encoding="utf-8")
-            about = json.dumps(scene(mission, start_unix_s)) + "\n"
-            (folder / "scene.json").write_text(about, encoding="utf-8")
+            (folder / MISSION_FILE).write_text(mission.text, encoding="utf-8")
+            (folder / SCENE_FILE).write_text(about, encoding="utf-8")
         else:
-            self._told = _cut(events, cut_off_at)
+            write_if_lost(folder / MISSION_FILE, mission.text)
+            write_if_lost(folder / SCENE_FILE, about)
+            self._told = cut_events(events, cut_off_at)
+            cut_tlog(tlog)
         self._clocks = ClockFile(folder, is_continued=cut_off_at is not None)
         mode = "w" if cut_off_at is None else "a"
         self._events = events.open(mode, encoding="utf-8")
-        self._tlog = (folder / "flight.tlog").open(f"{mode}b")
+        self._tlog = tlog.open(f"{mode}b")
 
     @property
     def name(self) -> str:
@@ -166,50 +166,3 @@ class RunFolder:
         """Writes a plan."""
         path = self.folder / f"plan-{number}.json"
         path.write_text(json.dumps(json_of(plan), indent=2) + "\n", encoding="utf-8")
-
-
-class _Told:
-    """What of the word a run folder has already.
-
-    Attributes:
-        positions: how many.
-        violations: conjuncts, and the positions that violated them.
-    """
-
-    def __init__(self) -> None:
-        self.positions = 0
-        self.violations: set[tuple[str, int]] = set()
-
-    def __contains__(self, event: object) -> bool:
-        match event:
-            case PositionLeft(number=number):
-                return number < self.positions
-            case ConjunctViolated(conjunct=conjunct, position=position):
-                return (conjunct, position) in self.violations
-        return False
-
-
-def _cut(path: Path, positions: int) -> _Told:
-    """Takes away a torn last line, and all from a position on that the journal does not have.
-
-    Returns:
-        what is left.
-    """
-    lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
-    told, kept = _Told(), 0
-    for line in lines:
-        try:
-            event = read_line(line).event
-        except MissionError:
-            break
-        match event:
-            case PositionLeft(number=number):
-                if number >= positions:
-                    break
-                told.positions = max(told.positions, number + 1)
-            case ConjunctViolated(conjunct=conjunct, position=position):
-                told.violations.add((conjunct, position))
-        kept += len(line)
-    if lines:
-        os.truncate(path, kept)
-    return told

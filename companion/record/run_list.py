@@ -13,11 +13,10 @@ from companion.errors import Location, MissionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import RunEnded
-from companion.record.events import EVENTS_FILE
+from companion.record.events import EVENTS_FILE, SCENE_FILE
 
 LAST_BYTES = 65_536
 """So much of events.jsonl is looked at: no line of an end is longer."""
-MISSION_FILE = "mission.yaml"
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,8 @@ def list_runs(log_dir: Path) -> list[RunSummary]:
     """The runs in a folder, the oldest first; none if there is no such folder."""
     if not log_dir.is_dir():
         return []
-    folders = (path for path in log_dir.iterdir() if (path / EVENTS_FILE).is_file())
+    known = (EVENTS_FILE, SCENE_FILE)  # the events may be lost
+    folders = (path for path in log_dir.iterdir() if any((path / f).is_file() for f in known))
     return [summary(folder) for folder in sorted(folders)]
 
 
@@ -55,6 +55,8 @@ def summary(folder: Path) -> RunSummary:
 
 def _last_event(path: Path) -> Stamped | None:
     """The last whole line that is an event; None if there is none."""
+    if not path.is_file():
+        return None
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - LAST_BYTES))
         lines = file.read().split(b"\n")

@@ -149,6 +149,19 @@ def test_positions_that_the_record_lacks_are_told_with_their_own_times() -> None
     assert len(before) > 2 and left(flight) == before
 
 
+def test_a_flight_whose_record_is_lost_can_be_audited_if_it_is_gone_on_with(
+    flight: Lockstep,
+) -> None:
+    under_way(flight)
+    flight.recorded.clear()
+    cut_off(flight)
+    flight.until_the_end()
+    record = record_of(flight.recorded)
+    assert record.is_headless and record.task.keys() == {"search", "upload", "return"}
+    assert [each.number for each in record.positions] == list(range(len(record.positions)))
+    assert not audit(record).is_failure
+
+
 def violated_twice() -> Lockstep:
     """Late for A by a pause, in which the alarm comes; it has flown home for that."""
     task = {"visit": "F at(A)", "quick": "F[<=14s] at(A)", "calm": "G !alarm"}

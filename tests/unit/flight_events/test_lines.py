@@ -190,4 +190,4 @@ def test_a_key_has_one_place_among_the_classes_of_its_kind() -> None:
 
 def test_kinds_that_are_not_told_share_no_kind_with_those_that_are() -> None:
     assert {event.kind for event in EVENTS if event.is_told}.isdisjoint(FOR_PROGRAMS)
-    assert FOR_PROGRAMS == {"position", "tree", "status", "battery", "charge"}
+    assert FOR_PROGRAMS == {"position", "task", "tree", "status", "battery", "charge"}

@@ -65,6 +65,7 @@ from companion.flight_events.plans import (
     PlannedAction,
     PlannedLasso,
     PlanReplaced,
+    TaskRecalled,
     WrittenTreeAdopted,
 )
 from companion.flight_events.rally import (
@@ -148,6 +149,7 @@ LOST = "the pilot has control, in POSCTL"
 TEXTS: list[tuple[FlightEvent, str]] = [
     (PlanMade({"visit": "F at(A)"}, LASSO), "plan: move(Home, A), (wait)^w"),
     (WrittenTreeAdopted({}), "the mission's own tree"),
+    (TaskRecalled({}), "the task as it is flown; the beginning of this record was lost"),
     (
         PlanReplaced(2, "target found", PlannedLasso((), (MOVE, WAIT), 0.0, 5.9)),
         "replan 2: target found -> (move(Home, A), wait)^w",

@@ -24,7 +24,8 @@ from companion.acting.journal import (
 from companion.errors import CompanionError
 from companion.flight_events.sortie import Phase
 from companion.planning.task_changes import TaskChange
-from companion.record.journal_file import JOURNAL_FILE, JournalFile, read_journal
+from companion.record.events import JOURNAL_FILE
+from companion.record.journal_file import JournalFile, read_journal
 
 BEGUN = FlightBegun("survey", "survey.yaml", "ab12", start_s=0.25)
 ENTRIES: list[JournalEntry] = [

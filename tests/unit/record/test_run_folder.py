@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -22,13 +23,16 @@ from companion.flight_events.plans import (
     PlannedAction,
     PlannedLasso,
     PlanReplaced,
+    TaskRecalled,
 )
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, StoppedAsAsked
 from companion.flight_events.word import PositionLeft
 from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.monitor.tailing import TlogFrames
 from companion.record.backdrop import backdrop_of
 from companion.record.drawing import draw_here, draw_in_child
+from companion.record.events import read_events
 from companion.record.figure import draw_flight
 from companion.record.run_folder import RunFolder
 from companion.record.trail import PARTS_MAX, POSITIONS_MAX, Trail
@@ -285,6 +289,60 @@ def test_a_run_that_was_cut_off_is_gone_on_with(
     again.close()
     assert [line.get("number") for line in lines(again)] == [0, 0, 1, 2]
     assert (run.folder / "scene.json").read_bytes() == scene
+
+
+NOTHING = b""
+ZEROS = bytes(4096)
+
+
+@pytest.mark.parametrize("left", [None, NOTHING, ZEROS])
+def test_what_a_power_failure_took_is_written_again(
+    run: RunFolder, told: list[Stamped], left: bytes | None
+) -> None:
+    """The journal alone was on the disk: task and word come from it, the rest from the mission."""
+    run.report(Stamped(0.0, PlanMade({"task": "F at(A)"}, REST)))
+    run.report(Stamped(1.0, position(0)))
+    run.close()
+    written = {name: (run.folder / name).read_bytes() for name in ("mission.yaml", "scene.json")}
+    for name in (*written, "events.jsonl"):
+        (run.folder / name).unlink()
+        if left is not None:
+            (run.folder / name).write_bytes(left)
+    again = RunFolder(run.folder, mission("F at(A)"), START_UNIX_S, told.append, False, 1)
+    again.report(Stamped(0.0, TaskRecalled({"task": "F at(A)"})))
+    again.report(Stamped(1.0, position(0)))
+    again.close()
+    record = read_events(run.folder)
+    assert record.is_headless and list(record.task) == ["task"] and len(record.positions) == 1
+    assert {name: (run.folder / name).read_bytes() for name in written} == written
+
+
+def test_a_task_that_is_in_the_record_is_not_recalled(run: RunFolder, told: list[Stamped]) -> None:
+    run.report(Stamped(0.0, PlanMade({"task": "F at(A)"}, REST)))
+    run.close()
+    again = RunFolder(run.folder, mission("F at(A)"), START_UNIX_S, told.append, False, 0)
+    again.report(Stamped(0.0, TaskRecalled({"task": "F at(A)"})))
+    again.close()
+    assert [line["kind"] for line in lines(again)] == ["plan"]
+    assert not read_events(run.folder).is_headless
+
+
+@pytest.mark.parametrize("torn", [0, 1, 7, 12])
+def test_frames_behind_a_torn_one_are_read(run: RunFolder, told: list[Stamped], torn: int) -> None:
+    path = run.folder / "flight.tlog"
+    for number in range(5):
+        run.packets(float(number), [value(number)])
+    run.close()
+    size = path.stat().st_size
+    os.truncate(path, size - torn)
+    again = RunFolder(run.folder, mission("F at(A)"), START_UNIX_S, told.append, False, 0)
+    for number in range(5, 8):
+        again.packets(float(number), [value(number)])
+    again.close()
+    batches, _ = TlogFrames(path).news()
+    times_s = [time_s - START_UNIX_S for time_s, _ in batches]
+    whole = [0.0, 1.0, 2.0, 3.0] if torn else [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert times_s == [*whole, 5.0, 6.0]  # the newest waits for a later one
 
 
 def test_a_child_draws_the_same(tmp_path: Path) -> None:
