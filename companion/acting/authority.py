@@ -8,12 +8,15 @@ hold, or the autopilot holds because it no longer heard us (stream_loss.py). And
 
 from __future__ import annotations
 
+import math
+
 from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
 from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
 from companion.geometry import FAR_M, is_in_polygon
+from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Refusal
@@ -32,6 +35,7 @@ LANDING_M = 1.0
 """So much further away an autopilot may land whose velocity is off: with PX4's own simulator it is
 by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
+AT_ZERO = "it stands where it stood when its autopilot had started: [0, 0] of the mission is there"
 UNNOTICED = "the autopilot goes on landing; where the vehicle stands already, disarm it by hand"
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
@@ -81,9 +85,20 @@ def not_at_home(
     if gap_m > FAR_M:
         what = f"the vehicle is {gap_m / 1000:.0f} km from {home.name}, where the mission begins"
         return Aborted(f"{what}; are lat and lon exchanged?")
-    what = f"the vehicle stands {gap_m:.1f} m from {home.name}"
-    way_out = f"\n    {LAID_BEFORE}" if is_recalled else ""
-    return Aborted(f"{what}, where the mission begins; put it there{way_out}")
+    what = f"the vehicle stands {gap_m:.1f} m from {home.name}, where the mission begins"
+    advice = _way_out(state, home, is_fixed, is_recalled)
+    return Aborted("\n    ".join([f"{what}; put it there", *advice]))
+
+
+def _way_out(state: VehicleState, home: Place, is_fixed: bool, is_recalled: bool) -> list[str]:
+    """What to do beside carrying a vehicle to where the mission begins."""
+    if is_recalled:
+        return [LAID_BEFORE]
+    near_m = home.inner_m + greatest_error_m(state.accuracy_m)
+    is_at_zero = math.hypot(*state.position[:2]) <= near_m
+    if is_fixed or not is_at_zero or begins_at_zero(home):
+        return []
+    return [AT_ZERO, f"if that is {home.name}, {as_begun_at_zero(home)}"]
 
 
 def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> CompanionError | None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from companion.ltl.formula import Operator
 from companion.ltl.restriction import restricted
 from companion.mission.facts import Fact
+from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import LandAtSafePlace, Mission
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
@@ -60,12 +61,13 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
 
 def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
     """The place where a mission in metres begins, if it is not where its metres count from."""
-    off_m = math.hypot(*mission.home.position[:2])
-    if mission.anchor is None and off_m > mission.home.inner_m:
+    if mission.anchor is None and not begins_at_zero(mission.home):
+        off_m = math.hypot(*mission.home.position[:2])
         yield Notice(
             mission.home.name,
             f"the mission begins there, {off_m:.1f} m from [0, 0], which is where the vehicle"
-            " stands at its start; a start there is refused",
+            " stands when its autopilot has started: a flight from there is refused; "
+            + as_begun_at_zero(mission.home),
         )
 
 

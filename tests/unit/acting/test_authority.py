@@ -129,6 +129,25 @@ def test_where_no_map_goes_along_it_may_have_landed_further_away(
     )
 
 
+@pytest.mark.parametrize("accuracy_m", [0.0, 0.3])
+def test_who_stands_at_zero_of_a_mission_that_begins_elsewhere_is_told_what_to_write(
+    accuracy_m: float,
+) -> None:
+    """He may stand at its home, or at its zero: nobody knows, and walls go along with that."""
+    home = replace(HOME, position=(3.0, -8.5, -2.0))
+    refused = "the vehicle stands 9.0 m from Home, where the mission begins; put it there"
+    at_zero = replace(STANDING, accuracy_m=accuracy_m, position=(0.2, 0.0, 0.0))
+    assert reason(not_at_home(9.0, at_zero, home)) == (
+        f"{refused}\n    it stands where it stood when its autopilot had started: [0, 0] of the"
+        " mission is there\n    if that is Home, write 8.5 m more for all that is east, and 3 m"
+        " less for all that is north, its map included"
+    )
+    carried = replace(at_zero, position=(4.0, 0.0, 0.0))
+    assert reason(not_at_home(9.0, carried, home)) == refused
+    assert reason(not_at_home(9.0, at_zero, home, is_fixed=True)) == refused
+    assert reason(not_at_home(9.0, at_zero, HOME)) == refused
+
+
 @pytest.mark.parametrize("gap_m", [10_000.0, 10_001.0, 123_400.0])
 def test_a_home_that_is_further_than_ten_kilometres_is_a_slip(gap_m: float) -> None:
     told = reason(not_at_home(gap_m, STANDING, HOME))
