@@ -194,8 +194,7 @@ class Run:
         self._detections = Detections(signals, self._found.reports)
         self.executive = acting.executive
         self.flight.functions.prepare(functions_of(mission))
-        self._seen_s = -math.inf
-        self._clocks = RunClocks(wire, telemetry)
+        self._seen_s, self._clocks = -math.inf, RunClocks(wire, telemetry)
         self._keep(prepared, journalled)
         self.sortie = Sortie(
             acting.flight,
@@ -210,7 +209,8 @@ class Run:
             else None,
         )
         self._surroundings = Surroundings(mission.grid, telemetry)
-        self._sight, self._clearance = SightLimit(self.flight), KeptClearance(self.flight)
+        self._sight = SightLimit(self.flight)
+        self._clearance = KeptClearance(self.flight, prepared.planner)
         self._charge = ChargeReport(acting.flight, prepared.planner.energy)
 
     def _keep(self, prepared: PreparedMission, journalled: JournalledFlight | None) -> None:

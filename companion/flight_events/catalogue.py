@@ -81,6 +81,7 @@ from companion.flight_events.reports import (
 from companion.flight_events.skills import (
     ClearanceChanged,
     FunctionsAwaited,
+    LowPlacesFlown,
     OutcomeUnknown,
     PhotoTaken,
     PlaceFunctionFailed,
@@ -150,6 +151,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     RouteBlocked,
     WallNear,
     ClearanceChanged,
+    LowPlacesFlown,
     SpeedLimitedBySight,
     SymbolMoved,
     MissionEventChanged,

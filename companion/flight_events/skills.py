@@ -184,6 +184,26 @@ class ClearanceChanged(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class LowPlacesFlown(FlightEvent):
+    """Places are flown to lower than the height of a vehicle is certain, as its position is not."""
+
+    kind = "height"
+    template = (
+        "{listed}: lower than {least_m:g} m above what is below, and a height may be off by "
+        "{error_m:g} m where the position is not exact; write them higher"
+    )
+
+    places: Annotated[tuple[str, ...], Doc("a list of the places that are so low")]
+    least_m: Annotated[float, Doc("how high above what is below them they should be")]
+    error_m: Annotated[float, Doc("what a height was off by at worst")]
+
+    @property
+    def listed(self) -> str:
+        """The places in words."""
+        return ", ".join(self.places)
+
+
+@dataclass(frozen=True, slots=True)
 class SymbolMoved(FlightEvent):
     """A place is flown to at another waypoint."""
 

@@ -35,6 +35,7 @@ from companion.flight_events.reports import (
     SignalSilent,
 )
 from companion.flight_events.skills import (
+    LowPlacesFlown,
     OutcomeUnknown,
     PlaceFunctionFailed,
     SkillFailed,
@@ -87,6 +88,8 @@ def severity(event: FlightEvent) -> int:
         case UploadNews(is_refused=True) | FramesRefused() | PortLost() | SignalSilent():
             return WARNING
         case ReportRefused() | ReportUnknown() | SignalOfAnother() | DatagramsDropped():
+            return WARNING
+        case LowPlacesFlown():
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE

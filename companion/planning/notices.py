@@ -18,6 +18,7 @@ from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso, Solution
+from companion.planning.low_places import HEIGHT_ERROR_M, least_above_m, low_places
 from companion.planning.planner import Planner
 
 
@@ -56,7 +57,7 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
         kept = [conjunct for conjunct in planner.conjuncts if conjunct.name not in dropped]
         found += [*_vacuous_lines(planner), *_met_by_rest(kept, plan.lasso)]
         found += _walls_below_the_end(mission, plan.lasso)
-    return (*found, *_begins_elsewhere(mission), *_cut_off_places(planner))
+    return (*found, *_begins_elsewhere(mission), *_low_places(planner), *_cut_off_places(planner))
 
 
 def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
@@ -68,6 +69,19 @@ def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
             f"the mission begins there, {off_m:.1f} m from [0, 0], which is where the vehicle"
             " stands when its autopilot has started: a flight from there is refused; "
             + as_begun_at_zero(mission.home),
+        )
+
+
+def _low_places(planner: Planner) -> Iterator[Notice]:
+    """Places that are flown to lower than a height is certain, in a mission that needs GPS."""
+    if planner.mission.anchor is None:
+        return
+    least_m = least_above_m(planner.mission.vehicle)
+    for place in low_places(planner):
+        yield Notice(
+            place.name,
+            f"flown to {place.above_m:g} m above what is below it, and the height of a vehicle with"
+            f" GPS may be off by {HEIGHT_ERROR_M:g} m; write {least_m - place.above_m:.2g} m more",
         )
 
 

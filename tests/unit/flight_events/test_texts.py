@@ -86,6 +86,7 @@ from companion.flight_events.reports import (
 from companion.flight_events.skills import (
     ClearanceChanged,
     FunctionsAwaited,
+    LowPlacesFlown,
     OutcomeUnknown,
     PhotoTaken,
     PlaceFunctionFailed,
@@ -194,6 +195,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (
         ClearanceChanged(1.2, 0.254),
         "routes keep 1.2 m from obstacles where there is room: the position is good for 0.25 m",
+    ),
+    (
+        LowPlacesFlown(("A", "Pond"), 1.5, 1.4),
+        "A, Pond: lower than 1.5 m above what is below, and a height may be off by 1.4 m where the "
+        "position is not exact; write them higher",
     ),
     (
         SpeedLimitedBySight(4.57, 8.0, 8.0),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from meadow import DATA
@@ -52,6 +53,51 @@ def test_a_mission_in_metres_that_begins_elsewhere_is_noticed(
     )
     asked = load_mission(DATA | {"places": places, "limits": limits})
     assert told(asked) == [text] * notices_told
+
+
+def on_earth(pond_up_m: float, **keys: Any) -> Mission:
+    """A mission in degrees to a pond that is so high; all else is high enough."""
+    places = {
+        "Home": {"lat_deg": 47.397742, "lon_deg": 8.545594, "up_m": 6, "radius_m": 2},
+        "Pond": {"lat_deg": 47.397560, "lon_deg": 8.546350, "up_m": pond_up_m},
+        "Mark": {"lat_deg": 47.397560, "lon_deg": 8.545950, "up_m": 0.6},
+    }
+    fence = [[47.3973, 8.5449], [47.3973, 8.5469], [47.3986, 8.5469], [47.3986, 8.5449]]
+    limits = {"speed_mps": 5, "up_m": [0.5, 40], "fence": fence}
+    about = {
+        "frame": "wgs84",
+        "limits": limits,
+        "places": places,
+        "sets": {"Place": ["Home", "Pond"]},
+    }
+    return load_mission(DATA | about | {"task": {"visit": "F at(Pond)"}} | keys)
+
+
+@pytest.mark.parametrize(
+    ("up_m", "more_m"), [(0.6, "0.9"), (1.2, "0.3"), (1.45, "0.05"), (1.5, ""), (20, "")]
+)
+def test_a_place_lower_than_a_height_by_gps_is_certain_is_noticed(up_m: float, more_m: str) -> None:
+    """A mark that nobody flies to may lie on the ground."""
+    text = (
+        f"Pond: flown to {up_m:g} m above what is below it, and the height of a vehicle with GPS"
+        f" may be off by 1.4 m; write {more_m} m more"
+    )
+    assert told(on_earth(up_m)) == [text] * bool(more_m)
+
+
+def test_a_height_counts_from_the_wall_below() -> None:
+    """Drawn in metres about Home: the pond is 57 m east and 20 m south of it."""
+    roof = {"walls": [{"east_m": [54, 60], "north_m": [-23, -17], "up_m": 3}]}
+    (above,) = (text for text in told(on_earth(4.2, map=roof)) if "flown to" in text)
+    assert above.startswith("Pond: flown to 1.2 m above what is below it")
+    assert not any("flown to" in text for text in told(on_earth(4.5, map=roof)))
+
+
+def test_heights_of_a_mission_in_metres_are_taken_for_exact() -> None:
+    """Nobody knows before the flight how good its position will be."""
+    places = DATA["places"] | {"A": DATA["places"]["A"] | {"up_m": 1.2}}
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
+    assert told(load_mission(DATA | {"places": places, "limits": limits})) == []
 
 
 @pytest.mark.parametrize(
