@@ -288,7 +288,7 @@ class Executive:
         drop(self._flight, plan.dropped)
         is_kept = self.lasso is not None and self._replanner.is_rest_of(self.lasso, lasso)
         self.failure = None
-        self._adopt(lasso, ExecutiveState.EXECUTING)
+        self._adopt(lasso, ExecutiveState.EXECUTING, self._flight.progress.laps * is_kept)
         if not is_kept:
             self.replans += 1
             dropped = plan.lines_dropped
@@ -321,11 +321,11 @@ class Executive:
         self.failure = failure
         self._flight.report(NoPlanFound(self.replans, reason, str(failure)))
 
-    def _adopt(self, lasso: Lasso, state: ExecutiveState) -> None:
+    def _adopt(self, lasso: Lasso, state: ExecutiveState, laps: int = 0) -> None:
         """Ticks the tree of a plan from now on, in the air; its assumptions are known."""
         flight = self._flight
         is_landed = flight.progress.is_landed_by_plan
-        flight.progress = PlanProgress()
+        flight.progress = PlanProgress(laps=laps)
         self.lasso = lasso
         self._triggers.adopt(lasso)
         self._plan_state = state

@@ -13,6 +13,7 @@ from synthetic import command, mission
 
 from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefRestored
+from companion.flight_events.plans import LapCompleted
 from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.mission.model import Skill
 from companion.vehicle.port import Failed
@@ -61,3 +62,10 @@ def test_who_waits_for_it_in_want_of_a_plan_waits_no_longer_than_was_said(task: 
     rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert len(rig.of(BeliefRestored)) == 1
+
+
+def test_laps_are_counted_on_where_what_came_back_leaves_the_plan_as_it_was() -> None:
+    """The second lap was told as the first one again."""
+    rig = refused(f"{PATROL} & F (seen | !can_look)")
+    rig.run_until(LapCompleted, times=3)
+    assert [lap.lap for lap in rig.of(LapCompleted)] == [1, 2, 3]
