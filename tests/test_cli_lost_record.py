@@ -39,7 +39,7 @@ def test_an_audit_says_what_is_lost_and_what_is_left(
     assert ended.code == 2
     assert f"events.jsonl {how}, so the run cannot be audited" in ended.err
     assert SEEN.format(run) in ended.err
-    assert "what was planned is in plan-0.json, plan-1.json, plan-2.json\n" in ended.err
+    assert "what was planned is in plan-0.json to plan-2.json\n" in ended.err
     assert "no run folder" not in ended.err and "nothing was flown" not in ended.err
 
 

@@ -35,7 +35,7 @@ LANDING_M = 1.0
 """So much further away an autopilot may land whose velocity is off: with PX4's own simulator it is
 by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
-AT_ZERO = "it stands where it stood when its autopilot had started: [0, 0] of the mission is there"
+AT_ZERO = "it stands at its autopilot's home position, and that is [0, 0] of the mission"
 UNNOTICED = "the autopilot goes on landing; where the vehicle stands already, disarm it by hand"
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""

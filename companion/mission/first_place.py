@@ -1,8 +1,8 @@
 """Where a mission in metres begins, and what to write where that is not [0, 0].
 
-Its metres count from where the vehicle stands when its first flight since the autopilot's start
-begins. So a mission that begins elsewhere is refused there: walls would be where none stand. The
-same mission with other figures begins at [0, 0].
+Its metres count from the autopilot's home position, at which the vehicle stands when its first
+flight since the autopilot's start begins. So a mission that begins elsewhere is refused there:
+walls would be where none stand. The same mission with other figures begins at [0, 0].
 """
 
 from __future__ import annotations

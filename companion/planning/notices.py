@@ -66,8 +66,8 @@ def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
         off_m = math.hypot(*mission.home.position[:2])
         yield Notice(
             mission.home.name,
-            f"the mission begins there, {off_m:.1f} m from [0, 0], which is where the vehicle"
-            " stands when its autopilot has started: a flight from there is refused; "
+            f"the mission begins there, {off_m:.1f} m from [0, 0], which is the autopilot's home"
+            " position, where the vehicle stands at first: a flight from there is refused; "
             + as_begun_at_zero(mission.home),
         )
 

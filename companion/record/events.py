@@ -87,7 +87,9 @@ def read_events(folder: Path) -> RunRecord:
     if rest and not is_torn:
         whole.append(rest)
     if not whole:
-        raise events_lost(folder, "has no whole line" if rest.strip(b"\0") else "is empty")
+        if rest.strip(b"\0"):
+            raise events_lost(folder, "has no whole line")
+        raise events_lost(folder, "is empty", ", or has just begun")
     places = [Location(str(path), number, 1) for number in range(1, len(whole) + 1)]
     events = [read_line(line, where) for line, where in zip(whole, places, strict=True)]
     return _record(zip(events, places, strict=True), str(path), is_torn)
@@ -107,7 +109,7 @@ def is_lost(path: Path) -> bool:
         return True
 
 
-def events_lost(folder: Path, what: str) -> EventsLost:
+def events_lost(folder: Path, what: str, else_: str = "") -> EventsLost:
     """What is missing of a run that was cut off, and what can be looked at yet."""
     left = []
     if not is_lost(folder / TLOG_FILE):
@@ -115,14 +117,17 @@ def events_lost(folder: Path, what: str) -> EventsLost:
         if is_lost(folder / SCENE_FILE):
             shown = f"MAVProxy and QGroundControl show it; {SCENE_FILE} is lost, too"
         left.append(f"where the vehicle was is in {TLOG_FILE}: {shown}")
-    if plans := sorted(path.name for path in folder.glob("plan-*.json") if not is_lost(path)):
-        left.append(f"what was planned is in {', '.join(plans)}")
+    plans = [path.name for path in folder.glob("plan-*.json") if not is_lost(path)]
+    if plans:
+        plans.sort(key=lambda name: (len(name), name))
+        listed = f"{plans[0]} to {plans[-1]}" if len(plans) > 1 else plans[0]
+        left.append(f"what was planned is in {listed}")
     if not is_lost(folder / JOURNAL_FILE):
         how = "companion run --resume writes it anew where it goes on with the flight"
         left.append(f"the word up to there is in {JOURNAL_FILE}: {how}")
     return EventsLost(
         f"{folder / EVENTS_FILE} {what}, so the run cannot be audited: it was cut off before what "
-        "happened was on the disk",
+        f"happened was on the disk{else_}",
         hint="\n".join(left) or "nothing else is left of it",
     )
 

@@ -138,8 +138,8 @@ def test_who_stands_at_zero_of_a_mission_that_begins_elsewhere_is_told_what_to_w
     refused = "the vehicle stands 9.0 m from Home, where the mission begins; put it there"
     at_zero = replace(STANDING, accuracy_m=accuracy_m, position=(0.2, 0.0, 0.0))
     assert reason(not_at_home(9.0, at_zero, home)) == (
-        f"{refused}\n    it stands where it stood when its autopilot had started: [0, 0] of the"
-        " mission is there\n    if that is Home, write 8.5 m more for all that is east, and 3 m"
+        f"{refused}\n    it stands at its autopilot's home position, and that is [0, 0] of the"
+        " mission\n    if that is Home, write 8.5 m more for all that is east, and 3 m"
         " less for all that is north, its map included"
     )
     carried = replace(at_zero, position=(4.0, 0.0, 0.0))
