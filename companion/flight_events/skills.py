@@ -189,8 +189,8 @@ class LowPlacesFlown(FlightEvent):
 
     kind = "height"
     template = (
-        "{listed}: lower than {least_m:g} m above what is below, and a height may be off by "
-        "{error_m:g} m where the position is not exact; write them higher"
+        "lower than {least_m:g} m above what is below, where a height may be off by {error_m:g} m "
+        "as the position is not exact: {listed}"
     )
 
     places: Annotated[tuple[str, ...], Doc("a list of the places that are so low")]

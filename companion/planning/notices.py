@@ -27,7 +27,7 @@ class Notice:
     """Something to look at.
 
     Attributes:
-        subject: the event, the line of the task, or the place.
+        subject: the event, the line of the task, or the places.
         text: what is odd about it, in words.
     """
 
@@ -76,12 +76,12 @@ def _low_places(planner: Planner) -> Iterator[Notice]:
     """Places that are flown to lower than a height is certain, in a mission that needs GPS."""
     if planner.mission.anchor is None:
         return
-    least_m = least_above_m(planner.mission.vehicle)
-    for place in low_places(planner):
+    if low := low_places(planner):
+        least_m = least_above_m(planner.mission.vehicle)
         yield Notice(
-            place.name,
-            f"flown to {place.above_m:g} m above what is below it, and the height of a vehicle with"
-            f" GPS may be off by {HEIGHT_ERROR_M:g} m; write {least_m - place.above_m:.2g} m more",
+            ", ".join(map(str, low)),
+            "flown to so low above what is below, and the height of a vehicle with GPS may be off"
+            f" by {HEIGHT_ERROR_M:g} m; write {least_m:g} m or more",
         )
 
 

@@ -198,8 +198,8 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     (
         LowPlacesFlown(("A", "Pond"), 1.5, 1.4),
-        "A, Pond: lower than 1.5 m above what is below, and a height may be off by 1.4 m where the "
-        "position is not exact; write them higher",
+        "lower than 1.5 m above what is below, where a height may be off by 1.4 m as the position "
+        "is not exact: A, Pond",
     ),
     (
         SpeedLimitedBySight(4.57, 8.0, 8.0),

@@ -73,24 +73,30 @@ def on_earth(pond_up_m: float, **keys: Any) -> Mission:
     return load_mission(DATA | about | {"task": {"visit": "F at(Pond)"}} | keys)
 
 
-@pytest.mark.parametrize(
-    ("up_m", "more_m"), [(0.6, "0.9"), (1.2, "0.3"), (1.45, "0.05"), (1.5, ""), (20, "")]
+LOW = (
+    "flown to so low above what is below, and the height of a vehicle with GPS may be off by 1.4 m;"
+    " write 1.5 m or more"
 )
-def test_a_place_lower_than_a_height_by_gps_is_certain_is_noticed(up_m: float, more_m: str) -> None:
+
+
+@pytest.mark.parametrize(("up_m", "is_low"), [(0.6, True), (1.45, True), (1.5, False), (20, False)])
+def test_a_place_lower_than_a_height_by_gps_is_certain_is_noticed(
+    up_m: float, is_low: bool
+) -> None:
     """A mark that nobody flies to may lie on the ground."""
-    text = (
-        f"Pond: flown to {up_m:g} m above what is below it, and the height of a vehicle with GPS"
-        f" may be off by 1.4 m; write {more_m} m more"
-    )
-    assert told(on_earth(up_m)) == [text] * bool(more_m)
+    assert told(on_earth(up_m)) == [f"Pond ({up_m:g} m): {LOW}"] * is_low
+
+
+def test_low_places_are_one_notice() -> None:
+    asked = on_earth(1.2, sets={"Place": ["Home", "Pond", "Mark"]})
+    assert told(asked) == [f"Pond (1.2 m), Mark (0.6 m): {LOW}"]
 
 
 def test_a_height_counts_from_the_wall_below() -> None:
     """Drawn in metres about Home: the pond is 57 m east and 20 m south of it."""
     roof = {"walls": [{"east_m": [54, 60], "north_m": [-23, -17], "up_m": 3}]}
-    (above,) = (text for text in told(on_earth(4.2, map=roof)) if "flown to" in text)
-    assert above.startswith("Pond: flown to 1.2 m above what is below it")
-    assert not any("flown to" in text for text in told(on_earth(4.5, map=roof)))
+    assert f"Pond (1.2 m): {LOW}" in told(on_earth(4.2, map=roof))
+    assert not any(LOW in text for text in told(on_earth(4.5, map=roof)))
 
 
 def test_heights_of_a_mission_in_metres_are_taken_for_exact() -> None:
