@@ -298,6 +298,7 @@ class FakeVehicle:
         location: where its frames lie on the earth; not known at first.
         is_home_fixed: home lies where it does wherever the vehicle stands.
         is_home_recalled: the mission begins where another program's flights have begun.
+        is_settling: it is measured where the vehicle stands.
         is_turning: its heading is that of its setpoint.
         payloads: its payloads.
         markers: what it sees of landing markers; nothing at first.
@@ -322,7 +323,7 @@ class FakeVehicle:
         self.frame_doubt: Refusal | None = None
         self.origin: GlobalOrigin | None = None
         self.location: FrameLocation | None = None
-        self.is_home_fixed = self.is_home_recalled = False
+        self.is_home_fixed = self.is_home_recalled = self.is_settling = False
         self.refusal: Refusal | None = None
         self.takeoff_up_m = 2.0
         self.script: dict[Goal, tuple[float, Outcome]] = {}

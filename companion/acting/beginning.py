@@ -12,12 +12,13 @@ from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import Aborted, CompanionError
-from companion.flight_events.frames import FrameLocated, HomeRecalled
+from companion.flight_events.frames import FrameLocated, HomeMeasured, HomeRecalled
 from companion.flight_events.skills import FunctionsAwaited
 from companion.geometry import horizontal_distance
 from companion.mission.model import Place
 from companion.skills.calls import NotDone
 from companion.slices import InSlices
+from companion.vehicle.mission_frame import SETTLING_S
 from companion.vehicle.port import Progress, VehicleState
 
 GROUND_SLICE_US = 30_000
@@ -38,7 +39,7 @@ class Beginning:
         self._home = home
         self._executive = executive
         self._planning: InSlices[PlanFailure | None] | None = None
-        self._is_loading = False
+        self._is_loading = self._is_settling = False
 
     @property
     def is_planning(self) -> bool:
@@ -51,6 +52,7 @@ class Beginning:
             vehicle, home = self._flight.vehicle, self._home
             gap_m = vehicle.gap_m(home.position)
             if gap_m is None:
+                self._tell_settling(state)
                 return Progress.RUNNING
             fixed, recalled = vehicle.is_home_fixed, vehicle.is_home_recalled
             if elsewhere := not_at_home(gap_m, state, home, fixed, recalled):
@@ -65,6 +67,14 @@ class Beginning:
         if not self._planning.step():
             return Progress.RUNNING
         return self._planning.result or Progress.DONE
+
+    def _tell_settling(self, state: VehicleState) -> None:
+        """Once, that nothing happens for some seconds."""
+        if self._flight.vehicle.is_settling and not self._is_settling:
+            self._is_settling = True
+            self._flight.report(
+                HomeMeasured(self._home.name, SETTLING_S, round(state.accuracy_m, 2))
+            )
 
     def _load(self) -> Progress | CompanionError:
         """DONE when all functions are loaded; or why one cannot be."""

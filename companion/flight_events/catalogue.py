@@ -28,6 +28,7 @@ from companion.flight_events.frames import (
     FrameDoubted,
     FrameLocated,
     FrameTrusted,
+    HomeMeasured,
     HomeRecalled,
     OriginMoved,
 )
@@ -183,6 +184,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     LinkBack,
     FlightFoundAgain,
     FrameLocated,
+    HomeMeasured,
     HomeRecalled,
     OriginMoved,
     FrameTrusted,

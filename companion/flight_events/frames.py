@@ -27,6 +27,21 @@ class FrameLocated(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class HomeMeasured(FlightEvent):
+    """Where the vehicle stands is averaged for some seconds, before the mission can begin."""
+
+    kind = "frame"
+    template = (
+        "measuring for {for_s:.0f} s where {home} is: "
+        "the vehicle's position is good for {accuracy_m} m"
+    )
+
+    home: InText[str]
+    for_s: InText[float]
+    accuracy_m: InText[float]
+
+
+@dataclass(frozen=True, slots=True)
 class HomeRecalled(FlightEvent):
     """A mission in metres begins where another program's flights on this autopilot have begun."""
 

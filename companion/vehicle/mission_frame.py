@@ -171,9 +171,14 @@ class MissionFrame:
         stands = (self._mean, self._newest)
         gaps_m = [horizontal_distance(self.position(each), place) for each in stands]
         is_there = accuracy_m <= EXACT_M and max(gaps_m) <= SETTLED_M
-        if not is_there and self._heard_s - self._since_s < SETTLING_S:
+        if not is_there and self.is_settling:
             return None
         return gaps_m[0]
+
+    @property
+    def is_settling(self) -> bool:
+        """Whether the mean of where the vehicle stands is of too short a time yet."""
+        return self._mean is not None and self._heard_s - self._since_s < SETTLING_S
 
     def lay(self, place: Ned) -> None:
         """The vehicle stands at a place, and a sortie begins: moves the frame so that this is so.

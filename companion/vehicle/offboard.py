@@ -270,6 +270,11 @@ class MavlinkVehicle:
         """How far from a place the vehicle stands; None until that is certain."""
         return self._telemetry.frame.gap_m(place, self._telemetry.accuracy_m)
 
+    @property
+    def is_settling(self) -> bool:
+        """Whether it is measured where the vehicle stands."""
+        return self._telemetry.frame.is_known and self._telemetry.frame.is_settling
+
     def stand_at(self, place: Ned) -> None:
         """Lays the mission's frame, before the first sortie."""
         self._telemetry.stand_at(place)

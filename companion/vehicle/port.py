@@ -287,6 +287,10 @@ class Vehicle(Protocol):
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands on the ground; None until that is certain."""
 
+    @property
+    def is_settling(self) -> bool:
+        """Whether it is measured where the vehicle stands: its position is averaged."""
+
     def stand_at(self, place: Ned) -> None:
         """The vehicle stands at a place, where the mission's map begins to be true."""
 

@@ -12,13 +12,14 @@ import pytest
 from lockstep import Lockstep, World
 from synthetic import mission
 
-from companion.flight_events.frames import HomeRecalled
+from companion.flight_events.frames import HomeMeasured, HomeRecalled
 from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission, Place
 from companion.motion.region import Disc
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.laid_frames import LaidFrames
+from companion.vehicle.mission_frame import SETTLING_S
 from sitl.flight.estimate import Wander
 from sitl.world.scenario import Scenario
 
@@ -66,3 +67,14 @@ def test_what_it_would_be_off_by_without_a_memory() -> None:
     flight = two_flights(0, remembers=False)
     assert not flight.of(HomeRecalled)
     assert off_m(flight) > 2 * OFF_M
+
+
+def test_that_it_is_measured_where_the_vehicle_stands_is_told_once() -> None:
+    """Nothing happened for ten seconds, and nobody knew why."""
+    flight = Lockstep(mission("F at(A)"), AS_PX4)
+    flight.until_reported(PhaseEntered, phase=Phase.ARMING)
+    told = flight.one(HomeMeasured)
+    assert told.home == "H" and told.for_s == SETTLING_S
+    exact = Lockstep(mission("F at(A)"), (Scenario(), None))
+    exact.until_reported(PhaseEntered, phase=Phase.ARMING)
+    assert not exact.of(HomeMeasured)

@@ -31,6 +31,7 @@ from companion.flight_events.frames import (
     FrameDoubted,
     FrameLocated,
     FrameTrusted,
+    HomeMeasured,
     HomeRecalled,
     OriginMoved,
 )
@@ -289,6 +290,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         FrameLocated("Home", 47.41, 8.53, 1984.94, 488.0, 0.005),
         "Home is 1984.94 m from the origin 47.41, 8.53 of the autopilot, and 488.0 m above the "
         "sea; its positions agree to 0.005 m",
+    ),
+    (
+        HomeMeasured("Home", 10.0, 0.28),
+        "measuring for 10 s where Home is: the vehicle's position is good for 0.28 m",
     ),
     (
         HomeRecalled("Home", 0.9),
