@@ -1,7 +1,8 @@
 """Random flights that are interfered with: what they say of themselves is true over all of it.
 
-The companion is killed and goes on with its journal; or an operator pauses, and a pilot takes the
-vehicle and gives it back; at any time, in any phase, several times.
+The companion is killed and goes on with its journal, half of the times after a power failure that
+takes all of the record; or an operator pauses, and a pilot takes the vehicle and gives it back; at
+any time, in any phase, several times.
 """
 
 from __future__ import annotations
@@ -42,10 +43,13 @@ class Interfered(Lockstep):
             mission, world_of(mission, world), seed=seed, has_station=True, resumes=True
         )
         self.chance = Random(f"interference {seed}")
+        self._is_record_lost = seed % 4 == 1
 
     def kill_and_restart(self) -> None:
         self.kill()
         self.run(self.chance.choice((0.3, 1.0, 3.0, 8.0, 20.0)))
+        if self._is_record_lost:
+            self.recorded.clear()
         self.restart()
 
     def pause(self) -> None:
