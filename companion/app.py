@@ -33,7 +33,8 @@ from companion.ground.parameters import BELIEF_RETRY, SPEED_MAX
 from companion.host import Host
 from companion.mavlink.framing import Message, source
 from companion.mission.model import Mission
-from companion.mission_run import OnlyRun, Recorder, Run
+from companion.mission_run import Recorder, Run
+from companion.only_run import OnlyRun
 from companion.outcomes import Refusal
 from companion.planning.engine_port import Engine
 from companion.vehicle.flight_memory import FlightMemory
@@ -305,8 +306,7 @@ class Companion:
             return
         if self._host is None or self._host.uploads is None:
             return
-        path = self._host.uploads.take_active()
-        if path is not None:
+        if (path := self._host.uploads.take_active()) is not None:
             self._take(self._host, path)
 
     def _take(self, host: Host, path: Path) -> None:

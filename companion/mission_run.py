@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
 from companion.acting.assembly import assemble, envelope_of
@@ -16,7 +15,6 @@ from companion.acting.charge.charge_report import ChargeReport
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.found_places import FoundPlaces
-from companion.acting.function_port import FunctionPort
 from companion.acting.journal import (
     FlightBegun,
     Journal,
@@ -28,24 +26,21 @@ from companion.acting.journal import (
 from companion.acting.kept_clearance import KeptClearance
 from companion.acting.phases import ON_THE_GROUND
 from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
-from companion.acting.preparation import PreparedMission, prepare
+from companion.acting.preparation import PreparedMission
 from companion.acting.resumption import Resumption, restore
 from companion.acting.sight_limit import SightLimit
 from companion.acting.sortie import Sortie
-from companion.errors import Aborted, MissionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.reports import SignalHeard, SignalSilent
-from companion.flight_events.sortie import AutopilotSaid, Phase, RunFailed
+from companion.flight_events.sortie import AutopilotSaid, Phase
 from companion.flight_events.word import since
 from companion.geometry import Ned
 from companion.mavlink.framing import Message
 from companion.mission.digest import digest
 from companion.mission.facts import Fact
 from companion.mission.installed_calls import functions_of
-from companion.mission.model import Mission
 from companion.mission.refinement import confirming
-from companion.planning.engine_port import Engine
 from companion.vehicle.detections import Detections
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.offboard import MavlinkVehicle
@@ -81,56 +76,6 @@ class Recorder(Protocol):
 
     def clocks(self, reading: ClockReading) -> None:
         """The clocks were read."""
-
-
-@dataclass(frozen=True)
-class OnlyRun:
-    """The only run of a companion, before it begins.
-
-    Attributes:
-        recorder: of it.
-        engine: who plans it; None for the built-in search.
-        functions: calls functions of installed packages; None where nothing does.
-        journalled: a run that was cut off, to go on with.
-    """
-
-    mission: Mission
-    recorder: Recorder
-    engine: Engine | None
-    journalled: JournalledFlight | None
-    functions: FunctionPort | None = None
-
-    @classmethod
-    def of(
-        cls,
-        mission: Mission | None,
-        recorder: Recorder | None,
-        engine: Engine | None,
-        journalled: JournalledFlight | None,
-        functions: FunctionPort | None,
-    ) -> OnlyRun | None:
-        """The only run of a mission with a recorder; None for a companion that hosts."""
-        if mission is None or recorder is None:
-            return None
-        return cls(mission, recorder, engine, journalled, functions)
-
-    def prepare(self, telemetry: Telemetry) -> PreparedMission | Aborted | None:
-        """Its preparation, or why it cannot begin; None until all that it needs was heard.
-
-        A mission with places above the sea needs the height of the ground. One whose vehicle does
-        not stand there is prepared without: the run leaves the vehicle alone.
-        """
-        seen = self.journalled.seen if self.journalled is not None else None
-        ground_amsl_m = seen.altitude_m if seen is not None else telemetry.ground_amsl_m
-        if self.mission.is_above_sea and ground_amsl_m is None and not telemetry.is_flown:
-            return None
-        try:
-            about = self.mission, math.inf, None, self.engine, ground_amsl_m
-            return prepare(*about, self.functions)
-        except MissionError as error:
-            failure = Aborted(str(error))
-            self.recorder.report(Stamped(0.0, RunFailed(str(failure), failure.exit_code)))
-            return failure
 
 
 class Run:
@@ -194,20 +139,13 @@ class Run:
         self._detections = Detections(signals, self._found.reports)
         self.executive = acting.executive
         self.flight.functions.prepare(functions_of(mission))
-        self._seen_s, self._clocks = -math.inf, RunClocks(wire, telemetry)
+        self._seen_s = -math.inf
+        self._clocks = RunClocks(wire, telemetry)
         self._keep(prepared, journalled)
-        self.sortie = Sortie(
-            acting.flight,
-            acting.executive,
-            mission,
-            terms,
-            may_yield,
-            limit,
-            resumes,
-            Resumption(journalled, mission.speed_limits.speed_mps, lambda: wire.system)
-            if journalled
-            else None,
-        )
+        speed_mps = mission.speed_limits.speed_mps
+        resumption = Resumption(journalled, speed_mps, lambda: wire.system) if journalled else None
+        about = acting.flight, acting.executive, mission
+        self.sortie = Sortie(*about, terms, may_yield, limit, resumes, resumption)
         self._surroundings = Surroundings(mission.grid, telemetry)
         self._sight = SightLimit(self.flight)
         self._clearance = KeptClearance(self.flight, prepared.planner)
