@@ -53,6 +53,7 @@ _CONDITION = re.compile(
 _REPORT = re.compile(
     rf"\s*(?P<message>{REPORT})\s*\[\s*(?P<instance>[A-Za-z_]\w{{0,62}})\s*\]" + _SAYS, re.ASCII
 )
+_NAMED_ALONE = re.compile(r"(NAMED_VALUE_(?:INT|FLOAT)\s*\[[^\[\]]*\])\s*(?![.\s])", re.ASCII)
 
 
 def parse_condition(text: str) -> AnyCondition:
@@ -103,7 +104,12 @@ def _remedy(text: str, offset: int) -> str:
         return "compare with a NUMBER: names of values are not known here"
     if re.match(r"[A-Za-z%°]", rest) and text[:offset].rstrip()[-1:].isdigit():
         return f"write the number alone, without {rest}"
-    return "write MESSAGE.field > NUMBER, EVENT[name] > NUMBER or COMMAND.MAV_CMD_NAME"
+    if named := _NAMED_ALONE.match(rest):
+        return f"write {named[1]}.value"
+    return (
+        "write MESSAGE.field > NUMBER, MESSAGE[name].field > NUMBER, EVENT[name] > NUMBER"
+        " or COMMAND.MAV_CMD_NAME"
+    )
 
 
 def _demand_change(condition: Condition, match: re.Match[str]) -> None:
