@@ -201,6 +201,8 @@ def _simulate(
         f"sitl: ground station on UDP {gcs} (local {LOCAL_PORTS[LinkName.GCS] + instance}), "
         f"companion on UDP {offboard} (local {LOCAL_PORTS[LinkName.OFFBOARD] + instance})"
     )
+    if sender is None and any("report" in dict(event.effects) for event in world[0].events):
+        typer.echo("sitl: reports go nowhere; --reports says where a companion's --events listens")
     sys.stdout.flush()
     clock = ScaledClock(speed, MAX_JUMP_S)
     told = 0

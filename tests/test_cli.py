@@ -261,6 +261,14 @@ def test_a_bare_udp_url_is_answered_with_both_corrections(companion: Companion) 
 
 
 @pytest.mark.slow
+def test_reports_that_a_mission_reads_and_nobody_hears_are_noticed(companion: Companion) -> None:
+    nowhere = "--connect", "udp://192.168.1.10:14540"
+    notice = "notice     not heard: EVENT[person]; --events says where other programs report"
+    assert notice in companion("run", "lost_person", *nowhere).out
+    assert "notice" not in companion("run", "lost_person", *nowhere, "--events", "unix:a").out
+    assert "notice" not in companion("run", SURVEILLANCE, *nowhere).out
+
+
 @pytest.mark.parametrize("command", [("run", SURVEILLANCE), ("upload", SURVEILLANCE), ("watch",)])
 def test_a_port_in_use(
     companion: Companion, taken_port: int, command: tuple[str | Path, ...]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -41,6 +41,9 @@ from companion.cli.real_time import OFFBOARD_PORT, fly_over
 from companion.cli.shipped import completions, mission_file
 from companion.cli.vehicle_flights import VehicleFlights
 from companion.planning.objective import Encoding
+
+if TYPE_CHECKING:
+    from companion.mission.model import Mission
 
 OptionalMission = Annotated[
     Path | None,
@@ -95,6 +98,7 @@ def run(
         reason = "needs MISSION, and no --resume: a vehicle in the air would wait for the table"
         raise typer.BadParameter(reason, param_hint="--contingencies")
     loaded = load(mission, contingencies) if mission else None
+    _notice_unheard(loaded, events)
     endpoint = parse_url(connect)
     with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
         flights = VehicleFlights(
@@ -110,3 +114,15 @@ def run(
             flights.host(loaded)
         else:
             flights.fly_once(loaded, timeout)
+
+
+def _notice_unheard(mission: Mission | None, events: str | None) -> None:
+    """Says what a mission has to be told by other programs, `EVENT[name]`, if nobody is heard."""
+    from companion.acting.event_detector import EventDetector
+
+    if mission is None or events is not None:
+        return
+    signals = EventDetector(mission.events).signals
+    if reports := sorted({each.instance for each in signals if each.is_report}):
+        listed = ", ".join(f"EVENT[{name}]" for name in reports)
+        typer.echo(f"notice     not heard: {listed}; --events says where other programs report")

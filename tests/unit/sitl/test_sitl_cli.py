@@ -4,6 +4,7 @@ import socket
 from contextlib import closing
 from importlib import metadata
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import typer
@@ -125,3 +126,23 @@ def test_a_wrong_address_of_reports_ends_with_an_advice(
         main(["--reports", address, "-i", "199"])
     assert end.value.code == LinkError("").exit_code
     assert "write unix:PATH or udpin:HOST:PORT" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("happens", "is_told"), [("report: {alarm: 1}", True), ("wind: {east_mps: 2}", False)]
+)
+def test_reports_that_nobody_gets_are_told_at_the_start(
+    happens: str,
+    is_told: bool,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    instance: int,
+) -> None:
+    path = tmp_path / "a.sim.yaml"
+    path.write_text(f"version: 1\nhappens:\n  - {{at_s: 900, {happens}}}\n")
+    monkeypatch.setattr("sitl.cli._Stop", lambda is_attended: SimpleNamespace(is_set=True))
+    with pytest.raises(SystemExit) as end:
+        main(["--scenario", str(path), "-i", str(instance)])
+    assert end.value.code == 0
+    assert ("--reports says where" in capsys.readouterr().out) is is_told
