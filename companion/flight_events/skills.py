@@ -189,8 +189,8 @@ class LowPlacesFlown(FlightEvent):
 
     kind = "height"
     template = (
-        "lower than {least_m:g} m above what is below, where a height may be off by {error_m:g} m "
-        "as the position is not exact: {listed}"
+        "heights may be off by {error_m:g} m, as the position is not exact; write {least_m:g} m "
+        "or more above what is below for {listed}"
     )
 
     places: Annotated[tuple[str, ...], Doc("a list of the places that are so low")]

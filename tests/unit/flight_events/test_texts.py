@@ -199,8 +199,8 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     (
         LowPlacesFlown(("A", "Pond"), 1.5, 1.4),
-        "lower than 1.5 m above what is below, where a height may be off by 1.4 m as the position "
-        "is not exact: A, Pond",
+        "heights may be off by 1.4 m, as the position is not exact; write 1.5 m or more above what "
+        "is below for A, Pond",
     ),
     (
         SpeedLimitedBySight(4.57, 8.0, 8.0),
