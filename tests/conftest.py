@@ -9,11 +9,13 @@ leaves both out.
 
 from __future__ import annotations
 
+import gc
 import os
 import re
 import sys
 from collections.abc import Generator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -22,6 +24,7 @@ from drawn import EXPLORES, number
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
+from companion import driving
 from companion.api.simulating import lockstep, world_of
 from companion.cli import main
 from companion.mission.loader import load_mission
@@ -95,6 +98,21 @@ def flies(item: pytest.Item) -> bool:
         or not FLOWN.isdisjoint(getattr(item, "fixturenames", ()))
         or any(getattr(value, "__module__", None) in SIMULATOR for value in imported)
     )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def tests_are_set_aside() -> Generator[None, None, None]:
+    """All that was collected is searched for garbage once, and not before each flight again.
+
+    That takes longer than most flights. So a flight does not end it either; that it sets aside what
+    is there by then is shown with the true `gc` (tests/unit/test_driving.py).
+    """
+    gc.collect()
+    gc.freeze()
+    with pytest.MonkeyPatch.context() as patched:
+        kept = SimpleNamespace(collect=gc.collect, freeze=lambda: None, unfreeze=lambda: None)
+        patched.setattr(driving, "gc", kept)
+        yield
 
 
 @pytest.fixture(scope="session")

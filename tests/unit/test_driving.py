@@ -13,6 +13,7 @@ from notes import Notes
 from preparations import Polled
 from synthetic import mission
 
+from companion import driving
 from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.driving import fly
@@ -145,10 +146,12 @@ class Line(Notes):
 @pytest.fixture(scope="module")
 def line() -> Line:
     """Ten seconds of questions, then a flight."""
-    gc.unfreeze()
+    gc.unfreeze()  # the tests
     line = Line(asks_until_s=10.0)
-    fly(line.companion, line, line, 0.0)  # type: ignore[arg-type]
-    gc.unfreeze()
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(driving, "gc", gc)
+        fly(line.companion, line, line, 0.0)  # type: ignore[arg-type]
+    gc.freeze()
     return line
 
 

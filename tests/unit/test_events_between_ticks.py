@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -92,7 +91,6 @@ class Line(Notes):
 
     def fly(self) -> Line:
         fly(self.companion, self, self.clock, 0.0)  # type: ignore[arg-type]
-        gc.unfreeze()
         return self
 
     @property
