@@ -158,6 +158,12 @@ QUICK = [command for command in COMMANDS if is_quick(command)]
 MISSIONS = [path.relative_to(ROOT) for path in (ROOT / "missions").glob("*.yaml")]
 SHIPPED = [f"companion sim {path} --speed max" for path in MISSIONS]
 """Flown tick by tick in tests/flights/test_shipped.py as well, so not in the default tests."""
+ALONE = {
+    f"companion sim missions/{name}.yaml --speed max"
+    for name in ("endless_patrol", "open_field", "paper_section_v")
+}
+"""Of these, what nothing else flies in a process of its own: tests/flights/test_sockets.py flies
+the others over sockets, `.ci/run` that of README.md. Those are flown here with the sweeps."""
 FLOWN_ELSEWHERE = {
     *SHIPPED,
     REFUSED,  # tests/flights/test_shipped.py
@@ -206,7 +212,13 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
 @pytest.mark.parametrize(
     "command",
     [
-        pytest.param(c, marks=[pytest.mark.sockets] if c in FLOWN_ELSEWHERE else [])
+        pytest.param(
+            c,
+            marks=[
+                *([pytest.mark.sockets] if c in FLOWN_ELSEWHERE else []),
+                *([pytest.mark.long] if c in SHIPPED and c not in ALONE else []),
+            ],
+        )
         for c in PROCESSES
     ],
 )
