@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from commands import Companion
 from lockstep import Lockstep
 from offered import TEMPLATE, install_template, installed_in
 from ports import free_instance
@@ -77,7 +78,7 @@ def test_the_template_flies_and_equal_seeds_give_equal_events(
     assert sorted(path.read_text() for path in printed) == ["Rack: 2.60 kg\n", "Shelf: 1.40 kg\n"]
 
 
-def companion(site: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+def in_a_process(site: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "companion", *map(str, arguments)]
     environment = os.environ | {"PYTHONPATH": str(site)}
     return subprocess.run(
@@ -86,24 +87,27 @@ def companion(site: Path, *arguments: str | Path) -> subprocess.CompletedProcess
 
 
 @pytest.mark.slow
-def test_the_command_line_knows_what_is_installed(site: Path, tmp_path: Path) -> None:
-    listed = companion(site, "skills")
-    assert "python(weigh, place: str, limit_kg: float = 2.0)    scale-skill 1.0" in listed.stdout
-    offers = json.loads(companion(site, "skills", "--json").stdout)
+def test_the_command_line_knows_what_is_installed(
+    site: Path, companion: Companion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    refused = companion("check", WEIGHING)
+    assert refused.code == 2
+    assert f"{WEIGHING}:42:14: the skill weigh is not installed" in refused.err
+    assert companion("skills").out.startswith("no installed package offers any")
+    installed_in(site, monkeypatch)
+    offers = json.loads(companion("skills", "--json").out)
     assert {each["name"] for each in offers} == {"weigh", "beside", "out_of_downwash"}
-    assert companion(site, "check", WEIGHING).returncode == 0
-    assert "weigh(Rack)" in companion(site, "plan", WEIGHING).stdout
-    refused = companion(tmp_path, "check", WEIGHING)
-    assert refused.returncode == 2
-    assert f"{WEIGHING}:42:14: the skill weigh is not installed" in refused.stderr
-    assert companion(tmp_path, "skills").stdout.startswith("no installed package offers any")
+    assert companion("check", WEIGHING).code == 0
+    assert "weigh(Rack)" in companion("plan", WEIGHING).out
+    listed = in_a_process(site, "skills")
+    assert "python(weigh, place: str, limit_kg: float = 2.0)    scale-skill 1.0" in listed.stdout
 
 
 @pytest.mark.sockets
 def test_the_template_flies_over_sockets(site: Path, tmp_path: Path) -> None:
     options = ["--speed", "2", "--log-dir", tmp_path, "--monitor", "off"]
     options += ["--instance", free_instance()]
-    flown = companion(site, "sim", WEIGHING, *options)
+    flown = in_a_process(site, "sim", WEIGHING, *options)
     assert flown.returncode == 0, flown.stdout + flown.stderr
     assert "weigh(Shelf) done" in flown.stdout
     assert "weigh(Rack) failed: 2.6 kg, and the limit is 2 kg" in flown.stdout
