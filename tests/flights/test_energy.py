@@ -111,7 +111,7 @@ def test_charge_that_is_lost_in_flight_makes_it_charge_first(at_s: float) -> Non
     assert {"A", "B"} <= {*flight.places}
 
 
-@pytest.mark.parametrize("at_s", [12.0, 25.0])
+@pytest.mark.parametrize("at_s", [pytest.param(12.0, marks=pytest.mark.long), 25.0])
 def test_with_too_little_for_any_plan_it_lands_where_it_can(at_s: float) -> None:
     flight = fly({"at_s": at_s, "battery": {"charge": 0.205}}, charge=0.5)
     flight.until_the_end()
@@ -128,7 +128,7 @@ def soon_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("soon_given_up")
-@pytest.mark.parametrize("tries", [1, 2])
+@pytest.mark.parametrize("tries", [pytest.param(1, marks=pytest.mark.long), 2])
 def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve(tries: int) -> None:
     """It has arrived with what that one asks for: no other place, nor another try, is in reach."""
     given = two_docks()

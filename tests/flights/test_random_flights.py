@@ -12,7 +12,7 @@ from companion.campaigns.rows import Row
 from companion.mission.loader import load_mission
 
 LIMIT_S = 240.0
-FEW, MANY = 5, 300
+FEW, MANY = 3, 300
 
 
 @pytest.mark.parametrize(

@@ -214,7 +214,7 @@ def left(flight: Lockstep) -> list[Stamped]:
     return [each for each in flight.recorded if isinstance(each.event, PositionLeft)]
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(s, marks=CAMPAIGN) for s in range(2, 10))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(s, marks=CAMPAIGN) for s in range(1, 10))])
 def test_a_pilot_who_takes_over_meanwhile_is_left_alone(flight: Lockstep, seed: int) -> None:
     """In whatever mode, and also if he holds: the operator has not said "continue"."""
     chance = Random(seed)

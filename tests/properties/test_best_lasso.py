@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TypeVar
 
 import pytest
-from drawn import drawn
+from drawn import drawn, number
 from hypothesis import given, reject
 from hypothesis import strategies as st
 from problems import action, asking, histories, problem, random_legs, surveillance
@@ -294,16 +294,16 @@ def seconds_and_solutions(asked: Problem) -> tuple[list[float], list[Solution]]:
     return times, found
 
 
-def test_laps_over_up_to_10_sites_are_the_shortest_on_100_maps() -> None:
-    taken_s = []
-    for seed in range(100):
+def test_laps_over_up_to_10_sites_are_the_shortest_on_many_maps() -> None:
+    taken_s, maps = [], number(100)
+    for seed in range(maps):
         asked, best_ms = a_map(2 + seed % 9, seed)
         times, found = seconds_and_solutions(asked)
         taken_s += times[-1:] if seed % 9 == 8 else []  # with 10 sites
         assert found[-1].lasso.lap_cost_ms == best_ms
         assert found[-1].is_optimal
         assert fault(asked, found[-1].lasso, histories(asked)) is None
-    assert len(taken_s) == 11
+    assert len(taken_s) == maps // 9
     assert statistics.median(taken_s) < 3 * 0.1
 
 
