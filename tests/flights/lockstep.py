@@ -149,6 +149,24 @@ def is_final_answer(frame: bytes) -> bool:
     return is_payloads_ack and frame[12] != MavResult.IN_PROGRESS
 
 
+class _Read:
+    """What a flight's companion reads of the streams; the flight is the same without the rest.
+
+    The ground station reads none. tests/flights/test_lockstep.py shows that it is the same.
+    """
+
+    def __init__(self, flight: Lockstep) -> None:
+        self._flight = flight
+
+    @property
+    def wanted(self) -> frozenset[int]:
+        return self._flight.companion.wire.wanted
+
+    @property
+    def continual(self) -> frozenset[int]:
+        return self._flight.companion.wire.continual
+
+
 class Lockstep(Happened):
     """One flight; it is also the recorder of its companion.
 
@@ -198,10 +216,16 @@ class Lockstep(Happened):
         self._resumes, self._functions = resumes, functions
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
-        self.simulation = Simulation(
-            scenario, grid, seed=seed, links=frozenset(links), signing=vehicle
-        )
         self.companion = self._companion(None)
+        is_all_read = up is not clear or scenario.disturbs_links or vehicle is not None
+        self.simulation = Simulation(
+            scenario,
+            grid,
+            seed=seed,
+            links=frozenset(links),
+            signing=vehicle,
+            reader=None if is_all_read else _Read(self),
+        )
         self.is_companion_alive = True
         self.reports: list[Stamped] = []
         self.recorded: list[Stamped] = []

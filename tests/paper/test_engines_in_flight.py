@@ -46,7 +46,7 @@ class Flown(Happened):
     def __init__(self, engine: Engine) -> None:
         self.reports: list[Stamped] = []
         mission = load_mission(MISSION)
-        lockstep(mission, world_of(mission), self, engine=engine).fly()
+        lockstep(mission, world_of(mission), self, engine=engine, keeps_packets=False).fly()
 
     def report(self, stamped: Stamped) -> None:
         self.reports.append(stamped)
