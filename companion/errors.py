@@ -215,10 +215,15 @@ class Aborted(CompanionError):
 
 
 class Collided(Aborted):
-    """The simulated vehicle has hit something, whatever its companion says of the flight."""
+    """The simulated vehicle has hit something, whatever its companion says of the flight.
 
-    def __init__(self) -> None:
-        super().__init__("the simulated vehicle has hit a wall, an obstacle or the ground")
+    Args:
+        ending: how the flight had ended for its companion, where that was no success.
+    """
+
+    def __init__(self, ending: str = "") -> None:
+        hit = "the simulated vehicle has hit a wall, an obstacle or the ground"
+        super().__init__(f"{hit}; its flight had ended: {ending}" if ending else hit)
 
 
 class TaskViolated(CompanionError):

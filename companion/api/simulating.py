@@ -180,9 +180,9 @@ def verdict(failure: CompanionError | None, is_damaged: bool) -> CompanionError 
     >>> verdict(None, is_damaged=True).exit_code
     5
     """
-    if not is_damaged or isinstance(failure, Aborted):
+    if not is_damaged:
         return failure
-    return Collided()
+    return Collided(str(failure) if isinstance(failure, Aborted) else "")
 
 
 def scenario_beside(mission: Mission) -> Path | None:

@@ -18,7 +18,8 @@ from companion import (
     load_mission,
     simulate,
 )
-from companion.api.simulating import world_of
+from companion.api.simulating import verdict, world_of
+from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached
@@ -200,3 +201,14 @@ def test_what_has_no_plan_cannot_be_audited() -> None:
     run = simulate(load_mission({**MISSION, "goal": "at(A) & at(Home)"}))
     with pytest.raises(MissionError, match="no plan was made"):
         audit(run)
+
+
+@pytest.mark.parametrize(
+    "failure", [None, NoPlanError("no plan"), Aborted("a failsafe has control")]
+)
+def test_a_collision_is_told_with_how_the_flight_had_ended(failure: CompanionError | None) -> None:
+    """Of a vehicle that a failsafe had flown into a wall nothing but the failsafe was told."""
+    assert verdict(failure, is_damaged=False) is failure
+    told = verdict(failure, is_damaged=True)
+    assert told is not None and told.exit_code == 5 and "has hit" in str(told)
+    assert ("had ended: a failsafe" in str(told)) is isinstance(failure, Aborted)
