@@ -60,7 +60,7 @@ def test_what_is_lost_besides_is_told_as_well(companion: Companion, lost: tuple[
     (run / "journal.jsonl").write_bytes(b'{"t_s": 0.0}\n')
     said = companion("audit", run).err
     assert "MAVProxy and QGroundControl show it; scene.json is lost, too" in said
-    assert "the word up to there is in journal.jsonl: companion run --resume writes it" in said
+    assert "what of the task was done is in journal.jsonl: companion run --resume writes it" in said
     (run / "scene.json").unlink()
     (run / "flight.tlog").unlink()
     assert "flight.tlog" not in companion("audit", run).err

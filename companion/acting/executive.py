@@ -288,11 +288,11 @@ class Executive:
         drop(self._flight, plan.dropped)
         is_kept = self.lasso is not None and self._replanner.is_rest_of(self.lasso, lasso)
         self.failure = None
-        self._adopt(lasso, ExecutiveState.EXECUTING, self._flight.progress.laps * is_kept)
+        self._adopt(lasso, ExecutiveState.EXECUTING, self._flight.progress.laps if is_kept else 0)
         if not is_kept:
             self.replans += 1
-            dropped = plan.lines_dropped
-            self._flight.report(PlanReplaced(self.replans, reason, lasso.planned, dropped))
+            about = self.replans, reason, lasso.planned, plan.lines_dropped
+            self._flight.report(PlanReplaced(*about))
         self._tell_tree()
 
     def _wait_or_give_up(self, failure: PlanFailure, reason: str) -> None:

@@ -109,7 +109,7 @@ def is_lost(path: Path) -> bool:
         return True
 
 
-def events_lost(folder: Path, what: str, else_: str = "") -> EventsLost:
+def events_lost(folder: Path, what: str, or_else: str = "") -> EventsLost:
     """What is missing of a run that was cut off, and what can be looked at yet."""
     left = []
     if not is_lost(folder / TLOG_FILE):
@@ -124,10 +124,10 @@ def events_lost(folder: Path, what: str, else_: str = "") -> EventsLost:
         left.append(f"what was planned is in {listed}")
     if not is_lost(folder / JOURNAL_FILE):
         how = "companion run --resume writes it anew where it goes on with the flight"
-        left.append(f"the word up to there is in {JOURNAL_FILE}: {how}")
+        left.append(f"what of the task was done is in {JOURNAL_FILE}: {how}")
     return EventsLost(
         f"{folder / EVENTS_FILE} {what}, so the run cannot be audited: it was cut off before what "
-        f"happened was on the disk{else_}",
+        f"happened was on the disk{or_else}",
         hint="\n".join(left) or "nothing else is left of it",
     )
 
@@ -180,7 +180,7 @@ def _record(
             steps.append((stamped.time_s, stamped.event))
         match stamped.event:
             case PlanMade() | WrittenTreeAdopted() | TaskRecalled() as first:
-                is_headless = task is None and isinstance(first, TaskRecalled)
+                is_headless |= task is None and isinstance(first, TaskRecalled)
                 task, priorities = _formulas(first.task, where), first.priorities
             case PositionLeft() as position:
                 _demand_next(position.number, len(positions), where)
