@@ -280,7 +280,7 @@ class Executive:
             case ChosenPlan() as plan:
                 self._fly_on(plan, due.reason)
             case failure:
-                self._wait_or_give_up(failure, due.reason)
+                self._wait_or_give_up(failure, due.left_for)
 
     def _fly_on(self, plan: ChosenPlan, reason: str) -> None:
         """Adopts a new plan; one that is the rest of the old plan is no news."""
@@ -309,10 +309,10 @@ class Executive:
     def _wait(self, failure: PlanFailure, due: DueReplan) -> None:
         """A tick without a plan."""
         if not self._patience.lasts:
-            self._give_up(failure, due.reason)
-        elif self._replanner.looks_again():
+            self._give_up(failure, due.left_for)
+        elif news := self._replanner.looks_again():
             self._replanner.forgive()
-            self.due = self._replanner.begin(due.reason)
+            self.due = self._replanner.begin(news, due.left_for)
             self._plan_again(self.due)
 
     def _give_up(self, failure: PlanFailure, reason: str) -> None:

@@ -15,14 +15,11 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.charge.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
-from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.assumptions import BELIEF_CAME_BACK, Assumptions
 from companion.acting.replanning.replanner import Replanner
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.slices import Question, ask_once
-
-BELIEF_CAME_BACK = "a belief came back"
-"""Why a plan is due that nothing has gone wrong with."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,6 +19,8 @@ from companion.planning.planner import Planner
 
 FLAPPING_S = 1.0
 """Time in which changes of one event make one new plan."""
+BELIEF_CAME_BACK = "a belief came back"
+"""Why a plan is due that nothing has gone wrong with."""
 
 
 class Assumptions:
@@ -126,3 +128,9 @@ class Assumptions:
         facts = self._flight.task.facts
         changes = (in_words(fact, fact in facts or not self._values[fact]) for fact in self.wrong)
         return "; ".join(changes) or None
+
+    @property
+    def news(self) -> str | None:
+        """What has changed since a plan was asked for last, in words; None if nothing has."""
+        changes = self.surprise, BELIEF_CAME_BACK if self.may_do_better else None
+        return "; ".join(filter(None, changes)) or None

@@ -42,6 +42,8 @@ MAX_IDLE_REPLANS = 5
 """Replans, other than for events, without a completed skill between them: then it is given up."""
 MAP_SETTLES_S = 5.0
 """How long a replan waits for a map that goes on changing while the vehicle holds."""
+MAP_HAS_CHANGED = "the map has changed"
+"""Why a plan is looked for again where neither events nor beliefs have changed."""
 
 PlanFailure = NoPlanError | SearchLimit
 """There is no plan, or none was found within the limits of the search: a value here, which the
@@ -55,10 +57,12 @@ class DueReplan:
     Attributes:
         reason: why, in words for people.
         since_s: from when on.
+        left_for: why the plan before was left; not `reason` where a plan was waited for.
     """
 
     reason: str
     since_s: float
+    left_for: str
 
 
 class Replanner:
@@ -106,15 +110,15 @@ class Replanner:
         self._looking = Question[bool]()
         self._unchanged: object = None
 
-    def begin(self, reason: str) -> DueReplan:
-        """Another plan is due from now on."""
+    def begin(self, reason: str, left_for: str | None = None) -> DueReplan:
+        """Another plan is due from now on; `left_for` where none was found for that before."""
         self.abandon()
         wrong = self._assumptions.wrong
         if wrong:  # the world has changed: the plan before was none that failed
             self._assumptions.note_replan(wrong)
         else:
             self._count_idle()
-        return DueReplan(reason, self._flight.now_s)
+        return DueReplan(reason, self._flight.now_s, left_for or reason)
 
     def abandon(self) -> None:
         """Nobody waits for a plan any more."""
@@ -215,18 +219,18 @@ class Replanner:
             job.abandon()
         return answer
 
-    def looks_again(self) -> bool:
-        """Whether something has changed since the last look for a plan, a second ago or more."""
+    def looks_again(self) -> str | None:
+        """What has changed since the last look for a plan, a second ago or more; None: nothing."""
         flight = self._flight
         self.reachability.search()
         is_early = flight.now_s - self._looked_s < FLAPPING_S
         now = flight.task.situation, flight.routes.version
         if is_early or not self.reachability.is_known or now == self._unchanged:
-            return False
+            return None
         has_changed = self._looking.ask(now, self._has_changed)
         if has_changed is False:
             self._unchanged = now
-        return bool(has_changed)
+        return (self._assumptions.news or MAP_HAS_CHANGED) if has_changed else None
 
     def _has_changed(self) -> bool:
         self.follow_map()

@@ -7,14 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rig import Rig
-from synthetic import command, event, mission, reading
+from synthetic import command, event, mission, move, reading
 
 from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.acting.flight import TICK_S
 from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.mission.conditions import parse_condition
-from companion.mission.model import PATIENCE_S, Event, Mission
+from companion.mission.model import PATIENCE_S, Event, Mission, Skill
 from companion.mission.signals import Signal
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.port import Failed
@@ -49,7 +49,8 @@ def test_a_cloud_is_waited_for() -> None:
     assert rig.one(PlanAwaited).hopes == "covered"
     rig.tick(reading("covered", 0.0))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert not rig.of(NoPlanFound) and len(rig.of(PlanReplaced)) == 1
+    assert not rig.of(NoPlanFound)
+    assert rig.one(PlanReplaced).reason == "no longer covered"
 
 
 def test_the_vehicle_holds_meanwhile() -> None:
@@ -71,6 +72,26 @@ def test_patience_ends(patience_s: float) -> None:
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN)
     assert rig.flight.now_s - begun_s == pytest.approx(patience_s, abs=0.5)
     assert rig.one(NoPlanFound).reason == "covered"
+
+
+def test_what_brings_no_plan_is_not_why_it_is_given_up() -> None:
+    rig = under_way(patrol(COVERED, event("windy"), patience_s=10.0))
+    rig.tick(reading("covered"))
+    tick_for(rig, 3.0)
+    rig.tick(reading("windy"))
+    rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN)
+    assert rig.one(NoPlanFound).reason == "covered"
+
+
+def test_the_last_change_is_why_there_is_a_plan() -> None:
+    rig = under_way(patrol(COVERED, event("windy")))
+    rig.tick(reading("covered"))
+    tick_for(rig, 3.0)
+    rig.tick(reading("windy"))
+    tick_for(rig, 3.0)
+    rig.tick(reading("covered", 0.0))
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.one(PlanReplaced).reason == "no longer covered"
 
 
 def test_what_flaps_between_a_plan_and_none_ends_with_patience() -> None:
@@ -150,9 +171,16 @@ def test_an_operator_may_pause_and_go_on_meanwhile() -> None:
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
 
 
-def test_a_vehicle_that_takes_itself_to_be_walled_in_waits_for_the_map() -> None:
+@pytest.mark.parametrize(
+    ("move", "reason"),
+    [(move(), "a belief came back"), (replace(move(), assumes=()), "the map has changed")],
+    ids=["with beliefs", "without"],
+)
+def test_a_vehicle_that_takes_itself_to_be_walled_in_waits_for_the_map(
+    move: Skill, reason: str
+) -> None:
     """Walls that are none, all around it: no belief is contradicted, and no way leads anywhere."""
-    rig = under_way(mission("G F at(A) & G F at(B)"))
+    rig = under_way(mission("G F at(A) & G F at(B)", skills=[move]))
     rig.run_until(PlaceReached, place="A")
     occupied = np.ones((20, 20), dtype=np.bool_)
     rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
@@ -160,3 +188,4 @@ def test_a_vehicle_that_takes_itself_to_be_walled_in_waits_for_the_map() -> None
     assert rig.executive.state is ExecutiveState.AWAITING_PLAN
     rig.flight.routes.see(OccupancyGrid(np.zeros_like(occupied), 0.5, (-2.0, -2.0)))
     rig.run_until(PlaceReached, place="B")
+    assert rig.of(PlanReplaced)[-1].reason == reason
