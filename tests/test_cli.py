@@ -146,6 +146,13 @@ def test_check_prints_the_task_and_the_plan(companion: Companion) -> None:
     assert ended.out.endswith("ok\n")
 
 
+def test_the_last_line_of_a_check_has_what_is_noticed(companion: Companion, spoil: Spoil) -> None:
+    unused = '\nevents:\n  spare: {when: "EVENT[spare] > 0"}\n'
+    ended = companion("check", spoil("\nevents:\n", unused))
+    assert ended.code == 0
+    assert ended.out.endswith("no skill\nok, with 1 notice\n")
+
+
 def test_plan_prints_the_same_for_people_and_for_programs(companion: Companion) -> None:
     ended = companion("plan", SURVEILLANCE, "--json")
     assert ended.code == 0

@@ -82,6 +82,7 @@ def check(
     else:
         _print_checked(checked)
         _print_contingencies(table)
+        _print_verdict(checked, table)
     if table is not None and table.unsafe:
         from companion.cli.contingencies import UNSAFE
 
@@ -99,13 +100,20 @@ def _contingencies(mission: Path, picture: Path | None, jobs: int | None) -> Con
 
 
 def _print_contingencies(table: ContingencyTable | None) -> None:
-    if table is None:
-        typer.echo("ok")
-        return
-    from companion.cli.contingencies import print_table
+    if table is not None:
+        from companion.cli.contingencies import print_table
 
-    print_table(table)
-    typer.echo(f"{len(table.unsafe)} unsafe" if table.unsafe else "ok")
+        print_table(table)
+
+
+def _print_verdict(checked: CheckedMission, table: ContingencyTable | None) -> None:
+    """The last line: what is allowed and hardly meant is in it, too."""
+    if table is not None and table.unsafe:
+        typer.echo(f"{len(table.unsafe)} unsafe")
+    elif count := len(checked.notices):
+        typer.echo(f"ok, with {count} notice{'s' if count > 1 else ''}")
+    else:
+        typer.echo("ok")
 
 
 def _print_checked(checked: CheckedMission) -> None:

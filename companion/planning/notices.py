@@ -67,7 +67,7 @@ def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
         yield Notice(
             mission.home.name,
             f"the mission begins there, {off_m:.1f} m from [0, 0], which is the autopilot's home"
-            " position, where the vehicle stands at first: a flight from there is refused; "
+            " position, where the vehicle stands at first, and from there no flight begins; "
             + as_begun_at_zero(mission.home),
         )
 
