@@ -24,7 +24,6 @@ from companion.flight_events.hosting import (
     MissionUnreadable,
     RunNotBegun,
     TerminalHungUp,
-    UploadChecked,
 )
 from companion.flight_events.sortie import Phase
 from companion.ground.component import COMMANDS, WANTED, Component
@@ -322,7 +321,8 @@ class Companion:
         if self._host is not None and self._host.uploads is not None:
             is_flying = self._run is not None or self._preparation is not None
             for verdict in self._host.uploads.poll(self._now_s, is_flying):
-                self._say(UploadChecked(verdict.text, is_refused=not verdict.is_accepted))
+                for news in verdict.news:
+                    self._say(news)
 
     def _say(self, event: FlightEvent) -> None:
         """Reports what is not of the flight; in its records if there is one."""

@@ -3,9 +3,10 @@
     python -P -m companion.cli.check_child
 
 It confines itself, and waits with everything loaded for a line of JSON on its standard input: a
-folder, a mission in it, and the functions that are installed. It writes lines of JSON: `doing` says
-what is begun, and the last line is the answer, as `companion check --json` prints it. Without an
-order it ends when nobody can give one any more. `companion/ground/checking.py` is the other side.
+folder, a mission in it, the functions that are installed, and whether other programs are heard. It
+writes lines of JSON: `doing` says what is begun, and the last line is the answer, as `companion
+check --json` prints it. Without an order it ends when nobody can give one any more.
+`companion/ground/checking.py` is the other side.
 
 What a check may take is counted and not measured, so that the answer is the same on every machine:
 `WORK_S` of work, as rated (`slices.py`). Beyond that are the limits of the system, on memory,
@@ -54,6 +55,7 @@ class BoundedCheck:
     Args:
         work_s: of work, as rated.
         installed: the functions that the mission may call; none is loaded here.
+        hears_reports: whether what other programs report is heard.
     """
 
     def __init__(
@@ -61,7 +63,9 @@ class BoundedCheck:
         mission: Path,
         work_s: float = WORK_S,
         installed: Catalogue = MappingProxyType({}),
+        hears_reports: bool = True,
     ) -> None:
+        self._hears_reports = hears_reports
         self._mission, self._work_s, self._installed = mission, work_s, installed
         self._doing = ""
         self._for_the_answer = bytearray(ANSWER_BYTES)
@@ -86,7 +90,12 @@ class BoundedCheck:
 
     def _checked(self) -> CheckedMission:
         about = self._mission, Path(), self._tell, read_and_keep
-        check = partial(check_mission, *about, installed=lambda _: self._installed)
+        check = partial(
+            check_mission,
+            *about,
+            installed=lambda _: self._installed,
+            hears_reports=self._hears_reports,
+        )
         checking = InSlices(check, self._work_s * 1e6)
         if not checking.step():
             checking.abandon()
@@ -122,11 +131,11 @@ def main() -> None:
     os.nice(NICENESS)
     order = sys.stdin.buffer.readline()
     if order:
-        folder, mission, installed = json.loads(order)
+        folder, mission, installed, hears_reports = json.loads(order)
         signal.signal(signal.SIGXCPU, _stop)
         confine_time(CPU_S)
         os.chdir(folder)  # the module search path stays as it was: nothing is imported from there
-        check = BoundedCheck(Path(mission), installed=from_json(installed))
+        check = BoundedCheck(Path(mission), WORK_S, from_json(installed), hears_reports)
         _write(check.answer())
         os._exit(0)  # nothing is freed one by one
 

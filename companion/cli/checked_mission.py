@@ -15,7 +15,7 @@ from companion.mission.loader import load_mission
 from companion.mission.model import LandAtSafePlace, Mission
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.planning.lasso import Solution
-from companion.planning.notices import notices
+from companion.planning.notices import not_heard, notices
 from companion.planning.planner import Planner
 from companion.skills.installed import InstalledReader, read_installed
 
@@ -73,6 +73,7 @@ def check_mission(
     tell: Callable[[str], None] = lambda doing: None,
     domain_of: DomainReader = with_domain,
     installed: InstalledReader = read_installed,
+    hears_reports: bool = True,
 ) -> CheckedMission:
     """Reads and plans a mission, and does all else that is done before it flies.
 
@@ -82,6 +83,8 @@ def check_mission(
         tell: told what is begun, in words.
         domain_of: reads its PDDL files.
         installed: says which functions are installed.
+        hears_reports: whether what other programs report is heard where it is flown; else that is
+            noticed.
 
     Raises:
         CompanionError: it cannot be flown, and why.
@@ -100,6 +103,7 @@ def check_mission(
         found = planner.plan()
         tell("plans for its events")
         anticipate_events(planner)
+    unheard = () if hears_reports else not_heard(mission)
     return CheckedMission(
         mission.name,
         _earth_in_words(mission),
@@ -113,7 +117,7 @@ def check_mission(
         tuple(map(str, planner.waits(planner.initial_problem()[0], found))) if found else (),
         mission.otherwise if isinstance(mission.otherwise, LandAtSafePlace) else None,
         tuple(map(str, found.dropped)) if found else (),
-        tuple(map(str, notices(planner, found))),
+        tuple(map(str, (*notices(planner, found), *unheard))),
     )
 
 

@@ -109,6 +109,7 @@ def run(
             ArmingTerms(accept_weak_failsafes, autopilot_fence, rally_points),
             FlightLimit(laps, limit_s),
             resume,
+            events is not None,
         )
         if loaded is None or wait:
             flights.host(loaded)
@@ -118,11 +119,8 @@ def run(
 
 def _notice_unheard(mission: Mission | None, events: str | None) -> None:
     """Says what a mission has to be told by other programs, `EVENT[name]`, if nobody is heard."""
-    from companion.acting.event_detector import EventDetector
+    from companion.planning.notices import not_heard
 
-    if mission is None or events is not None:
-        return
-    signals = EventDetector(mission.events).signals
-    if reports := sorted({each.instance for each in signals if each.is_report}):
-        listed = ", ".join(f"EVENT[{name}]" for name in reports)
-        typer.echo(f"notice     not heard: {listed}; --events says where other programs report")
+    if mission is not None and events is None:
+        for notice in not_heard(mission):
+            typer.echo(f"notice     {notice}")

@@ -135,6 +135,8 @@ async def _upload(
         if not verdict["is_accepted"]:
             raise MissionError(f"the companion refuses the mission\n{verdict['details']}")
         typer.echo(f"verdict    {printable(verdict['text'])}")
+        for notice in verdict.get("notices", ()):
+            typer.echo(f"notice     {printable(notice)}")
         if starts:
             await _start(station)
 

@@ -44,6 +44,7 @@ class VehicleFlights:
         terms: on which the vehicle is armed.
         limit: after what it is called home.
         resumes: goes on with a run that was cut off, and where the autopilot holds.
+        hears_reports: other programs on board are heard.
     """
 
     fly: Callable[..., None]
@@ -53,6 +54,7 @@ class VehicleFlights:
     terms: ArmingTerms
     limit: FlightLimit
     resumes: bool
+    hears_reports: bool
 
     def fly_once(self, mission: Mission, timeout_s: float) -> None:
         """Flies one mission, or goes on with one; raises what it has failed of."""
@@ -105,7 +107,7 @@ class VehicleFlights:
                 return folder
 
             installed = read_all()
-            children = CheckChildren(installed)
+            children = CheckChildren(installed, self.hears_reports)
             uploads = Uploads(self.log_dir.expanduser() / UPLOADS, children.begin)
             about = tell, uploads, self.engine, functions, installed
             host = SortieHost(open_folder, close_folder, *about)

@@ -22,6 +22,7 @@ from companion.skills.catalogue import Catalogue, as_json
 
 MAX_OUTPUT_BYTES = 1 << 20  # of a child
 MAX_TEXT = 2000  # characters of a result that are handed on
+MAX_NOTICES = 20
 CHILD = "companion.cli.check_child"
 """The program of a child; it says what is asked of it, and what bounds it."""
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NO_COLOR": "1"}
@@ -34,10 +35,12 @@ class CheckResult:
     Attributes:
         is_good: whether the mission can be flown.
         text: the plan, or what is wrong and where.
+        notices: what is allowed, and hardly meant.
     """
 
     is_good: bool
     text: str
+    notices: tuple[str, ...] = ()
 
 
 class MissionCheck(Protocol):
@@ -57,11 +60,15 @@ class CheckChildren:
 
     Args:
         installed: the functions of packages that a mission may call. A check loads none.
+        hears_reports: whether what other programs report is heard; else it is noticed.
     """
 
-    def __init__(self, installed: Catalogue = MappingProxyType({})) -> None:
+    def __init__(
+        self, installed: Catalogue = MappingProxyType({}), hears_reports: bool = True
+    ) -> None:
         self._spare = CheckChild()
         self._installed = as_json(installed)
+        self._hears_reports = hears_reports
 
     def begin(self, folder: Path, mission: str) -> MissionCheck:
         """Has a mission checked; `Uploads` calls it.
@@ -71,7 +78,7 @@ class CheckChildren:
             mission: path in the folder.
         """
         child = self._spare if self._spare.is_running else CheckChild()
-        child.order(folder, mission, self._installed)
+        child.order(folder, mission, self._installed, self._hears_reports)
         self._spare = CheckChild()
         return child
 
@@ -110,10 +117,16 @@ class CheckChild:
         """Whether it has not ended."""
         return self._child.poll() is None
 
-    def order(self, folder: Path, mission: str, installed: Sequence[dict[str, Any]] = ()) -> None:
+    def order(
+        self,
+        folder: Path,
+        mission: str,
+        installed: Sequence[dict[str, Any]] = (),
+        hears_reports: bool = True,
+    ) -> None:
         """Says what is to be checked, once. One that has just died says so by its result."""
         with suppress(BrokenPipeError):
-            order = json.dumps([str(folder), mission, [*installed]])
+            order = json.dumps([str(folder), mission, [*installed], hears_reports])
             self._orders.write(order.encode() + b"\n")
         self._orders.close()
 
@@ -151,7 +164,7 @@ def result_of(code: int, printed: bytes) -> CheckResult:
         printed: on its standard output: lines of JSON.
 
     >>> result_of(0, b'{"doing": "reading it"}\n{"ok": true, "plan": "move(A, B)"}\n')
-    CheckResult(is_good=True, text='move(A, B)')
+    CheckResult(is_good=True, text='move(A, B)', notices=())
     >>> result_of(-9, b'{"doing": "reading it"}\n').text
     'the check was ended: it takes too much time or memory, for reading it'
     """
@@ -163,7 +176,9 @@ def result_of(code: int, printed: bytes) -> CheckResult:
         answer = said[-1]
         if "ok" in answer:
             is_good = code == 0 and answer["ok"] is True
-            return CheckResult(is_good, str(answer["plan" if is_good else "error"])[:MAX_TEXT])
+            notices = [str(each)[:MAX_TEXT] for each in answer.get("notices", ())][:MAX_NOTICES]
+            text = str(answer["plan" if is_good else "error"])[:MAX_TEXT]
+            return CheckResult(is_good, text, tuple(notices))
         doing = f", for {str(answer['doing'])[:MAX_TEXT]}"
     except (IndexError, KeyError, TypeError):
         doing = ""

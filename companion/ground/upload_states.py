@@ -18,6 +18,7 @@ import json
 from dataclasses import asdict, dataclass
 from enum import Enum
 
+from companion.flight_events.hosting import UploadChecked, UploadNews
 from companion.transitions import StateTransition, TransitionTable
 
 FORMAT_VERSION = 1
@@ -89,6 +90,7 @@ class UploadVerdict:
         crc32: of its content, as CalcFileCRC32 gives it.
         text: one line for people: that it is accepted, or what is wrong and where.
         details: the plan, or all that was said about what is wrong.
+        notices: what is allowed, and hardly meant.
     """
 
     number: int
@@ -97,6 +99,14 @@ class UploadVerdict:
     is_accepted: bool
     text: str
     details: str
+    notices: tuple[str, ...] = ()
+
+    @property
+    def news(self) -> tuple[UploadNews, ...]:
+        """What operators are told."""
+        noticed = (f"notice: {each}" for each in self.notices)
+        is_refused = not self.is_accepted
+        return tuple(UploadChecked(text, is_refused) for text in (self.text, *noticed))
 
     def as_json(self) -> bytes:
         """Returns the content of verdict.json."""

@@ -84,9 +84,12 @@ class _Upload:
     deadline_s: float = math.inf
     check: MissionCheck | None = None
 
-    def verdict(self, is_accepted: bool, text: str, details: str) -> UploadVerdict:
+    def verdict(
+        self, is_accepted: bool, text: str, details: str, notices: tuple[str, ...] = ()
+    ) -> UploadVerdict:
         """Returns the verdict on it."""
-        return UploadVerdict(self.number, self.mission, self.crc32, is_accepted, text, details)
+        about = self.number, self.mission, self.crc32
+        return UploadVerdict(*about, is_accepted, text, details, notices)
 
 
 class Uploads:
@@ -215,10 +218,10 @@ class Uploads:
                 upload.check.kill()
             return []
         if result.is_good:
-            return [self._accept(upload, result.text, is_flying)]
+            return [self._accept(upload, result, is_flying)]
         return [self._refuse(upload, UploadTrigger.FAILED, result.text)]
 
-    def _accept(self, upload: _Upload, plan: str, is_flying: bool) -> UploadVerdict:
+    def _accept(self, upload: _Upload, found: CheckResult, is_flying: bool) -> UploadVerdict:
         """Moves a mission that can be flown to where it is taken from."""
         folder = self._active / str(upload.number)
         try:
@@ -232,7 +235,8 @@ class Uploads:
         self._advance(upload, UploadTrigger.PASSED)
         again = " again after a restart" if upload.is_again else ""
         when = "; becomes active after landing" if is_flying else ""
-        return upload.verdict(True, f"{upload.mission} accepted{again}{when}", plan)
+        text = f"{upload.mission} accepted{again}{when}"
+        return upload.verdict(True, text, found.text, found.notices)
 
     def _refuse(self, upload: _Upload, event: UploadTrigger, reason: str) -> UploadVerdict:
         """Deletes the copy of a mission that cannot be flown; nothing else changes."""

@@ -60,6 +60,21 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
     return (*found, *_begins_elsewhere(mission), *_low_places(planner), *_cut_off_places(planner))
 
 
+def not_heard(mission: Mission) -> tuple[Notice, ...]:
+    """What a mission has to be told by other programs, `EVENT[name]`, where nobody is heard.
+
+    >>> from companion import load_mission
+    >>> print(*not_heard(load_mission("missions/lost_person.yaml")))
+    not heard: EVENT[person]; --events says where other programs report
+    """
+    conditions = (each for event in mission.events.values() for each in (event.when, event.until))
+    signals = {each.signal for each in conditions if each is not None}
+    if reports := sorted(str(each) for each in signals if each.is_report):
+        how = "--events says where other programs report"
+        return (Notice("not heard", f"{', '.join(reports)}; {how}"),)
+    return ()
+
+
 def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
     """The place where a mission in metres begins, if it is not where its metres count from."""
     if mission.anchor is None and not begins_at_zero(mission.home):

@@ -251,9 +251,10 @@ def test_missions_are_uploaded_one_is_flown_and_watched_to_its_end(
     upload = run(*shlex.split(command.replace("missions/surveillance.yaml", str(hop))))
     assert upload.exit_code(ANSWER_S) == 0, upload.printed + on_board.printed
     on_board.until_printed("taking off", ANSWER_S)
-    upload = run("companion", "upload", MISSION.with_name("corridor.yaml"), "--connect", ground)
+    upload = run("companion", "upload", MISSION.with_name("lost_person.yaml"), "--connect", ground)
     assert upload.exit_code(ANSWER_S) == 0, upload.printed
     assert "becomes active after landing" in upload.printed
+    assert "notice     not heard: EVENT[person]; --events says where" in upload.printed
     watch = run(*shlex.split(WATCH.replace("14550", str(14550 + number))))
     assert watch.exit_code(ANSWER_S) == 0, watch.printed + on_board.printed
     assert "task satisfied, landed" in watch.printed
@@ -261,6 +262,7 @@ def test_missions_are_uploaded_one_is_flown_and_watched_to_its_end(
     assert on_board.exit_code(ANSWER_S) == 0
     (folder,) = tmp_path.glob("*-hop")
     assert (folder / "mission.yaml").read_bytes() == hop.read_bytes()
+    assert "notice: not heard: EVENT[person]" in (folder / "events.jsonl").read_text("utf-8")
 
 
 def test_a_mission_that_was_accepted_is_flown_although_the_companion_is_killed_before(

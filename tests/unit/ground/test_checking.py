@@ -67,6 +67,15 @@ def test_an_uploaded_mission_may_call_what_was_installed_and_nothing_else(
     assert "weigh(Rack)" in answer.text if is_installed else "is not installed" in answer.text
 
 
+@pytest.mark.parametrize("hears_reports", [True, False])
+def test_reports_that_nobody_hears_are_noticed(hears_reports: bool) -> None:
+    with closing(CheckChildren(hears_reports=hears_reports)) as children:
+        answer = answer_of(children.begin(MISSIONS, "lost_person.yaml"))
+    unheard = "not heard: EVENT[person]; --events says where other programs report"
+    assert answer.is_good
+    assert answer.notices == (() if hears_reports else (unheard,))
+
+
 def answer_of(check: checking.MissionCheck) -> CheckResult:
     end_s = time.monotonic() + LIMIT_S
     while (answer := check.poll()) is None:

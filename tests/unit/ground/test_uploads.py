@@ -162,6 +162,17 @@ def test_in_flight_it_waits_for_the_landing(tmp_path: Path) -> None:
     assert [folder.name for folder in (tmp_path / "active").iterdir()] == [path.parent.name]
 
 
+def test_what_is_noticed_is_told_after_the_verdict(tmp_path: Path) -> None:
+    uploads = Uploads(
+        tmp_path, Slow(CheckResult(True, "a plan", ("low: nothing uses this event",)))
+    )
+    ground = Ground(uploads)
+    ground.put("a.yaml", MISSION)
+    told = [news.text for news in ground.verdict().news]
+    assert told == ["a.yaml accepted", "notice: low: nothing uses this event"]
+    assert json.loads(ground.get("verdict.json"))["notices"] == ["low: nothing uses this event"]
+
+
 def accepted(root: Path, *names: str) -> Uploads:
     """Missions that were accepted one after the other, by a check that takes no time."""
     uploads = Uploads(root, Slow(CheckResult(True, "a plan")))

@@ -48,8 +48,8 @@ def test_a_mission_in_metres_that_begins_elsewhere_is_noticed(
     limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
     text = (
         "Home: the mission begins there, 3.0 m from [0, 0], which is the autopilot's home position,"
-        " where the vehicle stands at first, and from there no flight begins; write 3 m less for all"
-        " that is north, its map included"
+        " where the vehicle stands at first, and from there no flight begins; write 3 m less for"
+        " all that is north, its map included"
     )
     asked = load_mission(DATA | {"places": places, "limits": limits})
     assert told(asked) == [text] * notices_told
