@@ -191,6 +191,7 @@ class Skill:
         gimbal: component that looks at it, too; None for the vehicle alone.
         energy_wh: what it takes beside flying or hovering.
         charge_rate: pairs of the charge, 0 to 1, and of its rise a second; falling.
+        is_cost_guessed: nobody has said what it costs, and it does not fly.
     """
 
     name: str
@@ -212,6 +213,7 @@ class Skill:
     gimbal: int | None = None
     energy_wh: float = 0.0
     charge_rate: Points | None = None
+    is_cost_guessed: bool = False
 
     @property
     def origin(self) -> str | None:
@@ -268,8 +270,7 @@ class Mission:
         tree: the plan, if it was written by hand; the task is then not planned for.
         vehicle: what it is written for.
         patience_s: how long a vehicle without a plan holds, where one may become possible again.
-        anchor: where north 0, east 0 lies on the earth, in a mission with frame: wgs84; its
-            altitude is an assumption. None for metres from wherever home is.
+        anchor: with frame: wgs84, where [0, 0] lies, at an assumed altitude; None for metres.
     """
 
     name: str

@@ -147,7 +147,7 @@ class _SkillBuilder:
             precondition=texts.precondition,
             assumes=texts.assumes,
             effect=effect,
-            cost_s=self._cost_s(execute),
+            cost_s=(cost_s := self._cost_s(execute)),
             execute=execute,
             tries=entry.tries,
             timeout_s=entry.timeout_s,
@@ -161,6 +161,7 @@ class _SkillBuilder:
             gimbal=gimbal_of(self.name, entry, self.file, self.document),
             energy_wh=entry.energy_wh,
             charge_rate=charge_rate_of(self.name, entry, execute, self.file, self.document),
+            is_cost_guessed=entry.cost is None and cost_s is not None,
         )
         refuse_charge_nowhere(skill, self.document)
         return skill

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from companion.ltl.formula import Operator
 from companion.ltl.restriction import restricted
+from companion.ltl.timed_formula import TimedFormula
 from companion.mission.facts import Fact
 from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import LandAtSafePlace, Mission
@@ -57,7 +58,8 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
         kept = [conjunct for conjunct in planner.conjuncts if conjunct.name not in dropped]
         found += [*_vacuous_lines(planner), *_met_by_rest(kept, plan.lasso)]
         found += _walls_below_the_end(mission, plan.lasso)
-    return (*found, *_begins_elsewhere(mission), *_low_places(planner), *_cut_off_places(planner))
+    found += [*_begins_elsewhere(mission), *_low_places(planner), *_cut_off_places(planner)]
+    return (*found, *_guessed_costs(planner))
 
 
 def not_heard(mission: Mission) -> tuple[Notice, ...]:
@@ -107,6 +109,20 @@ def _cut_off_places(planner: Planner) -> Iterator[Notice]:
         for place in mission.otherwise.places:
             if place != home and math.isinf(planner.flight_time(home, place)):
                 yield Notice(place, f"in land_at, and no clear route leads there from {home}")
+
+
+def _guessed_costs(planner: Planner) -> Iterator[Notice]:
+    """Skills of which nobody has said how long they take, where bounds in time have to be kept."""
+    mission = planner.mission
+    bounded = [name for name, line in mission.task.items() if isinstance(line, TimedFormula)]
+    used = {action.skill for action in planner.all_actions()}
+    guessed = [s for s in mission.skills.values() if s.is_cost_guessed and s.name in used]
+    if bounded and guessed and mission.tree is None:
+        yield Notice(
+            ", ".join(skill.name for skill in guessed),
+            f"without cost, so plans reckon with {guessed[0].cost_s:g} s for it, and the bounds in"
+            f" time of {', '.join(bounded)} hold only if it is done by then; write what it takes",
+        )
 
 
 def _walls_below_the_end(mission: Mission, plan: Lasso) -> Iterator[Notice]:

@@ -55,6 +55,28 @@ def test_a_mission_in_metres_that_begins_elsewhere_is_noticed(
     assert told(asked) == [text] * notices_told
 
 
+@pytest.mark.parametrize(
+    ("task", "skill", "is_noticed"),
+    [
+        pytest.param("F[<=90s] seen", {}, True, id="nobody says how long it takes"),
+        pytest.param("F[<=90s] seen", {"cost": 8}, False, id="the mission says it"),
+        pytest.param("F[<=90s] at(A)", {"planned": False}, False, id="no plan has it"),
+        pytest.param("F seen", {}, False, id="without a bound"),
+    ],
+)
+def test_a_bound_that_covers_skills_without_cost_is_noticed(
+    task: str, skill: dict[str, Any], is_noticed: bool
+) -> None:
+    look = {"precondition": "at(A)", "effect": "seen", "execute": "wait(20)"} | skill
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
+    keys = {"limits": limits, "skills": DATA["skills"] | {"look": look}, "task": {"soon": task}}
+    text = (
+        "look: without cost, so plans reckon with 1 s for it, and the bounds in time of soon hold"
+        " only if it is done by then; write what it takes"
+    )
+    assert told(load_mission(DATA | keys)) == [text] * is_noticed
+
+
 def on_earth(pond_up_m: float, **keys: Any) -> Mission:
     """A mission in degrees to a pond that is so high; all else is high enough."""
     places = {
