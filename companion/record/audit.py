@@ -18,6 +18,7 @@ judged from there on. The positions at which it was dropped are named.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -46,7 +47,7 @@ class ConjunctOutcome(Enum):
         return self in (ConjunctOutcome.VIOLATED, ConjunctOutcome.UNFULFILLED)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Finding:
     """What the flight has done about one conjunct.
 
@@ -78,8 +79,18 @@ class Finding:
         """Whether the flight has failed for it."""
         return self.outcome.is_failure and self.priority is None
 
+    def __repr__(self) -> str:
+        """In a line, without what was read at each position."""
+        return f"<Finding on {self.name}: {self.verdict}, {self.formula}>"
 
-@dataclass(frozen=True, slots=True)
+    @property
+    def verdict(self) -> str:
+        """The outcome in words, with the position that has decided it."""
+        at = "" if self.position is None else f" at position {self.position}"
+        return f"{self.outcome.value}{at}"
+
+
+@dataclass(frozen=True, slots=True, repr=False)
 class Audit:
     """All findings.
 
@@ -90,6 +101,17 @@ class Audit:
 
     findings: tuple[Finding, ...]
     differs: tuple[tuple[str, int], ...]
+
+    def __repr__(self) -> str:
+        """In a line: what has failed by name, and how many conjuncts came out how else."""
+        failed = [each for each in self.findings if each.outcome.is_failure]
+        told = [
+            f"{each.name}{'' if each.is_failure else ' (optional)'} {each.verdict}"
+            for each in failed
+        ]
+        rest = Counter(each.outcome.value for each in self.findings if each not in failed)
+        told += [f"{number} {outcome}" for outcome, number in rest.items()]
+        return f"<Audit: {', '.join(told) or 'no task'}>"
 
     @property
     def is_failure(self) -> bool:
