@@ -12,8 +12,10 @@ nothing is flown lower than the lowest place.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
+from companion.mission.model import Mission
 from companion.planning.planner import Planner
 from companion.vehicle_profile import VehicleProfile
 
@@ -36,6 +38,18 @@ class LowPlace:
         return f"{self.name} ({self.above_m:g} m)"
 
 
+def too_low(profile: VehicleProfile) -> str:
+    """What is odd about low places, in words.
+
+    >>> print(too_low(VehicleProfile()).partition(", and ")[0])
+    flown to so low above what is below
+    """
+    return (
+        "flown to so low above what is below, and the height of a vehicle with GPS may be off by"
+        f" {HEIGHT_ERROR_M:g} m; write {least_above_m(profile):g} m or more"
+    )
+
+
 def least_above_m(profile: VehicleProfile) -> float:
     """How high above what is below it a vehicle is to fly whose height is not exact.
 
@@ -52,10 +66,19 @@ def low_places(planner: Planner) -> tuple[LowPlace, ...]:
     >>> low_places(Planner(load_mission("missions/delivery.yaml")))
     ()
     """
-    mission = planner.mission
-    profile = mission.vehicle
     flown_to = {action.destination for action in planner.all_actions()}
-    flown_to |= {mission.home.name, *mission.safe_places}
+    return low_among(planner.mission, flown_to)
+
+
+def low_among(mission: Mission, flown_to: Collection[str | None]) -> tuple[LowPlace, ...]:
+    """Those of some places, and of the ones where it begins and may have to land.
+
+    >>> from companion import load_mission
+    >>> low_among(load_mission("missions/delivery.yaml"), ["Depot"])
+    ()
+    """
+    profile = mission.vehicle
+    flown_to = {*flown_to, mission.home.name, *mission.safe_places}
     found = []
     for place in mission.places.values():
         if place.name in flown_to:

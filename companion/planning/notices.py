@@ -19,7 +19,7 @@ from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso, Solution
-from companion.planning.low_places import HEIGHT_ERROR_M, least_above_m, low_places
+from companion.planning.low_places import low_places, too_low
 from companion.planning.planner import Planner
 
 
@@ -94,12 +94,7 @@ def _low_places(planner: Planner) -> Iterator[Notice]:
     if planner.mission.anchor is None:
         return
     if low := low_places(planner):
-        least_m = least_above_m(planner.mission.vehicle)
-        yield Notice(
-            ", ".join(map(str, low)),
-            "flown to so low above what is below, and the height of a vehicle with GPS may be off"
-            f" by {HEIGHT_ERROR_M:g} m; write {least_m:g} m or more",
-        )
+        yield Notice(", ".join(map(str, low)), too_low(planner.mission.vehicle))
 
 
 def _cut_off_places(planner: Planner) -> Iterator[Notice]:

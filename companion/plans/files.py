@@ -12,6 +12,8 @@ from pathlib import Path
 
 from companion.errors import KeyPath, MissionError
 from companion.mission.loader import load_mission
+from companion.mission.model import Mission
+from companion.planning.low_places import low_among, too_low
 from companion.plans.commands import PAYLOADS
 from companion.plans.draft import Draft, draft
 from companion.plans.draft_places import OTHER_HOME, Given
@@ -56,7 +58,9 @@ def import_plan(
         raise refusal_of(str(path), [refused]) from None
     except ItemsRefused as refused:
         raise refusal_of(str(path), refused.refused) from None
-    _check(drafted, path)
+    mission = _check(drafted, path)
+    if low := low_among(mission, mission.sets["Place"]):
+        drafted.told.append(f"{', '.join(map(str, low))}: {too_low(mission.vehicle)}")
     text = mission_text(drafted, f"{path.name}, {plan.kind}")
     load_mission(text)
     return text, drafted
@@ -67,10 +71,10 @@ def _name(path: Path) -> str:
     return spelt or "imported"
 
 
-def _check(drafted: Draft, path: Path) -> None:
-    """Whether the mission can be flown as it is; problems are told by the items of the plan."""
+def _check(drafted: Draft, path: Path) -> Mission:
+    """The mission, if it can be flown as it is; problems are told by the items of the plan."""
     try:
-        load_mission(drafted.data)
+        return load_mission(drafted.data)
     except MissionError as error:
         keys = error.where.keys if isinstance(error.where, KeyPath) else ()
         starts = (tuple(map(str, keys[:length])) for length in (2, 3))

@@ -51,6 +51,14 @@ def flown(mission: Mission) -> list[str]:
     return [*prefix, "|", *loop]
 
 
+def test_waypoints_lower_than_a_height_by_gps_is_certain_are_told(tmp_path: Path) -> None:
+    low = [waypoint(30, 0, 1.2), waypoint(30, 40, 1.5), waypoint(0, 40, 1.0)]
+    text, draft = imported(tmp_path, plan(TAKE_OFF, *low, RETURN))
+    noticed = "W2 (1.2 m), W4 (1 m): flown to so low above what is below, and the height of a"
+    (line,) = (each for each in draft.told if each.startswith(noticed))
+    assert f"# - {line}" in text
+
+
 def test_waypoints_are_places_in_their_order_and_then_home(tmp_path: Path) -> None:
     mission = mission_of(tmp_path, TAKE_OFF, *WAY, RETURN)
     assert list(mission.places) == ["Home", "W2", "W3", "W4"]
