@@ -92,6 +92,10 @@ class VehicleFlights:
         def tell(stamped: Stamped) -> None:
             terminal.say(line(stamped))
 
+        def tell_between(stamped: Stamped) -> None:
+            """Without its time: a run counts from its own beginning, and would seem to go on."""
+            terminal.say(f"hosting    {stamped.event.text}")
+
         def close_folder(folder: RunFolder) -> None:
             close_run(folder, terminal)
 
@@ -109,7 +113,7 @@ class VehicleFlights:
             installed = read_all()
             children = CheckChildren(installed, self.hears_reports)
             uploads = Uploads(self.log_dir.expanduser() / UPLOADS, children.begin)
-            about = tell, uploads, self.engine, functions, installed
+            about = tell_between, uploads, self.engine, functions, installed
             host = SortieHost(open_folder, close_folder, *about)
             recorder = host.resume_run(open_folder(cut_off.mission, cut_off)) if cut_off else None
             mission = cut_off.mission if cut_off else mission

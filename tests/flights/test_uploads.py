@@ -251,6 +251,7 @@ def test_missions_are_uploaded_one_is_flown_and_watched_to_its_end(
     upload = run(*shlex.split(command.replace("missions/surveillance.yaml", str(hop))))
     assert upload.exit_code(ANSWER_S) == 0, upload.printed + on_board.printed
     on_board.until_printed("taking off", ANSWER_S)
+    assert "\nhosting    hop is ready; MISSION_START flies it\n" in on_board.printed
     upload = run("companion", "upload", MISSION.with_name("lost_person.yaml"), "--connect", ground)
     assert upload.exit_code(ANSWER_S) == 0, upload.printed
     assert "becomes active after landing" in upload.printed
