@@ -23,7 +23,7 @@ from companion.ltl import bound_parsing
 from companion.ltl.bound_parsing import Parsed, TimedAnswer, error_at, span, without_bounds
 from companion.ltl.formula import Formula, Operator, disjoin
 from companion.ltl.patterns import AT, PATTERNS
-from companion.ltl.timed_formula import Line, TimedFormula
+from companion.ltl.timed_formula import Line, TimedFormula, untimed
 
 
 @v_args(inline=True)
@@ -130,7 +130,7 @@ def parse(text: str) -> Formula:
     """
     line = parse_line(text)
     if isinstance(line, TimedFormula):
-        advice = "leave the bound out here; lines of a task have them"
+        advice = f"a mission has it in a line under task:, soon: {line}; here write {untimed(line)}"
         raise FormulaError("this cannot have a time bound", text, 0, len(text), advice)
     return line
 

@@ -124,8 +124,13 @@ def test_a_wrong_bound_is_told_where_it_stands(text: str, what: str, underlined:
 
 
 def test_only_lines_of_a_task_have_bounds() -> None:
-    with pytest.raises(FormulaError, match="this cannot have a time bound"):
-        parse("F[<=60s] a")
+    with pytest.raises(FormulaError, match="this cannot have a time bound") as error:
+        parse("G (a -> F[<=60s] b)")
+    line, without = "soon: G(a -> F[<=60s] b)", "G(a -> F b)"
+    assert (
+        error.value.advice
+        == f"a mission has it in a line under task:, {line}; here write {without}"
+    )
 
 
 @pytest.mark.parametrize(
