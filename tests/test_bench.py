@@ -96,3 +96,18 @@ def test_a_group_that_there_is_not_is_named() -> None:
         "no group flyng; there are translating, planning, flying, campaigns, missions"
         in done.stderr
     )
+
+
+@pytest.mark.parametrize(
+    ("script", "module", "installs"), [("bench", "", "fly"), ("mutate", "pytest", "test")]
+)
+def test_another_python_is_answered_in_a_line(script: str, module: str, installs: str) -> None:
+    """One that has none of our libraries."""
+    command = [sys.executable, "-S", str(BENCH.with_name(script))]
+    own = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run(command, env=own, capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"scripts/{script}: this Python has no {module}")
+    advice = f"run .venv/bin/python scripts/{script}, for which scripts/{installs} installs all"
+    assert line.endswith(advice)
