@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import shutil
+from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from commands import Companion
 
 from companion import load_mission, simulate
 from companion.api.figures import backdrop_of_run, trail_of_run
+from companion.cli.recording import open_run
+from companion.cli.resuming import CutOffRun
+from companion.cli.terminal import Terminal
 from companion.record.backdrop import backdrop_of
 
 MISSIONS = Path(__file__).parents[1] / "missions"
@@ -39,6 +45,22 @@ def test_a_tree_by_hand_has_a_trail_too(tmp_path: Path) -> None:
     simulate(load_mission(MISSIONS / "by_hand.yaml"), folder=tmp_path)
     ((title, positions),) = trail_of_run(tmp_path).parts
     assert title == "the tree that was written by hand" and len(positions) > 100
+
+
+def test_a_run_that_was_gone_on_with_is_drawn_from_its_beginning_on(
+    companion: Companion, run_folder: Path, tmp_path: Path
+) -> None:
+    """By a companion that has seen nothing of what was flown before."""
+    run = shutil.copytree(run_folder, tmp_path / "runs" / "run")
+    (run / "flight.png").unlink()
+    mission: Any = load_mission(MISSIONS / "surveillance.yaml")
+    journalled: Any = SimpleNamespace(goes_on_s=50.0, positions=3, begun=SimpleNamespace(start_s=0))
+    with closing(Terminal()) as terminal:
+        cut_off = CutOffRun(run, mission, journalled)
+        open_run(mission, run.parent, lambda _: None, terminal, True, cut_off).close()
+    whole = tmp_path / "whole.png"
+    assert companion("figure", run, "-o", whole).code == 0
+    assert (run / "flight.png").read_bytes() == whole.read_bytes()
 
 
 @pytest.mark.parametrize("name", ["flight.pdf", "flight.svg"])

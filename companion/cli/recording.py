@@ -65,7 +65,7 @@ def open_run(
     Raises:
         CompanionError: nothing can be written there.
     """
-    from companion.record.drawing import draw_here, draw_in_child
+    from companion.record.drawing import draw_here, draw_in_child, draw_record_in_child
     from companion.record.run_folder import RunFolder
 
     now_s = time.time()
@@ -77,6 +77,8 @@ def open_run(
         path, start_s = _new_path(mission.name, log_dir, now_s), now_s
     cut_off_at = cut_off.journalled.positions if cut_off is not None else None
     draw = draw_in_child if keeps_journal else draw_here
+    if cut_off is not None:
+        draw = draw_record_in_child
     try:
         folder = RunFolder(path, mission, start_s, tell, keeps_journal, cut_off_at, draw)
     except OSError as error:

@@ -5,7 +5,8 @@ flight drawn by a child,
 
     python -P -m companion.record.drawing
 
-which reads a pickle of its parent's on its standard input.
+which reads a pickle of its parent's on its standard input. Of a flight that was gone on with the
+companion knows the trail from there on alone; it is drawn by `companion figure` from its files.
 """
 
 from __future__ import annotations
@@ -38,16 +39,31 @@ def draw_in_child(mission: Mission, trail: Trail, path: Path) -> None:
     Raises:
         OSError: it has not been drawn.
     """
+    if not _does(python_module(__name__), pickle.dumps((mission, trail, path))):
+        raise OSError(0, f"{path.name} cannot be drawn")
+
+
+def draw_record_in_child(mission: Mission, trail: Trail, path: Path) -> None:
+    """The whole flight of a run folder, in a child process; what is known of it if that fails.
+
+    Raises:
+        OSError: it has not been drawn.
+    """
+    if not _does(python_module("companion", "figure", str(path.parent), "--output", str(path))):
+        draw_in_child(mission, trail, path)
+
+
+def _does(command: list[str], heard: bytes = b"") -> bool:
+    """Whether a child process, which is waited for, has ended well."""
     done = subprocess.run(
-        python_module(__name__),
-        input=pickle.dumps((mission, trail, path)),
+        command,
+        input=heard,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
         start_new_session=True,  # Ctrl-C in a terminal is for the flight process
         check=False,
     )
-    if done.returncode != 0:
-        raise OSError(0, f"{path.name} cannot be drawn")
+    return done.returncode == 0
 
 
 if __name__ == "__main__":
