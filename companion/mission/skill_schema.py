@@ -55,7 +55,7 @@ class SkillEntry(DrawnModel):
         BeforeValidator(given, json_schema_input_type=Literal["flight_time"] | float),
         Field(
             description="flight_time (the default of a skill that flies) or seconds "
-            "(default of all others: 1)."
+            "(default of all others: what they wait, and 1 for what else they do)."
         ),
     ] = None
     execute: Annotated[

@@ -6,7 +6,7 @@ command that it executes. The facts that skills name become part of the mission'
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple, TypeVar
@@ -29,6 +29,7 @@ from companion.mission.model import (
     Literal,
     PointOfInterest,
     Skill,
+    Wait,
 )
 from companion.mission.python_call import PythonCall
 from companion.mission.schema import MissionFile
@@ -147,7 +148,7 @@ class _SkillBuilder:
             precondition=texts.precondition,
             assumes=texts.assumes,
             effect=effect,
-            cost_s=(cost_s := self._cost_s(execute)),
+            cost_s=self._cost_s(execute),
             execute=execute,
             tries=entry.tries,
             timeout_s=entry.timeout_s,
@@ -161,7 +162,7 @@ class _SkillBuilder:
             gimbal=gimbal_of(self.name, entry, self.file, self.document),
             energy_wh=entry.energy_wh,
             charge_rate=charge_rate_of(self.name, entry, execute, self.file, self.document),
-            is_cost_guessed=entry.cost is None and cost_s is not None,
+            is_cost_guessed=entry.cost is None and _is_cost_guessed(execute),
         )
         refuse_charge_nowhere(skill, self.document)
         return skill
@@ -296,7 +297,7 @@ class _SkillBuilder:
         cost = self.entry.cost
         flies = any(isinstance(step, Fly) for step in execute)
         if cost is None:
-            return None if flies else DEFAULT_COST_S
+            return None if flies else _least_cost_s(execute)
         where = self.document.where("skills", self.name, "cost")
         if cost == "flight_time" and not flies:
             raise MissionError(
@@ -305,3 +306,16 @@ class _SkillBuilder:
         if isinstance(cost, float | int) and not 0 < cost <= 1e6:
             raise MissionError(f"cost is {cost:g}", where, "write seconds, more than 0")
         return None if isinstance(cost, str) else float(cost)
+
+
+def _least_cost_s(execute: Sequence[Execution]) -> float:
+    """What a skill that does not fly takes by its steps: its waits, and a second for all else."""
+    waits_s = [step.duration_s for step in execute if isinstance(step, Wait)]
+    is_all = len(waits_s) == len(execute) and any(waits_s)
+    return sum(waits_s) + (0.0 if is_all else DEFAULT_COST_S)
+
+
+def _is_cost_guessed(execute: Sequence[Execution]) -> bool:
+    """Whether what a skill takes is not known from its steps: neither flights nor waits alone."""
+    flies = any(isinstance(step, Fly) for step in execute)
+    return not flies and not all(isinstance(step, Wait) for step in execute)

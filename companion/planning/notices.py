@@ -111,13 +111,15 @@ def _guessed_costs(planner: Planner) -> Iterator[Notice]:
     mission = planner.mission
     bounded = [name for name, line in mission.task.items() if isinstance(line, TimedFormula)]
     used = {action.skill for action in planner.all_actions()}
-    guessed = [s for s in mission.skills.values() if s.is_cost_guessed and s.name in used]
-    if bounded and guessed and mission.tree is None:
-        yield Notice(
-            ", ".join(skill.name for skill in guessed),
-            f"without cost, so plans reckon with {guessed[0].cost_s:g} s for it, and the bounds in"
-            f" time of {', '.join(bounded)} hold only if it is done by then; write what it takes",
-        )
+    if not bounded or mission.tree is not None:
+        return
+    for skill in mission.skills.values():
+        if skill.is_cost_guessed and skill.name in used:
+            yield Notice(
+                skill.name,
+                f"without cost, so plans reckon with {skill.cost_s:g} s for it, and the bounds in"
+                f" time of {', '.join(bounded)} hold only if it is done by then; write its time",
+            )
 
 
 def _walls_below_the_end(mission: Mission, plan: Lasso) -> Iterator[Notice]:

@@ -60,6 +60,7 @@ def test_a_mission_in_metres_that_begins_elsewhere_is_noticed(
     [
         pytest.param("F[<=90s] seen", {}, True, id="nobody says how long it takes"),
         pytest.param("F[<=90s] seen", {"cost": 8}, False, id="the mission says it"),
+        pytest.param("F[<=90s] seen", {"execute": "wait(20)"}, False, id="it only waits"),
         pytest.param("F[<=90s] at(A)", {"planned": False}, False, id="no plan has it"),
         pytest.param("F seen", {}, False, id="without a bound"),
     ],
@@ -67,12 +68,19 @@ def test_a_mission_in_metres_that_begins_elsewhere_is_noticed(
 def test_a_bound_that_covers_skills_without_cost_is_noticed(
     task: str, skill: dict[str, Any], is_noticed: bool
 ) -> None:
-    look = {"precondition": "at(A)", "effect": "seen", "execute": "wait(20)"} | skill
+    execute = ["wait(20)", "command(payload, MAV_CMD_USER_1)"]
+    look = {"precondition": "at(A)", "effect": "seen", "execute": execute} | skill
     limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
-    keys = {"limits": limits, "skills": DATA["skills"] | {"look": look}, "task": {"soon": task}}
+    skills = DATA["skills"] | {"look": look}
+    keys = {
+        "limits": limits,
+        "skills": skills,
+        "task": {"soon": task},
+        "components": {"payload": 25},
+    }
     text = (
-        "look: without cost, so plans reckon with 1 s for it, and the bounds in time of soon hold"
-        " only if it is done by then; write what it takes"
+        "look: without cost, so plans reckon with 21 s for it, and the bounds in time of soon hold"
+        " only if it is done by then; write its time"
     )
     assert told(load_mission(DATA | keys)) == [text] * is_noticed
 
