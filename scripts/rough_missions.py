@@ -23,6 +23,8 @@ from typing import Any
 
 from ruamel.yaml import YAML
 
+from companion.errors import TaskViolated
+
 MISSIONS = Path(__file__).parents[1] / "missions"
 LONG = {
     "endless_patrol": 0.3,
@@ -89,7 +91,8 @@ def fly(mission: Path, rows: int, seed: int, out: Path) -> Counter[str]:
         options = ["--scenario", str(scenario), "--runs", str(rows), "--seed", str(seed)]
         options += ["--limit-s", str(LIMIT_S), "--out", str(out)]
     command = [sys.executable, "-m", "companion", "campaign", str(mission), *options]
-    subprocess.run(command, check=False)  # exit code 6: a row has failed
+    if (code := subprocess.run(command, check=False).returncode) not in (0, TaskViolated.exit_code):
+        sys.exit(code)
     with (out / "table.csv").open(encoding="utf-8", newline="") as stream:
         rows_read = csv.DictReader(line for line in stream if not line.startswith("#"))
         return Counter(row["outcome"] for row in rows_read)
