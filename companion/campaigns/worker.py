@@ -61,10 +61,10 @@ def fly_row(packed: bytes, row: Row) -> FlownRow | WorkerRefused:
     if differs := _difference(packed):
         return WorkerRefused(platform.node(), differs)
     try:
-        world = kit.scenario.world(row.values)
-    except MissionError as error:
-        return FlownRow(row, Outcome.INVALID, reason=error.what)
-    try:
+        try:
+            world = kit.scenario.world(row.values)
+        except MissionError as error:
+            return FlownRow(row, Outcome.INVALID, reason=error.what)
         if reason := unfair(kit.mission, world[0], row.values):
             return FlownRow(row, Outcome.INVALID, reason=reason)
         return fly(kit.mission, world, row, kit.limit_s)

@@ -116,6 +116,7 @@ def diagnostics(
     ]
     details = [each for each in details if not _is_other_kind(*each, details, data)]
     details = [each for each in details if not _is_misspelt(*each, details)]
+    details = [each for each in details if not _is_long_enough(*each, data)]
     details = [each for each in details if (*each[0], *each[1]["loc"][-1:]) not in refused]
     details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
     schema = model.model_json_schema()
@@ -136,6 +137,13 @@ def _is_misspelt(keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detai
     return detail["type"] == "missing" and any(
         other["type"] == "extra_forbidden" and where[:-1] == keys for where, other in details
     )
+
+
+def _is_long_enough(keys: Keys, detail: Detail, data: object) -> bool:
+    """Whether a list counts as too short for the sake of entries that are wrong, which are told."""
+    there = _at(data, keys)
+    is_counted = detail["type"] == "too_short" and isinstance(there, list)
+    return is_counted and len(there) >= detail["ctx"]["min_length"]
 
 
 def _is_other_kind(
@@ -184,7 +192,7 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
         return Diagnostic(f"{_short(keys[-1])} is not a name", keys, hint, True)
     explained, keys_there = _explanation(root, keys), schema_at(root, keys).get("properties", ())
     if keys_there:
-        explained = f"{explained.rstrip('.')}. keys are {', '.join(keys_there)}."
+        explained = f"{explained.rstrip('.')}. keys are {', '.join(keys_there)}{alone(root, keys)}."
     is_share = schema_at(root, keys).get("maximum") == 1
     return _wrong_value(details, keys, explained, _at(data, keys), is_share)
 

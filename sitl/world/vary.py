@@ -21,6 +21,7 @@ from sitl.world.vary_schema import VaryEntry, distribution
 Data = Mapping[str, Any]
 Values = Mapping[str, Value]
 """Path of a key -> its value in a row."""
+_LEFT_OUT = "what needs it may be left out instead, such as an event of it by {chance: ...}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,15 +59,23 @@ def read_factors(
     data = document.data()
     assert isinstance(data, dict)
     factors = tuple(_factor(path, entry, data, document) for path, entry in entries.items())
+    first: dict[tuple[str | int, ...], str] = {}
+    for factor in factors:
+        if (other := first.setdefault(factor.keys, factor.path)) != factor.path:
+            raise MissionError(
+                f"{factor.path} and {other} are one key",
+                document.key_at("vary", factor.path),
+                "keep one of them",
+            )
     for factor in factors:
         for value in factor.distribution.extremes:
             try:
                 read(with_values(data, factors, {factor.path: value}))
             except MissionError as error:
                 raise MissionError(
-                    f"{factor.path} cannot be {value}: {error.what}",
+                    f"{factor.path} cannot be {_shown(factor, value)}: {error.what}",
                     document.where("vary", factor.path),
-                    error.hint,
+                    _LEFT_OUT if factor.is_entry else error.hint,
                 ) from error
     return factors
 
@@ -85,12 +94,17 @@ def with_values(data: Data, factors: Sequence[Factor], values: Values) -> dict[s
         if not factor.is_entry:
             _put(varied, factor.keys, values[factor.path])
     missing = [factor.keys for factor in chosen if factor.is_entry and not values[factor.path]]
-    for keys in sorted(missing, key=lambda keys: int(keys[-1]), reverse=True):
+    for keys in sorted(missing, key=_is_left_out_late):
         parent: Any = varied
         for key in keys[:-1]:
             parent = parent[key]
         del parent[keys[-1]]
     return varied
+
+
+def _is_left_out_late(keys: Sequence[str | int]) -> tuple[int, int]:
+    """A rank: what lies within an entry goes before it, and a later entry before an earlier one."""
+    return -len(keys), -int(keys[-1])
 
 
 def _put(data: Any, keys: Sequence[str | int], value: Value) -> None:
@@ -99,6 +113,10 @@ def _put(data: Any, keys: Sequence[str | int], value: Value) -> None:
             data[str(key)] = {}
         data = data[key]
     data[keys[-1]] = value
+
+
+def _shown(factor: Factor, value: Value) -> str:
+    return "left out" if factor.is_entry and not value else str(value)
 
 
 def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Factor:
@@ -113,7 +131,9 @@ def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Fact
             here = here.get(step) if here else None
         else:
             raise MissionError(
-                f"{path} leads into a value, not to a key", document.key_at("vary", path)
+                f"{path} leads into a value, not to a key",
+                document.key_at("vary", path),
+                f"write {'.'.join(str(key) for key in keys)}",
             )
     chosen = distribution(entry, path, document)
     is_entry = isinstance(keys[-1], int) and isinstance(here, dict)
@@ -133,8 +153,14 @@ def _entry_of(entries: list[Any], step: str, path: str, document: Document) -> i
         return names.index(step)
     if step.isdecimal() and int(step) < len(entries):
         return int(step)
+    known = [name for name in names if name]
+    numbered = (
+        f"entries are named, or numbered from 0 to {len(entries) - 1}"
+        if entries
+        else "the list is empty"
+    )
     raise MissionError(
         f"{path}: there is no entry {step}",
         document.key_at("vary", path),
-        f"entries are named, or numbered from 0. {did_you_mean(step, filter(None, names))}".strip(),
+        f"{numbered}. {did_you_mean(step, known)}".strip(),
     )

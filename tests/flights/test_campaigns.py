@@ -24,6 +24,7 @@ from companion.campaigns.worker import WorkerRefused, fly_row
 from companion.errors import CompanionError
 from companion.mission.loader import load_mission
 from sitl.simulation import Simulation
+from sitl.world import varied_scenario
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +87,11 @@ def test_what_raises_is_the_outcome_of_its_row(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(worker, "fly", lambda *about: 1 / 0)
     flown = fly_row(short_kit().packed, Row(0, 0))
     assert flown == FlownRow(Row(0, 0), Outcome.ERROR, reason="ZeroDivisionError: division by zero")
+
+
+def test_so_is_what_raises_while_its_world_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(varied_scenario, "with_values", lambda *about: 1 / 0)
+    assert fly_row(short_kit().packed, Row(0, 0)).outcome is Outcome.ERROR
 
 
 @pytest.mark.long

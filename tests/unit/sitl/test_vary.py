@@ -10,7 +10,7 @@ import pytest
 from companion.errors import MissionError
 from sitl.world.distributions import Chance, Choice, Normal, Uniform
 from sitl.world.scenario import Scenario, parse_scenario
-from sitl.world.vary import with_values
+from sitl.world.vary import Factor, with_values
 
 WORLD = """\
 version: 1
@@ -70,7 +70,15 @@ def test_all_kinds_of_distributions_are_read() -> None:
         ("obstacles.crate: [1, 2]", "no single value"),
         ("wind: {chance: 0.5}", "no single value"),
         ("wind.east_mps.more: [1, 2]", "leads into a value"),
-        ("obstacles.1: {chance: 0.5}", "obstacles.1 cannot be False"),
+        (
+            "happens.1.at_s: [1, 2], happens.01.at_s: [1, 2]",
+            "happens.01.at_s and happens.1.at_s are one key",
+        ),
+        ("happens.2.at_s: [1, 2]", "numbered from 0 to 1"),
+        ("wind.east_mps.more: [1, 2]", "write wind.east_mps"),
+        ("wind.east_mps: 3", "or [least, greatest] alone"),
+        ("wind.east_mps: {choice: [[1, 2]]}", "entry 1 in vary.wind.east_mps.choice is a list"),
+        ("obstacles.1: {chance: 0.5}", "obstacles.1 cannot be left out: there is no obstacle shed"),
         ("payload.answers.0.result: {choice: [ACEPTED]}", "cannot be ACEPTED"),
         ("battery.charge: {choice: [1, 0.5], weights: [1]}", "weights"),
         ("battery.charge: {normal: [0.5, 0]}", "no values"),
@@ -111,6 +119,20 @@ def test_values_are_put_where_their_paths_lead() -> None:
     assert with_values(DATA, factors, {"happens.0": False, "happens.1": False})["happens"] == [
         {"at_s": 3}
     ]
+
+
+def test_entries_within_entries_that_are_left_out_are_those_that_were_meant() -> None:
+    here, there = ({"east_m": east, "north_m": 0, "radius_m": 1} for east in (1, 2))
+    world = {"cameras": [{"fails": [here]}, {"fails": [here, there]}]}
+    paths = ("cameras.0", "cameras.0.fails.0", "cameras.1.fails.0")
+    steps = [("cameras", 0), ("cameras", 0, "fails", 0), ("cameras", 1, "fails", 0)]
+    factors = [
+        Factor(path, keys, Chance(0.5), None, is_entry=True)
+        for path, keys in zip(paths, steps, strict=True)
+    ]
+    assert with_values(world, factors, dict.fromkeys(paths, False)) == {
+        "cameras": [{"fails": [there]}]
+    }
 
 
 def test_a_scenario_is_flown_as_it_stands_whatever_varies() -> None:
