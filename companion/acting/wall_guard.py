@@ -1,7 +1,8 @@
 """Keeps the vehicle itself off walls, not its setpoint alone; whatever it flies, or while it holds.
 
-Each setpoint passes here on its way to the gate, moved by what `wall_push.py` says, if fences and
-zones leave the place. What trajectories go on from is the setpoint as it was.
+Each setpoint passes here on its way to the gate, moved by what `wall_push.py` says, as far as
+fences, zones and other walls leave the place. What trajectories go on from is the setpoint as it
+was.
 """
 
 from __future__ import annotations
@@ -9,9 +10,10 @@ from __future__ import annotations
 import math
 
 from companion.flight_events.skills import WallNear
-from companion.geometry import Ned
+from companion.geometry import Ned, NorthEast
 from companion.motion.grid import OccupancyGrid
 from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.routes import RouteMap
 from companion.motion.trajectory import Sample
 from companion.motion.wall_push import STILL, push
 from companion.vehicle.port import VehicleState
@@ -19,6 +21,8 @@ from companion.vehicle_profile import VehicleProfile
 
 CLEAR_AGAIN_M = 0.1
 """A vehicle that has so much more than its margin has left a wall; the next time is told anew."""
+SHARES = (1.0, 0.75, 0.5, 0.25)
+"""Of what a setpoint is moved by: the first is taken that leads into nothing else."""
 TOLD_M = 0.3
 """A setpoint that is moved by less, as for a vehicle that falls behind a little, is not told of."""
 
@@ -43,14 +47,26 @@ class WallGuard:
         if plane is None:
             return told.position, None
         kept_m, carrot_m = self._routes.kept_m, self._profile.carrot_m
-        by_north, by_east = by = push(plane.obstacles, kept_m, state.position, told, carrot_m)
-        north, east, down = told.position
-        moved = (north + by_north, east + by_east, down)
-        is_moved = by != STILL and plane.is_usable(moved[:2])
-        sent = moved if is_moved else told.position
-        if not self._is_near and not (is_moved and math.hypot(*by) >= TOLD_M):
+        by = push(plane.obstacles, kept_m, state.position, told, carrot_m)
+        sent = self._moved(plane, told.position, by)
+        if not self._is_near and math.dist(sent, told.position) < TOLD_M:
             return sent, None
         return sent, self._news(plane.obstacles, state)
+
+    def _moved(self, plane: RouteMap, position: Ned, by: NorthEast) -> Ned:
+        """The setpoint, moved as far as fences and zones leave it, and walls the vehicle's body.
+
+        What is moved for a wall on one side of a passage may meet the one on the other.
+        """
+        north, east, down = position
+        if by == STILL:
+            return position
+        body_m = min(self._profile.radius_m, plane.obstacles.clearance_m((north, east)))
+        for share in SHARES:
+            moved = (north + share * by[0], east + share * by[1])
+            if plane.is_usable(moved) and not plane.obstacles.is_within(moved, body_m):
+                return (*moved, down)
+        return position
 
     def _news(self, obstacles: OccupancyGrid, state: VehicleState) -> WallNear | None:
         """Once for each time that the vehicle, off its route, has not its margin."""

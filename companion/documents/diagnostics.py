@@ -142,8 +142,9 @@ def _is_misspelt(keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detai
 def _is_long_enough(keys: Keys, detail: Detail, data: object) -> bool:
     """Whether a list counts as too short for the sake of entries that are wrong, which are told."""
     there = _at(data, keys)
-    is_counted = detail["type"] == "too_short" and isinstance(there, list)
-    return is_counted and len(there) >= detail["ctx"]["min_length"]
+    if detail["type"] != "too_short" or not isinstance(there, list):
+        return False
+    return len(there) >= int(detail["ctx"]["min_length"])
 
 
 def _is_other_kind(

@@ -26,12 +26,21 @@ SETPOINT: Ned = (3.0, 1.0, -2.0)
 PROFILE = VehicleProfile()
 
 
-def routes(*keep_out: tuple[tuple[float, float], ...], fence_m: float = 0.0) -> LayeredRoutes:
-    """A room of 6 m whose walls are 0.3 m thick, and a place in its middle."""
+def room() -> OccupancyGrid:
+    """6 m wide, with walls 0.3 m thick."""
     occupied = np.ones((60, 60), dtype=np.bool_)
     occupied[3:-3, 3:-3] = False
+    return OccupancyGrid(occupied, 0.1, (0.0, 0.0))
+
+
+def routes(
+    *keep_out: tuple[tuple[float, float], ...],
+    fence_m: float = 0.0,
+    grid: OccupancyGrid | None = None,
+) -> LayeredRoutes:
+    """A room, and a place in its middle."""
     made = LayeredRoutes(
-        OccupancyGrid(occupied, 0.1, (0.0, 0.0)),
+        grid or room(),
         {"M": PlaceRegion((3.0, 3.0, -2.0), Disc(0.5), is_exclusive=True)},
         ((0.0, fence_m), (0.0, 6.0), (6.0, 6.0), (6.0, fence_m)),
         PROFILE.clearance_m,
@@ -86,6 +95,17 @@ def test_no_setpoint_is_moved_into_a_zone_or_through_the_fence() -> None:
     assert WallGuard(routes(zone), PROFILE).kept_off(told(), at(0.7))[0] == SETPOINT
     beyond = routes(fence_m=4.0)
     assert WallGuard(beyond, PROFILE).kept_off(told(), at(0.7))[0] == SETPOINT
+
+
+def test_no_setpoint_is_moved_from_one_wall_into_the_next() -> None:
+    """In a passage, with a position that is off by a metre for a moment."""
+    occupied = np.ones((60, 60), dtype=np.bool_)
+    occupied[:, 10:28] = False
+    obstacles = OccupancyGrid(occupied, 0.1, (0.0, 0.0))
+    passage, told_m = routes(grid=obstacles), 1.55
+    north, east, down = WallGuard(passage, PROFILE).kept_off(told((3.0, told_m, -2.0)), at(2.6))[0]
+    assert east < told_m and (north, down) == (3.0, -2.0)
+    assert obstacles.clearance_m((north, east)) >= PROFILE.radius_m
 
 
 def test_what_is_flown_goes_on_from_the_setpoint_as_it_was() -> None:
