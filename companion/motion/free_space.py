@@ -3,8 +3,8 @@
 A cell is free if the next obstacle is at least the clearance away from all of it, and the fence
 holds all of it (`clearance_level.py`). A keep-out zone is an obstacle. A route begins in a free
 cell, or near one if the vehicle has drifted or something has come near it; out of a zone the first
-leg leads straight to the nearest free cell. Points are in cells (`line_of_sight.py`), positions in
-metres.
+leg leads straight to the nearest free cell, and comes no nearer to walls. Points are in cells
+(`line_of_sight.py`), positions in metres.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ ENTRY_M = 1.0  # greatest distance from a route's start to the nearest free cell
 _ENTRY_CELLS = 1.5  # and of at least so many cells: to those around the own one
 _BORDER = 1e-6  # cells; nearer to the border of a cell a leg might touch the next one
 _MAX_VIEWS = 256  # that are kept
-_BATCH = 2000  # cells that are looked at together from a zone
+_BATCH = 2000  # cells that are looked at together from a zone, of each connected part
 
 
 class _View(NamedTuple):
@@ -90,6 +90,16 @@ class FreeSpace:
     def _sight_between_walls(self) -> LineOfSight:
         return LineOfSight(~self._walls)
 
+    @cached_property
+    def _walls_alone(self) -> OccupancyGrid:
+        return self.grid.with_occupied(self._walls)
+
+    def _sight_away_from_walls(self, cell: Cell) -> LineOfSight:
+        """Over what is as far from walls as a cell is, or the clearance, less a cell."""
+        away_m = self._walls_alone.distance_m
+        least_m = min(float(away_m[cell]), self._clearance_m) - self.grid.cell_m
+        return LineOfSight(~self._walls & (away_m >= least_m))
+
     def _is_in_zone(self, cell: Cell) -> bool:
         is_on_map = self.grid.contains(*cell)
         return is_on_map and bool(self.grid.occupied[cell] and not self._walls[cell])
@@ -119,18 +129,21 @@ class FreeSpace:
         """Whether a leg stays as far from obstacles as its start or the clearance, less a cell.
 
         It leaves the fence only if it begins outside. One that begins in a zone leads out of it,
-        to a free cell.
+        to a free cell, and stays so far from walls.
         """
         first, last = (self._cell(point) for point in (a, b))
-        if self._is_in_zone(first):
-            return self.is_free(last) and bool(self._sight_between_walls.is_clear(a, b))
+        is_in_zone = self._is_in_zone(first)
+        if is_in_zone and not self.is_free(last):
+            return False
+        obstacles = self._walls_alone if is_in_zone else self.grid
+        sight = self._sight_between_walls if is_in_zone else self._open_sight
         points = np.linspace(a, b, 2 + int(2 * math.dist(a, b)))
         cells = np.clip(np.floor(points).astype(int), 0, np.array(self.free.shape) - 1)
-        away_m = self.grid.distance_m[cells[:, 0], cells[:, 1]]
+        away_m = obstacles.distance_m[cells[:, 0], cells[:, 1]]
         is_inside = self._is_inside[cells[:, 0], cells[:, 1]]
         least_m = min(away_m[0], self._clearance_m) - self.grid.cell_m
         is_kept = away_m.min() >= least_m and (is_inside.all() or not is_inside[0])
-        return bool(is_kept and self._open_sight.is_clear(a, b))
+        return bool(is_kept and sight.is_clear(a, b))
 
     def is_connected(self, start: NorthEast, goal: Cell) -> bool:
         """Whether free cells lead from near a start to a cell."""
@@ -211,16 +224,17 @@ class FreeSpace:
         return self._views[start]
 
     def _view_out_of_zone(self, point: Points) -> _View:
-        """The nearest free cells to which no wall bars the way, however far away they are."""
+        """The nearest free cells to which a leg comes no nearer to walls, however far away."""
         cells = np.argwhere(self.free)
         centres = np.asarray(cells + 0.5, dtype=np.float64)
         away = np.linalg.norm(centres - point, axis=1)
         nearest = np.argsort(away, kind="stable")
-        for some in np.array_split(nearest, max(1, len(nearest) // _BATCH)):
-            usable = some[self._sight_between_walls.is_clear(point, centres[some])]
-            if usable.size:
-                return _View(False, cells[usable], float(away[usable[-1]]))
-        return _View(False, cells[:0], 0.0)
+        of_part = nearest[_ranks(self._parts[tuple(cells[nearest].T)]) < _BATCH]
+        sight = self._sight_away_from_walls(self._cell(point))
+        seen = of_part[sight.is_clear(point, centres[of_part])]
+        if not seen.size:
+            seen = _first_seen(point, centres, nearest, sight)
+        return _View(False, cells[seen], float(away[seen].max(initial=0.0)))
 
     def _near(self, cell: Cell) -> tuple[slice, slice]:
         """The cells within reach of one along each axis."""
@@ -239,3 +253,28 @@ class FreeSpace:
             return False
         away = others.away(point)
         return not np.any((away >= -_BORDER) & (away <= 1))
+
+
+def _ranks(numbers: npt.NDArray[np.int32]) -> npt.NDArray[np.intp]:
+    """For each of some numbers, how many that are equal come before it.
+
+    >>> _ranks(np.array([7, 5, 7, 7, 5], dtype=np.int32)).tolist()
+    [0, 0, 1, 2, 1]
+    """
+    order = np.argsort(numbers, kind="stable")
+    begins = np.flatnonzero(np.diff(numbers[order], prepend=-1))
+    lengths = np.diff(begins, append=len(numbers))
+    ranks = np.empty(len(numbers), dtype=np.intp)
+    ranks[order] = np.arange(len(numbers)) - np.repeat(begins, lengths)
+    return ranks
+
+
+def _first_seen(
+    point: Points, centres: Points, nearest: npt.NDArray[np.intp], sight: LineOfSight
+) -> npt.NDArray[np.intp]:
+    """Which of some cells are seen from a point, of the first batch of which any are."""
+    for some in np.array_split(nearest, max(1, len(nearest) // _BATCH)):
+        seen = some[sight.is_clear(point, centres[some])]
+        if seen.size:
+            return seen
+    return nearest[:0]

@@ -6,6 +6,7 @@ import math
 from itertools import pairwise
 
 import numpy as np
+import pytest
 from drawn import drawn
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -125,6 +126,32 @@ def test_no_way_out_leads_through_a_wall() -> None:
         for share in np.linspace(0, 1, 5):
             point = tuple(((1 - share) * np.array(a) + share * np.array(b)).tolist())
             assert walled.clearance_m(point) > 0.0
+
+
+@pytest.mark.parametrize("added_m", [0.0, 0.5])
+def test_a_way_out_comes_no_nearer_to_a_wall_than_it_begins(added_m: float) -> None:
+    """A pillar stands in the zone, beside the shortest way out; a metre further on none does."""
+    walls = field().occupied.copy()
+    walls[61:64, 97:99] = True
+    walled = field().with_occupied(walls)
+    routes = routes_to((6.0, 13.0), SQUARE, grid=walled)
+    routes.add_clearance(added_m)
+    start = (6.0, 9.0)
+    route = routes.route((*start, -2.0), "B")
+    assert route is not None
+    least_m = min(walled.clearance_m(start), CLEARANCE_M) - 2 * walled.cell_m
+    assert min(walled.clearance_m(point) for point in flown(route)) >= least_m
+
+
+def test_no_way_leads_out_of_a_zone_past_a_wall_that_it_would_brush() -> None:
+    """The place lies in a pocket, whose only opening is 0.4 m wide."""
+    walls = field().occupied.copy()
+    walls[20:100, 104:106] = True
+    walls[58:62, 104:106] = False
+    walls[[20, 99], 106:160] = True
+    pocket = routes_to((6.0, 13.0), SQUARE, grid=field().with_occupied(walls))
+    assert pocket.route((6.0, 9.0, -2.0), "B") is None
+    assert not pocket.is_connected((6.0, 9.0), "B")
 
 
 def test_a_place_that_zones_enclose_cannot_be_reached() -> None:
