@@ -212,9 +212,12 @@ class RouteMap:
         Raises:
             KeyError: there is no such place.
         """
+        straight_m = math.dist(start, self._goals[place][:2])
         if self._is_in_sight(start, place):
-            return math.dist(start, self._goals[place][:2])
-        return self._way(start, place).length_m
+            return straight_m
+        length_m = self._way(start, place).length_m
+        is_direct = math.isinf(length_m) and self._is_in_sight(start, place, self._least)
+        return straight_m if is_direct else length_m
 
     def route_from_motion(
         self, start: Ned, stop: Ned, place: str, down_m: float | None = None
@@ -253,16 +256,21 @@ class RouteMap:
     ) -> Route | None:
         """A route to a place, after points that are flown anyway."""
         goal, others = self._goals[place], self._others[place]
-        if self._is_in_sight(start[:2], place):
-            space = self._levels[0].space
+        space, way = self._levels[0].space, None
+        if not self._is_in_sight(start[:2], place):
+            way = self._way(start[:2], place)
+        if way is None:
             points = space.point([start[:2], goal[:2]])
-        elif entry := (way := self._way(start[:2], place)).entry:
+        elif entry := way.entry:
             space = way.level.around(*(point[:2] for point in (*flown, start)))
             cells = entry.to_go.path(entry.cell) + 0.5
             path = np.vstack([space.point(start), cells, space.point(goal)])
             kept = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the clearance band
             pulled = pull_string(path[kept:], _ClearLegs(space, others.around(path)))
             points = np.vstack([path[:kept], pulled])
+        elif self._is_in_sight(start[:2], place, self._least):
+            space = self._least.space
+            points = space.point([start[:2], goal[:2]])
         else:
             return None
         plane = points * self._grid.cell_m + self._grid.origin
@@ -276,9 +284,18 @@ class RouteMap:
 
         return Route(*rounded(waypoints, are_clear, first_moved=1 + len(flown)))
 
-    def _is_in_sight(self, start: NorthEast, place: str) -> bool:
-        """Whether a straight leg to a place is clear at the highest level; nothing is searched."""
-        space = self._levels[0].space
+    def _is_in_sight(
+        self, start: NorthEast, place: str, level: ClearanceLevel | None = None
+    ) -> bool:
+        """Whether a straight leg to a place is clear; nothing is searched.
+
+        Args:
+            start: of the leg.
+            place: where it ends.
+            level: of clearance; None for the highest. At the rim of the region where the start is
+                a place has no other way, so the least one counts there, too.
+        """
+        space = (level or self._levels[0]).space
         legs = _ClearLegs(space, self._others[place])
         leg = space.point(start), space.point(self._goals[place][:2])
         return bool(legs.may_be_clear(*leg) and legs.are_clear(*leg))

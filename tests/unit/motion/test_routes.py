@@ -28,6 +28,13 @@ def distance_to_route(route: Route, point: NorthEast) -> float:
     return float(np.linalg.norm(a + np.clip(share, 0, 1)[:, None] * leg - point, axis=1).min())
 
 
+def walled_in() -> OccupancyGrid:
+    """A passage 1.8 m wide, from west to east."""
+    occupied = np.ones((80, 80), dtype=np.bool_)
+    occupied[31:49] = False
+    return OccupancyGrid(occupied, 0.1, (0.0, 0.0))
+
+
 def test_a_route_begins_at_the_start_and_ends_at_the_place_exactly() -> None:
     routes = RouteMap(ROOM, {"B": at(4.3, 8.1)}, WIDE, 0.0)
     waypoints = route_of(routes, (1.2, 1.3), "B").waypoints
@@ -190,6 +197,20 @@ def test_a_place_inside_the_region_of_another_cannot_be_entered() -> None:
     routes = RouteMap(empty, places, WIDE, 0.2)
     assert routes.route((1.0, 1.0, -1.0), "B") is None
     assert routes.route((3.0, 3.0, -1.0), "B") is not None
+
+
+@pytest.mark.parametrize("added_m", [0.0, 1.0])
+def test_from_within_a_region_a_place_at_its_rim_is_reached_whatever_is_kept_from_walls(
+    added_m: float,
+) -> None:
+    """No path along cells leads there: the centre of its cell lies outside."""
+    places = {"outer": at(4.0, 2.0, radius_m=4.03), "inner": at(4.0, 6.02)}
+    routes = RouteMap(walled_in(), places, WIDE, 0.6)
+    routes.add_clearance(added_m)
+    outer, inner = (places[name].position for name in ("outer", "inner"))
+    route = routes.route(outer, "inner")
+    assert route is not None and route.length_m == pytest.approx(math.dist(outer, inner))
+    assert routes.distance_m(outer[:2], "inner") == pytest.approx(math.dist(outer, inner))
 
 
 def test_a_route_from_motion_leads_to_where_the_vehicle_can_stop() -> None:
