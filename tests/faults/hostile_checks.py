@@ -70,7 +70,7 @@ def checked(kind: str, seed: int, folder: Path) -> Answer:
         _be_child()
     os.close(order)
     os.close(say)
-    os.write(give, json.dumps([str(folder), MISSION, []]).encode() + b"\n")
+    os.write(give, json.dumps([str(folder), MISSION, [], False]).encode() + b"\n")
     os.close(give)
     with os.fdopen(answers, "rb") as stream:
         printed = stream.read()

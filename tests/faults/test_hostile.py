@@ -79,7 +79,7 @@ def test_bounds_that_can_hardly_be_kept_are_refused_in_words(tmp_path: Path, lim
         },
     }
     (tmp_path / MISSION).write_text(json.dumps(asked), encoding="utf-8")
-    order = json.dumps([str(tmp_path), MISSION, []])
+    order = json.dumps([str(tmp_path), MISSION, [], False])
     child = "from companion.cli import check_child as child; "
     if "memory" in limit:
         child += f"child.MEMORY_BYTES = {SMALL_MIB} * child.MIB; "
