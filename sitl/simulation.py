@@ -81,8 +81,8 @@ class Simulation:
         self._signing, self._reader = signing, reader
         self._system = system = 1 + instance
         self._airframe = airframe = AIRFRAMES[scenario.airframe]
-        self._physics = _physics(scenario, airframe, seed)
-        self._truth = state = self._physics.state
+        self._physics = physics = _physics(scenario, airframe, seed)
+        self._truth = state = physics.state
         self._estimator = Estimator(Random(f"estimate {seed}"), wander=scenario.wander)
         self._sensors = Sensors(scenario.home, seed, state)
         own = vehicle_defaults(scenario.vehicle)
@@ -95,17 +95,12 @@ class Simulation:
             estimate,
             self._frame.origin,
             self._sensors,
-            self._physics.battery,
+            physics.battery,
             self._estimator,
         )
+        lidar_noise = Random(f"lidar {seed}")
         self._world = World(
-            scenario,
-            grid,
-            self._physics,
-            self._estimator,
-            self._autopilot,
-            Random(f"lidar {seed}"),
-            seed,
+            scenario, grid, physics, self._estimator, self._autopilot, lidar_noise, seed
         )
         self.event_log = self._world.event_log
         self._on_board = components_on_board(system, self._world, scenario, self._vehicle)
@@ -149,6 +144,11 @@ class Simulation:
     def true_map(self) -> OccupancyGrid | None:
         """The walls and the obstacles that are there now; None is a world without walls."""
         return self._world.collisions.grid
+
+    @property
+    def walls_beside(self) -> OccupancyGrid | None:
+        """What of the true map the vehicle hits if it comes too near, where it is now."""
+        return self._world.collisions.walls(self._truth.position, self._physics.ground_up_m)
 
     @property
     def collisions(self) -> int:

@@ -84,8 +84,8 @@ class FlightWatch:
         self.charge = min(self.charge, state.charge)
         if not simulation.is_armed:
             return
-        if (grid := simulation.true_map) is not None:
-            walls, here = grid.at(-state.position[2]), state.position[:2]
+        if (walls := simulation.walls_beside) is not None:
+            here = state.position[:2]
             if walls.is_within(here, self.clearance_m + self._radius_m):
                 self.clearance_m = walls.clearance_m(here) - self._radius_m
         if (gap_m := simulation.setpoint_gap_m) is not None:

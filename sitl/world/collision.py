@@ -42,6 +42,13 @@ class CollisionCounter:
         self.grid = grid
         self._is_touching = False
 
+    def walls(self, position: Ned, ground_m: float) -> OccupancyGrid | None:
+        """What a vehicle hits that comes too near to it; arguments as below.
+
+        A roof that carries it is none, however far its legs give way.
+        """
+        return None if self.grid is None else self.grid.at(max(-position[2], ground_m))
+
     def update(self, position: Ned, ground_m: float = 0.0) -> bool:
         """Takes a position; true when a collision begins there.
 
@@ -49,10 +56,10 @@ class CollisionCounter:
             position: of the vehicle.
             ground_m: the height of what carries it, which it does not hit.
         """
-        if self.grid is None:
+        walls = self.walls(position, ground_m)
+        if walls is None:
             return False
         was_touching = self._is_touching
-        walls = self.grid.at(max(-position[2], ground_m))
         self._is_touching = walls.is_within(position[:2], self._radius_m)
         has_begun = self._is_touching and not was_touching
         self.count += has_begun

@@ -52,3 +52,20 @@ def test_a_roof_is_a_wall_from_beside() -> None:
     wire.fly_offboard(0.0, 0.0, -2.0)
     wire.run(4.0, send=lambda: wire.setpoint(0.0, 4.0, -2.0))
     assert wire.simulation.collisions == 1
+
+
+def test_a_roof_that_carries_a_vehicle_is_no_wall_that_it_touches() -> None:
+    """Its legs give way by a millimetre or two: then it is lower than the roof."""
+    wire = over(4.0)
+    lowest_m = ROOF_M
+
+    def has_landed() -> bool:
+        nonlocal lowest_m
+        north_m, east_m, down_m = wire.simulation.flight.position
+        lowest_m = min(lowest_m, -down_m)
+        assert wire.simulation.walls_beside is not None
+        assert not wire.simulation.walls_beside.is_within((north_m, east_m), 0.5)
+        return not wire.simulation.is_armed
+
+    wire.run_until(has_landed, 20.0)
+    assert lowest_m < ROOF_M
