@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from commands import Companion
@@ -40,6 +41,20 @@ def test_a_search_in_which_nothing_varies_is_refused(tmp_path: Path, companion: 
     assert ended.code == 2
     assert ended.err.startswith("there is nothing to search: the scenario has no key vary")
     assert not (tmp_path / "flown").exists()
+
+
+def test_rows_that_were_there_already_make_no_campaign_quicker(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter((100.0, 102.0))
+    fake = SimpleNamespace(monotonic=lambda: next(clock))
+    monkeypatch.setattr("companion.cli.campaigns.time", fake)
+    tell = Tell(Progress(disable=True), 10)
+    flown = FlownRow(Row(0, 0, {}), Outcome.SATISFIED)
+    for _ in range(9):
+        tell.kept(flown)
+    tell(flown)
+    assert capsys.readouterr().err == "flown      10 of 10, 0 failed, 0.50 flights/s\n"
 
 
 def test_rows_of_which_nobody_knows_the_number_are_told_ten_by_ten(

@@ -33,14 +33,21 @@ class Campaign:
         engine: who flies.
         folder: where rows are kept.
         header: of the table.
-        on_row: told of each row when it is back, or was there already.
+        on_row: told of each row when it is back.
+        on_kept: told of each row that was there already.
     """
 
     def __init__(
-        self, kit: Kit, engine: RowEngine, folder: Path, header: dict[str, str], on_row: OnRow
+        self,
+        kit: Kit,
+        engine: RowEngine,
+        folder: Path,
+        header: dict[str, str],
+        on_row: OnRow,
+        on_kept: OnRow = lambda flown: None,
     ) -> None:
         self.kit, self.folder, self.header = kit, folder, header
-        self._engine, self._on_row = engine, on_row
+        self._engine, self._on_row, self._on_kept = engine, on_row, on_kept
         self._file = RowFile(folder, header)
 
     @property
@@ -60,7 +67,7 @@ class Campaign:
         kept = self._file.rows
         for row in rows:
             if row.index in kept:
-                self._on_row(kept[row.index])
+                self._on_kept(kept[row.index])
         try:
             for flown in self._engine.fly(row for row in rows if row.index not in kept):
                 self._keep(flown)

@@ -131,7 +131,7 @@ def _read(path: Path) -> tuple[dict[str, str] | None, list[FlownRow], int]:
 def _other_campaign(
     folder: Path, before: Mapping[str, str], header: Mapping[str, str]
 ) -> MissionError:
-    names = [*before, *(name for name in header if name not in before)]
+    names = ["code", *before, *(name for name in header if name not in before)]  # says most
     name = next(name for name in names if before.get(name) != header.get(name))
     return MissionError(
         f"{folder} holds another campaign: its {name} is {before.get(name, 'not there')}, "

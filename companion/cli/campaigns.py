@@ -151,7 +151,7 @@ def begun(
 
     engine = engine_of(kit, jobs, dask)
     with closing(engine), _progress(total) as tell:
-        flights = Campaign(kit, engine, folder, header, tell)
+        flights = Campaign(kit, engine, folder, header, tell, tell.kept)
         try:
             yield flights, tell
         except (Interrupted, NotWritten, LinkError) as error:
@@ -239,15 +239,21 @@ class Tell:
     def begin(self, what: str, total: int | None) -> None:
         """Other rows come now: so many, or nobody knows."""
         self._what, self._total = what, total
-        self._done = self._failures = 0
+        self._done = self._failures = self._kept = 0
         self._started_s = time.monotonic()
         self._bar.update(self._task, description=what, completed=0, total=total)
+
+    def kept(self, flown: FlownRow) -> None:
+        """A row was there already."""
+        self._done += 1
+        self._kept += 1
+        self._failures += flown.is_failure
 
     def __call__(self, flown: FlownRow) -> None:
         """A row is back."""
         self._done += 1
         self._failures += flown.is_failure
-        rate = self._done / max(time.monotonic() - self._started_s, 1e-3)
+        rate = (self._done - self._kept) / max(time.monotonic() - self._started_s, 1e-3)
         said = f"{rate:.2f} flights/s"
         self._bar.update(self._task, completed=self._done, rate=said, failures=self._failures)
         every = max(1, self._total // PLAIN_TELLINGS) if self._total else PLAIN_TELLINGS

@@ -66,6 +66,12 @@ def test_another_campaign_is_refused_with_what_differs(tmp_path: Path) -> None:
         RowFile(tmp_path, {**HEADER, "seed": "4"})
 
 
+def test_of_other_code_it_is_told_whatever_else_that_makes_different(tmp_path: Path) -> None:
+    RowFile(tmp_path, {**HEADER, "code": "one"}).close()
+    with pytest.raises(MissionError, match="its code is one, and is two now"):
+        RowFile(tmp_path, {**HEADER, "seed": "4", "code": "two"})
+
+
 def test_a_campaign_that_is_under_way_is_left_alone(tmp_path: Path) -> None:
     file = RowFile(tmp_path, HEADER)
     with pytest.raises(CompanionError, match="another campaign is writing"):
