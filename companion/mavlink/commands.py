@@ -72,9 +72,9 @@ class Exchange:
         """The final answer for people."""
         if self.refusal is not None:
             return self.refusal.reason
-        if self.result == "NO_ANSWER" and self.timeout_s is not None:
+        if self.result == "NO_ANSWER":
             kind = "final answer" if self.is_in_progress else "answer"
-            return f"no {kind} in {self.timeout_s:g} s"
+            return f"no {kind}" + ("" if self.timeout_s is None else f" in {self.timeout_s:g} s")
         return (self.result or "no answer yet").replace("_", " ").lower()
 
     def receive(self, now_s: float, ack: Message) -> None:

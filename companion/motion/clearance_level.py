@@ -25,6 +25,7 @@ from companion.motion.free_space import FreeSpace
 from companion.motion.grid import OccupancyGrid
 from companion.motion.grid_graph import Cell
 from companion.motion.position_error import STEP_M
+from companion.motion.region_edges import RegionEdges
 from companion.motion.regions import Regions
 
 _MAX_STARTS = 1000  # of which the cell is kept
@@ -38,14 +39,14 @@ class Room:
     Attributes:
         least_m: the clearance that no route goes below.
         is_inside: (rows, cols) cells that the fence holds.
-        regions: of the exclusive places.
+        edges: into the regions of the exclusive places.
         others: by place, the regions of all others, which a leg to it may not enter.
         goals: by place, where routes to it end; changed where symbols are aimed elsewhere.
     """
 
     least_m: float
     is_inside: npt.NDArray[np.bool_]
-    regions: Regions
+    edges: RegionEdges
     others: Mapping[str, Regions]
     goals: Mapping[str, Ned]
 
@@ -98,11 +99,6 @@ class ClearanceLevel:
         self._maps: DistanceMaps | None = None
 
     @property
-    def is_used(self) -> bool:
-        """Whether a route was looked for at this clearance."""
-        return self._maps is not None
-
-    @property
     def space(self) -> FreeSpace:
         """The free cells now."""
         return self.look()
@@ -120,7 +116,7 @@ class ClearanceLevel:
         self._follow_goals()
         if self._maps is None:
             points = {name: self.space.point(goal) for name, goal in self._room.goals.items()}
-            self._maps = DistanceMaps(points, self._room.regions, self.space.free)
+            self._maps = DistanceMaps(points, self._room.edges, self.space.free)
         return self._maps
 
     @property
@@ -173,6 +169,13 @@ class ClearanceLevel:
             return self.space
         return self._made(self.space.free | opened)
 
+    def repair(self, max_cells: int) -> bool:
+        """Searches about `max_cells` cells for the places that were looked for at this clearance.
+
+        True once their cost-to-go is current.
+        """
+        return self._maps is None or self.maps.find(max_cells, repairs_only=True)
+
     def search(self, start: NorthEast, place: str, max_cells: int) -> int:
         """Searches about `max_cells` cells for what `entry` asks for; about how many it took."""
         if not self.is_connected(start, place):
@@ -223,7 +226,7 @@ class ClearanceLevel:
         if start not in self._plain:
             if len(self._plain) >= _MAX_STARTS:
                 self._plain.clear()
-            self._plain[start] = self.space.plain_cell(start, self._room.regions)
+            self._plain[start] = self.space.plain_cell(start, self._room.edges.regions)
         return self._plain[start]
 
     def _free_space(self) -> FreeSpace:

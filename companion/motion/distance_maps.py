@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from companion.motion.cost_to_go import ALL, CostToGo, adapted, begun, continued
-from companion.motion.grid_graph import Cell, GridGraph, edges_entering, grid_graph, overlap, union
+from companion.motion.grid_graph import Cell, GridGraph, grid_graph
 from companion.motion.line_of_sight import Points
-from companion.motion.regions import Regions
+from companion.motion.region_edges import RegionEdges
 from companion.slices import spent
 
 CELL_US = 0.4
@@ -29,19 +29,15 @@ class DistanceMaps:
 
     Args:
         goals: by place, (2,) the point where paths to it end (`line_of_sight.py`).
-        regions: no path enters one of these, except the region of its own place.
+        edges: no path uses one of these, except into the region of its own place.
         free: (rows, cols) the free cells at first.
     """
 
     def __init__(
-        self, goals: Mapping[str, Points], regions: Regions, free: npt.NDArray[np.bool_]
+        self, goals: Mapping[str, Points], edges: RegionEdges, free: npt.NDArray[np.bool_]
     ) -> None:
         self._goals = dict(goals)
-        self._regions = regions
-        shape = free.shape
-        self._entering = {n: edges_entering(shape, regions.only(n)) for n in regions.names}
-        self._entering_any = union(self._entering.values(), free.shape)
-        self._entering_several = overlap(self._entering.values(), free.shape)
+        self._edges = edges
         self._former: dict[str, CostToGo] = {}
         self.see(free)
 
@@ -49,6 +45,7 @@ class DistanceMaps:
         """Takes over other free cells of the same map."""
         self._free = free
         self._graph: GridGraph | None = None  # made when a cost-to-go is asked for
+        self._graph_elsewhere: GridGraph | None = None
         self._present: dict[str, CostToGo | None] = {}
 
     def aim(self, place: str, goal: Points) -> None:
@@ -57,9 +54,13 @@ class DistanceMaps:
         self._present.pop(place, None)
         self._former.pop(place, None)
 
-    def find(self, max_cells: int) -> bool:
-        """Searches about `max_cells` cells for what is not known yet; True once all is known."""
-        for place in self._goals:
+    def find(self, max_cells: int, *, repairs_only: bool = False) -> bool:
+        """Searches about `max_cells` cells for what is not known yet; True once all is known.
+
+        Args:
+            repairs_only: looks at those places alone that were looked for before.
+        """
+        for place in [*self._former] if repairs_only else self._goals:
             while not self.is_known(place):
                 if max_cells <= 0:
                     return False
@@ -120,16 +121,17 @@ class DistanceMaps:
         if not (0 <= row < rows and 0 <= col < cols and self._free[row, col]):
             return None
         centre = np.array((row + 0.5, col + 0.5))
-        if self._regions.without(place).are_entered(centre, goal):
+        if self._edges.regions.without(place).are_entered(centre, goal):
             return None
         graph = self._allowed(place)
         former = self._former.get(place)
         return adapted(former, graph) if former else begun(graph, (row, col))
 
     def _allowed(self, place: str) -> GridGraph:
-        """The edges that a path to a place may use."""
+        """The edges that a path to a place may use; those without a region share one graph."""
         self._graph = self._graph or grid_graph(self._free)
-        barred = self._entering_any
-        if place in self._entering:
-            barred = barred.without(self._entering[place].without(self._entering_several))
-        return self._graph.without(barred)
+        if place in self._edges.regions.names:
+            return self._graph.without(self._edges.barred_to(place))
+        if self._graph_elsewhere is None:
+            self._graph_elsewhere = self._graph.without(self._edges.barred_to(place))
+        return self._graph_elsewhere

@@ -29,6 +29,7 @@ from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.line_of_sight import Points
 from companion.motion.polygons import cells_beside, cells_of
 from companion.motion.region import Region
+from companion.motion.region_edges import RegionEdges
 from companion.motion.regions import Regions
 from companion.motion.rounding import Waypoints, rounded
 from companion.motion.string_pulling import length, pull_string
@@ -109,7 +110,8 @@ class RouteMap:
             beside = cells_beside(grid.occupied.shape, points_of(grid, polygon), 0)
             inside &= cells_inside(grid, polygon, fence_margin_m) & ~beside
         self._others = {name: regions.without(name) for name in places}
-        self._room = Room(clearance_m, inside, regions, self._others, self._goals)
+        edges = RegionEdges(inside.shape, regions)
+        self._room = Room(clearance_m, inside, edges, self._others, self._goals)
         self._least = ClearanceLevel(self._room, self._obstacles(grid), clearance_m)
         self._least.look()  # its cells decide on the version
         self._levels = [self._least]
@@ -151,8 +153,7 @@ class RouteMap:
     def find(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells of outdated distance maps; True once all are current."""
         first, *lower = self._levels
-        used = [first, *(level for level in lower if level.is_used)]
-        return all(level.maps.find(max_cells) for level in used)
+        return first.maps.find(max_cells) and all(level.repair(max_cells) for level in lower)
 
     def search(self, start: NorthEast, place: str, max_cells: int) -> bool:
         """Searches about `max_cells` cells for the ways to a place; True once they are known.

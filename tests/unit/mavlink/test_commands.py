@@ -89,6 +89,7 @@ def test_in_progress_lengthens_the_wait_and_ends_the_asking() -> None:
     assert talk.result is None
     talk.wait(0.1)
     assert talk.result == "NO_ANSWER"
+    assert talk.sender[talk.ticket].in_words == "no final answer"
 
 
 def test_a_temporary_rejection_is_tried_again_after_a_pause() -> None:

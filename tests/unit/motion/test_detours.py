@@ -7,12 +7,15 @@ way through the gap is 8 m long, round the end of the wall 30 m.
 from __future__ import annotations
 
 import math
+from collections import Counter
 
 import numpy as np
 import pytest
 from drawn_rooms import WIDE, at
 
 from companion.geometry import NorthEast
+from companion.motion.cost_to_go import ALL, CostToGo
+from companion.motion.distance_maps import DistanceMaps
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 
@@ -105,6 +108,29 @@ def test_once_the_ways_are_known_nothing_more_is_searched(gap_m: float) -> None:
     assert parts > 3 or gap_m == 3.0
     assert routes.search(START, PLACE, 0)
     assert routes.distance_m(START, PLACE) == routes_in(grid).distance_m(START, PLACE)
+
+
+def test_at_lower_clearances_those_places_alone_are_searched_that_are_flown_to_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A gap of 1.6 m: of the eight clearances the lower ones lead to one of three places."""
+    grid, begun = hall(1.6, end_m=0.0), Counter[str]()
+    places = {PLACE: at(15.05, 14.05), "Near": at(20.05, 4.05), "Far": at(5.05, 4.05)}
+    routes = RouteMap(grid, places, WIDE, LEAST_M)
+    routes.add_clearance(ADDED_M)
+    assert all(routes.route((*START, -2.0), place) is not None for place in places)
+    counted = DistanceMaps._begun
+
+    def counting(maps: DistanceMaps, place: str) -> CostToGo | None:
+        begun[place] += 1
+        return counted(maps, place)
+
+    monkeypatch.setattr(DistanceMaps, "_begun", counting)
+    other = grid.occupied.copy()
+    other[280, 30] = True
+    routes.see(OccupancyGrid(other, CELL_M, (0.0, 0.0)))
+    assert routes.find(ALL)
+    assert begun["Near"] == begun["Far"] == 1 < begun[PLACE]
 
 
 def test_where_no_way_leads_there_none_is_found() -> None:
