@@ -61,7 +61,7 @@ class Control:
         is_ours = state.mode is Mode.OFFBOARD and vehicle.takeover is None
         holder = vehicle.takeover or Takeover(state.mode, state.is_failsafe)
         if state.is_landed and not state.is_armed:
-            return Aborted(str(holder))
+            return self._has_landed(state) if is_ours else Aborted(str(holder))
         if is_ours:
             return LinkBack() if self._resumption is None else None  # its failsafe is to come
         if not self.may_yield:
@@ -72,6 +72,11 @@ class Control:
             self._stream_loss.note_control_back()
             return ControlTakenBack()
         return None
+
+    def _has_landed(self, state: VehicleState) -> Aborted:
+        """It has landed meanwhile; a PX4 goes back to OFFBOARD then, and nobody has chosen that."""
+        why = None if self._resumption is None else self._resumption.why_not(state)
+        return why or Aborted("the vehicle has landed meanwhile; it is not armed again")
 
     def _is_expected(self, state: VehicleState) -> bool:
         return self._resumption is None or self._resumption.why_asked(state) is None

@@ -243,6 +243,20 @@ def test_a_vehicle_that_has_landed_is_not_armed_again(flight: Lockstep) -> None:
     assert not sent_since(flight, before) and flight.armings == 1
 
 
+def test_one_that_lands_soon_after_is_told_as_that(flight: Lockstep) -> None:
+    """It is in OFFBOARD again then, as before the landing; no pilot has chosen that."""
+    under_way(flight).kill()
+    flight.station_chooses("AUTO.LAND")
+    flight.until(lambda: flight.simulation.flight.position[2] > -0.4)
+    flight.restart()
+    assert flight.simulation.is_armed
+    flight.until_the_end()
+    assert flight.simulation.mode == "OFFBOARD" and flight.armings == 1
+    assert flight.ending == RunFailed(
+        "the companion was away, and the vehicle has landed; it is not armed again", 5
+    )
+
+
 def test_a_landing_that_was_to_be_is_watched_to_its_end(flight: Lockstep) -> None:
     flight.until_reported(PhaseEntered, phase=Phase.LANDING).run(2.0)
     before = cut_off(flight)
