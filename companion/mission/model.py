@@ -179,7 +179,7 @@ class Skill:
         effect: literals that hold afterwards.
         conditional: further effects, each under a condition.
         distinct: groups of parameters, places and objects, no two of which are the same.
-        cost_s: constant cost in seconds; None means flight time on the map.
+        cost_s: constant cost in seconds; None means what its steps take, flights on the map.
         execute: its refinement, one step after the other.
         tries: how often its refinement is tried before it has failed (MAX_TRY, Fig. 6).
         timeout_s: longest time of one try; None for no limit.
@@ -191,7 +191,6 @@ class Skill:
         gimbal: component that looks at it, too; None for the vehicle alone.
         energy_wh: what it takes beside flying or hovering.
         charge_rate: pairs of the charge, 0 to 1, and of its rise a second; falling.
-        is_cost_guessed: nobody has said what it costs, and it does not fly.
     """
 
     name: str
@@ -213,7 +212,6 @@ class Skill:
     gimbal: int | None = None
     energy_wh: float = 0.0
     charge_rate: Points | None = None
-    is_cost_guessed: bool = False
 
     @property
     def origin(self) -> str | None:
@@ -270,7 +268,8 @@ class Mission:
         tree: the plan, if it was written by hand; the task is then not planned for.
         vehicle: what it is written for.
         patience_s: how long a vehicle without a plan holds, where one may become possible again.
-        anchor: with frame: wgs84, where [0, 0] lies, at an assumed altitude; None for metres.
+        anchor: where north 0, east 0 lies on the earth, in a mission with frame: wgs84; its
+            altitude is an assumption. None for metres from wherever home is.
     """
 
     name: str

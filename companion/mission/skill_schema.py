@@ -54,8 +54,8 @@ class SkillEntry(DrawnModel):
         Literal["flight_time"] | float | None,
         BeforeValidator(given, json_schema_input_type=Literal["flight_time"] | float),
         Field(
-            description="flight_time (the default of a skill that flies) or seconds "
-            "(default of all others: what they wait, and 1 for what else they do)."
+            description="Seconds, or flight_time, with what it waits: the default of a skill that "
+            "flies. The default of all others is what they wait, and 1 for what else they do."
         ),
     ] = None
     execute: Annotated[

@@ -6,7 +6,7 @@ command that it executes. The facts that skills name become part of the mission'
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple, TypeVar
@@ -29,7 +29,6 @@ from companion.mission.model import (
     Literal,
     PointOfInterest,
     Skill,
-    Wait,
 )
 from companion.mission.python_call import PythonCall
 from companion.mission.schema import MissionFile
@@ -38,7 +37,6 @@ from companion.mission.skill_numbers import check_skills
 from companion.mission.skill_schema import SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
-DEFAULT_COST_S = 1.0
 WAIT = "wait"  # the planner's own action, one step of rest
 
 T = TypeVar("T")
@@ -162,7 +160,6 @@ class _SkillBuilder:
             gimbal=gimbal_of(self.name, entry, self.file, self.document),
             energy_wh=entry.energy_wh,
             charge_rate=charge_rate_of(self.name, entry, execute, self.file, self.document),
-            is_cost_guessed=entry.cost is None and _is_cost_guessed(execute),
         )
         refuse_charge_nowhere(skill, self.document)
         return skill
@@ -295,27 +292,14 @@ class _SkillBuilder:
 
     def _cost_s(self, execute: tuple[Execution, ...]) -> float | None:
         cost = self.entry.cost
-        flies = any(isinstance(step, Fly) for step in execute)
         if cost is None:
-            return None if flies else _least_cost_s(execute)
+            return None
+        may_fly = any(isinstance(step, Fly | Do) for step in execute)
         where = self.document.where("skills", self.name, "cost")
-        if cost == "flight_time" and not flies:
+        if cost == "flight_time" and not may_fly:
             raise MissionError(
                 f"{self.name} does not fly, so it has no flight time", where, "write seconds"
             )
         if isinstance(cost, float | int) and not 0 < cost <= 1e6:
             raise MissionError(f"cost is {cost:g}", where, "write seconds, more than 0")
         return None if isinstance(cost, str) else float(cost)
-
-
-def _least_cost_s(execute: Sequence[Execution]) -> float:
-    """What a skill that does not fly takes by its steps: its waits, and a second for all else."""
-    waits_s = [step.duration_s for step in execute if isinstance(step, Wait)]
-    is_all = len(waits_s) == len(execute) and any(waits_s)
-    return sum(waits_s) + (0.0 if is_all else DEFAULT_COST_S)
-
-
-def _is_cost_guessed(execute: Sequence[Execution]) -> bool:
-    """Whether what a skill takes is not known from its steps: neither flights nor waits alone."""
-    flies = any(isinstance(step, Fly) for step in execute)
-    return not flies and not all(isinstance(step, Wait) for step in execute)

@@ -36,6 +36,7 @@ from companion.planning.domain import (
     Step,
     destination,
 )
+from companion.planning.step_times import on_the_spot_s, waits_s
 from companion.slices import spent
 
 FlightTime = Callable[[str, str], float]
@@ -114,7 +115,7 @@ class Instances:
         found = []
         for instance in self._instances:
             if instance.flight is not None:
-                cost_s = flight_time(*instance.flight)
+                cost_s = flight_time(*instance.flight) + waits_s(instance.action.execute)
                 spent(_COSTING_US)
                 if math.isinf(cost_s):
                     continue
@@ -250,7 +251,7 @@ def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Insta
         assumes=assumes,
         adds=adds,
         deletes=deletes - adds,
-        cost_ms=_cost_ms(skill.cost_s or 0.0),
+        cost_ms=_cost_ms(on_the_spot_s(execute) if skill.cost_s is None else skill.cost_s),
         execute=execute,
         tries=skill.tries,
         timeout_s=skill.timeout_s,

@@ -17,10 +17,11 @@ from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import LandAtSafePlace, Mission
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
-from companion.planning.domain import Action, ConditionalEffect
+from companion.planning.domain import Action, ConditionalEffect, destination
 from companion.planning.lasso import Conjunct, Lasso, Solution
 from companion.planning.low_places import low_places, too_low
 from companion.planning.planner import Planner
+from companion.planning.step_times import is_guessed, on_the_spot_s
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,15 +111,17 @@ def _guessed_costs(planner: Planner) -> Iterator[Notice]:
     """Skills of which nobody has said how long they take, where bounds in time have to be kept."""
     mission = planner.mission
     bounded = [name for name, line in mission.task.items() if isinstance(line, TimedFormula)]
-    used = {action.skill for action in planner.all_actions()}
     if not bounded or mission.tree is not None:
         return
+    steps = {action.skill: action.execute for action in planner.all_actions()}
     for skill in mission.skills.values():
-        if skill.is_cost_guessed and skill.name in used:
+        done = steps.get(skill.name, ())
+        if skill.cost_s is None and skill.charge_rate is None and is_guessed(done):
+            known = "its flight and waits" if destination(done) else f"{on_the_spot_s(done):g} s"
             yield Notice(
                 skill.name,
-                f"without cost, so plans reckon with {skill.cost_s:g} s for it, and the bounds in"
-                f" time of {', '.join(bounded)} hold only if it is done by then; write its time",
+                f"without cost, so plans reckon with {known} for it, and the bounds in time of"
+                f" {', '.join(bounded)} hold only if it is done by then; write its time",
             )
 
 

@@ -19,6 +19,7 @@ from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import WAIT, Action
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.energy.ratio_estimate import AGEING_PER_S, KnownRatios
+from companion.planning.step_times import waits_s
 
 LOOKS_S = 1.0
 WINDOW_S = 60.0
@@ -122,9 +123,12 @@ class EnergyMeter:
         self._leg = _Leg(action, completed, predicted, predicted, gauge)
 
     def _ahead(self, action: Action) -> float:
-        """What is left of a flight, by the mission's figures; nan where that is not known."""
+        """What is left of a flight, by the mission's figures; nan where that is not known.
+
+        So it is where the skill waits, too: how much of that is left is not asked.
+        """
         goal, state = action.destination, self.flight.vehicle.state
-        if goal is None or state is None:
+        if goal is None or state is None or waits_s(action.execute):
             return math.nan
         left = self.energy.left_to(goal, math.hypot(*state.velocity))
         return math.nan if left is None else left / self.energy.model.factor

@@ -20,6 +20,7 @@ from companion.planning.energy.model import EnergyModel
 from companion.planning.energy.ratio_estimate import KnownRatios, RatioEstimate
 from companion.planning.flown_ways import FlownWays
 from companion.planning.lasso import Energy
+from companion.planning.step_times import waits_s
 
 MOVING_MPS = 0.5
 WAITS_END_S = 5.0
@@ -71,6 +72,7 @@ class MissionEnergy:
         drain = math.ceil(skill.energy_wh * UNITS_PER_WH)
         if flight is not None:
             drain += self.flight(*flight) or 0
+            drain += self.model.hovering(waits_s(action.execute))
         else:
             drain += self.model.hovering(action.cost_ms / 1000)
         if skill.charge_rate is None or place is None:

@@ -11,6 +11,7 @@ import pytest
 from companion.acting.charge.energy_meter import UNITS_PER_J, EnergyMeter
 from companion.acting.flight import TICK_S
 from companion.flight_events.energy import EnergyUsed
+from companion.mission.steps import Fly, Wait
 from companion.planning.energy.ratio_estimate import KnownRatios
 
 POWER_W = 180.0
@@ -35,6 +36,7 @@ class Stretch:
         )
         self.reports: list[Any] = []
         self.ahead = math.nan
+        self.execute: tuple[Fly | Wait, ...] = (Fly("A"),)
         self.flight: Any = SimpleNamespace(
             vehicle=SimpleNamespace(state=state),
             task=SimpleNamespace(running=None, completed=0),
@@ -55,7 +57,8 @@ class Stretch:
         """An action that is to take so long; it is cut short in the middle if not completed."""
         drain = POWER_W * seconds * UNITS_PER_J
         task = self.flight.task
-        task.running = SimpleNamespace(drain=drain, charger=None, destination="A")
+        about = {"destination": "A", "execute": self.execute}
+        task.running = SimpleNamespace(drain=drain, charger=None, **about)
         flown_s = seconds if is_completed else seconds / 2
         for _ in range(round(flown_s / TICK_S)):
             self.ahead = drain / 2
@@ -100,5 +103,12 @@ def test_a_leg_that_is_cut_short_counts_as_far_as_it_came() -> None:
 def test_one_of_which_nobody_knows_how_far_it_came_does_not_count() -> None:
     stretch = Stretch(1.3)
     stretch.energy.left_to = lambda *_: None
+    stretch.leg(2 * LEG_S, is_completed=False).charge()
+    assert stretch.energy.known == KnownRatios() and not stretch.reports
+
+
+def test_nor_does_one_that_waits_which_may_have_waited_already() -> None:
+    stretch = Stretch(1.3)
+    stretch.execute = Fly("A"), Wait(20.0)
     stretch.leg(2 * LEG_S, is_completed=False).charge()
     assert stretch.energy.known == KnownRatios() and not stretch.reports
