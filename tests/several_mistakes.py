@@ -67,6 +67,11 @@ TOGETHER: dict[str, tuple[str, dict[str, str], list[str]]] = {
         {"A: {east_m: 40": "A: {x: 40", "[at(Home)]": "[at(Hme)]"},
         ["unknown key 'x' in places.A", "unknown fact at(Hme)"],
     ),
+    "a text with a comma within { }, and no quotes": (
+        FIELD,
+        {"initially: [at(Home)]": "subtrees: {look: move(Home, A)}\ninitially: [at(Home)]"},
+        ["look is 'move(Home', expected a list", "'A)' is the rest of a text"],
+    ),
     "a place that is misspelt is one mistake": (
         FIELD,
         {"  Home: {": "  Hoem: {"},
