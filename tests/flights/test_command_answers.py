@@ -63,7 +63,7 @@ COMMANDS = {
 IN_WORDS = {
     Answer.ACCEPTED_WITHOUT_EFFECT: "after 1[23] s",  # OFFBOARD is asked for after a second
     Answer.TEMPORARILY_REJECTED: "temporarily rejected",
-    Answer.IN_PROGRESS: "no answer",
+    Answer.IN_PROGRESS: "no final answer",
     Answer.NO_ANSWER_WITHOUT_EFFECT: "no answer",
 }
 """What is said of an answer, if not its name."""

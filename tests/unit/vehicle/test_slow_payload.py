@@ -122,5 +122,5 @@ def test_a_silent_payload_is_asked_for_the_skills_time(meeting: Meeting) -> None
 
 def test_without_a_time_of_the_skill_the_protocol_says_how_long(meeting: Meeting) -> None:
     talk = Talk(meeting, PayloadAnswer(MavResult.ACCEPTED, 12.0), timeout_s=None)
-    assert talk.outcome() == Failed("no answer")
+    assert talk.outcome() == Failed("no final answer")
     assert talk.took_s == pytest.approx(10.0, abs=3 * TICK_S)
