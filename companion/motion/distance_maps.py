@@ -45,7 +45,7 @@ class DistanceMaps:
         """Takes over other free cells of the same map."""
         self._free = free
         self._graph: GridGraph | None = None  # made when a cost-to-go is asked for
-        self._graph_elsewhere: GridGraph | None = None
+        self._graph_elsewhere: GridGraph | None = None  # of all places without a region
         self._present: dict[str, CostToGo | None] = {}
 
     def aim(self, place: str, goal: Points) -> None:
