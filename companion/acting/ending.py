@@ -41,12 +41,10 @@ def ending(
     return TaskSatisfied() if is_satisfied else StoppedAsAsked()
 
 
-def ending_begun(
-    failure: CompanionError | None, is_called_home: bool, is_satisfied: bool
-) -> EndingBegun:
+def ending_begun(failure: CompanionError | None, called_to: str, is_satisfied: bool) -> EndingBegun:
     """What the journal has of an end that has begun, from what `ending` will have of it."""
     reason, exit_code = (str(failure), failure.exit_code) if failure is not None else ("", 0)
-    return EndingBegun(is_satisfied, is_called_home, reason, exit_code)
+    return EndingBegun(is_satisfied, bool(called_to), reason, exit_code, called_to)
 
 
 def last_resort(phase: Phase, state: VehicleState) -> str:

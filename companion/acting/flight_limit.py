@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import EndedAtLimit
 
@@ -46,9 +45,9 @@ class LimitWatch:
         called_home_for: the limit, in words; None before. The sortie writes it.
     """
 
-    def __init__(self, limit: FlightLimit, executive: Executive, flight: Flight) -> None:
+    def __init__(self, limit: FlightLimit, flight: Flight) -> None:
         self.called_home_for: str | None = None
-        self._limit, self._executive, self._flight = limit, executive, flight
+        self._limit, self._flight = limit, flight
         self._begun_s = 0.0
 
     def begin(self, now_s: float) -> None:
@@ -57,13 +56,7 @@ class LimitWatch:
 
     @property
     def due(self) -> str | None:
-        """The limit for which the vehicle is to be called home now, in words; None if for none.
-
-        It is not called while it flies there anyway, and not before a plan that has landed it
-        takes off.
-        """
-        if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
-            return None
+        """The limit that is reached, in words; None if none is."""
         return self._limit.reached(self._flight.task.laps, self._flight.now_s - self._begun_s)
 
     def ending(self) -> EndedAtLimit | None:

@@ -1,8 +1,9 @@
 """What is flown in OFFBOARD: the task, or the flight home; interrupted, and gone on with later.
 
 The task is flown by the executive; so is the flight to a safe place, when the task has no plan. The
-operator, or a limit of the flight, calls the vehicle home for good: from then on the flight home is
-what is flown, whatever safe places there are.
+operator, a limit of the flight, or a low battery of which the mission says nothing, calls the
+vehicle home for good: from then on the flight home is what is flown, whatever safe places there
+are.
 """
 
 from __future__ import annotations
@@ -14,12 +15,14 @@ from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import LimitWatch
 from companion.acting.journal import EndingBegun
+from companion.acting.low_battery import IN_FLIGHT, LowBattery
 from companion.acting.phases import SortieEvent
 from companion.acting.positions import tell_late
 from companion.acting.return_home import ReturnHome
 from companion.acting.safe_places import NOWHERE, SafePlaces
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.sortie import (
+    BatteryLow,
     FlightLimitReached,
     PauseEnded,
     Phase,
@@ -67,7 +70,7 @@ class FlownTask:
         self._flight, self._executive = flight, executive
         self._home, self._otherwise = mission.home.name, mission.otherwise
         self._safe = SafePlaces(flight, executive.planner, mission.safe_places)
-        self._limit = limit
+        self._limit, self._low_battery = limit, LowBattery(flight, executive.planner)
         self._return_home: ReturnHome | None = None
         self._was_satisfied = False
 
@@ -82,22 +85,27 @@ class FlownTask:
         return self._return_home is not None
 
     @property
+    def called_to(self) -> str:
+        """Where the flight home leads; "" while it is the task."""
+        return "" if self._return_home is None else self._return_home.place
+
+    @property
     def goes_on(self) -> SortieEvent:
         """The event by which it goes on."""
         is_home = self.is_called_home
         return SortieEvent.RETURN_GOES_ON if is_home else SortieEvent.TASK_GOES_ON
 
-    def call_home(self) -> None:
-        """The flight home from now on."""
+    def call_home(self, place: str = "") -> None:
+        """The flight home from now on, or to another place."""
         if self._return_home is None:
             self._executive.stop()
-            self._return_home = ReturnHome(self._flight, self._home)
+            self._return_home = ReturnHome(self._flight, place or self._home)
 
     def resume_ending(self, ending: EndingBegun) -> None:
         """It is over, and was before the companion was cut off."""
         self._was_satisfied = ending.is_satisfied
         if ending.is_called_home:
-            self.call_home()
+            self.call_home(ending.place)
 
     def interrupt(self) -> None:
         """The vehicle holds, to go on later; then from where it is, by what is possible there."""
@@ -121,25 +129,23 @@ class FlownTask:
             tell_late(self._flight)
         self._executive.sense(readings)
 
-    def ends_pause(self) -> bool:
-        """A tick of a pause, in which the vehicle holds; whether the charge ends it now."""
+    def tick_paused(self) -> SortieEvent | None:
+        """One tick of a pause, in which the vehicle holds; how the charge ends it, or None."""
         self._flight.hold()
         energy = self._executive.planner.energy
-        if energy is None or not energy.is_needed_to_land:
-            return False
-        self._flight.report(PauseEnded())
-        return True
+        is_needed = energy is not None and energy.is_needed_to_land
+        if is_needed or (self.is_called_home and self._low_battery.is_due):
+            self._flight.report(PauseEnded())
+            return self.goes_on
+        return self._call_home_for_battery()
 
     def tick(self) -> SortieEvent | None:
         """One tick; what it has come to, None while it goes on."""
         if self._return_home is not None:
             return self._fly_home(self._return_home)
         executive = self._executive
-        if limit := self._limit.due:
-            self._limit.called_home_for = limit
-            self._flight.report(FlightLimitReached(limit))
-            self.call_home()
-            return SortieEvent.CALLED_HOME
+        if event := self._called_home():
+            return event
         is_planned = executive.lasso is not None and not executive.is_leaving
         self._flight.is_task_flown = is_planned
         status = executive.resume() if self.is_interrupted else executive.tick()
@@ -154,6 +160,29 @@ class FlownTask:
         event = self._without_plan(is_waiting) if is_lost else None
         needs_take_off = executive.status is TaskStatus.NEEDS_TAKE_OFF
         return SortieEvent.NEEDS_TAKE_OFF if needs_take_off else event
+
+    def _called_home(self) -> SortieEvent | None:
+        """Calls the vehicle home for a limit of the flight, or a low battery.
+
+        Not while it flies there anyway, and not before a plan that has landed it takes off.
+        """
+        if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
+            return None
+        if limit := self._limit.due:
+            self._limit.called_home_for = limit
+            self._flight.report(FlightLimitReached(limit))
+            self.call_home()
+            return SortieEvent.CALLED_HOME
+        return self._call_home_for_battery()
+
+    def _call_home_for_battery(self) -> SortieEvent | None:
+        place = self._low_battery.refuge()
+        if place is None:
+            return None
+        self.failure = Aborted(IN_FLIGHT)
+        self._flight.report(BatteryLow(place))
+        self.call_home(place)
+        return SortieEvent.CALLED_HOME
 
     def _without_plan(self, is_waiting: bool) -> SortieEvent | None:
         """Does what the mission says for the case that no plan exists.
@@ -193,8 +222,8 @@ class FlownTask:
             return SortieEvent.SATISFIED
         if not isinstance(outcome, Failed):
             return None
-        failed = ReturnFailed(self._home, outcome.reason)
+        failed = ReturnFailed(return_home.place, outcome.reason)
         if self._limit.called_home_for is None:
-            self.failure = Aborted(failed.text)
+            self.failure = self.failure or Aborted(failed.text)
         self._flight.report(failed)
         return SortieEvent.NO_WAY_HOME

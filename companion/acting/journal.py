@@ -48,12 +48,14 @@ class EndingBegun:
 
     Attributes:
         reason: why it does not end well; "" if it does.
+        place: to which the vehicle was called, by an operator, a limit or its battery; or "".
     """
 
     is_satisfied: bool
     is_called_home: bool
     reason: str
     exit_code: int
+    place: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ class SortieEvent(Enum):
     LEFT_ON_HOLD = "there is no plan, and the mission holds"
     NO_WAY_HOME = "no clear route leads home"
     PAUSED = "the operator pauses"
-    CALLED_HOME = "the operator, or a limit of the flight, calls the vehicle home"
+    CALLED_HOME = "the operator, a limit of the flight, or a low battery calls the vehicle home"
     TAKEN_OVER = "the pilot or a failsafe takes the vehicle; an operator may give it back"
     SILENT = "nothing is heard of the vehicle in the air"
     HANDED_BACK = "the pilot holds, and the operator resumes; or the rule of resume holds"

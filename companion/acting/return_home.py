@@ -1,7 +1,8 @@
 """The flight home that an operator asks for, whatever the task says.
 
-It leads to the place where the mission begins, along a clear route of the map as it is known
-now. No event is watched and nothing is planned: nobody but the operator may change this.
+It leads to the place where the mission begins, or to which a low battery calls the vehicle, along a
+clear route of the map as it is known now. No event is watched and nothing is planned: nobody but
+the operator may change this.
 """
 
 from __future__ import annotations
@@ -16,9 +17,14 @@ from companion.vehicle.port import Failed, Outcome, Progress
 
 
 class ReturnHome:
-    """A flight to one place."""
+    """A flight to one place.
+
+    Attributes:
+        place: its name.
+    """
 
     def __init__(self, flight: Flight, place: str) -> None:
+        self.place = place
         self._tree = move_tree(flight, place, TRIES, timeout_s=None)
 
     def tick(self) -> Outcome:

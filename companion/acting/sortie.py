@@ -91,7 +91,7 @@ class Sortie:
         self._crash: Crash | None = None
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
         self._control = Control(flight, may_yield, resumes, resumption)
-        self._limit = LimitWatch(limit, executive, flight)
+        self._limit = LimitWatch(limit, flight)
         self._flown = FlownTask(flight, executive, mission, self._limit)
         self._resumption = resumption
         self._after_offboard = SortieEvent.TASK_GOES_ON
@@ -265,11 +265,11 @@ class Sortie:
             self._give_up(why_not)
             return
         self._after_offboard = resumption.goes_on_with
+        if (ending := resumption.journalled.ending) is not None:
+            self.failure = self._flown.failure = resumption.failure
+            self._flown.resume_ending(ending)
         if self._after_offboard is SortieEvent.RETURN_GOES_ON:
             self._flown.call_home()
-        if (ending := resumption.journalled.ending) is not None:
-            self.failure = resumption.failure
-            self._flown.resume_ending(ending)
         self._flown.is_interrupted = True
         self._limit.begin(resumption.armed_s)
         if resumption.is_landing(state):
@@ -304,8 +304,9 @@ class Sortie:
             self._on(SortieEvent.FAILED)
 
     def _fly(self, _: VehicleState) -> None:
-        if (event := self._flown.tick()) is not None:
-            self.failure = self._flown.failure
+        flown, is_paused = self._flown, self.phase is Phase.PAUSED
+        if (event := flown.tick_paused() if is_paused else flown.tick()) is not None:
+            self.failure = flown.failure
             self._on(event)
 
     def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
@@ -325,9 +326,9 @@ class Sortie:
         """The journal has the phase, and how the flight is to end."""
         journal, now_s = self._flight.journal, self._flight.now_s
         journal.note(now_s, PhaseBegun(self.phase))
-        if self.phase in (Phase.HOLDING, Phase.LANDING):
+        if self.phase in (Phase.RETURNING, Phase.HOLDING, Phase.LANDING):
             flown = self._flown
-            about = ending_begun(self.failure, flown.is_called_home, flown.is_satisfied)
+            about = ending_begun(self.failure, flown.called_to, flown.is_satisfied)
             journal.note(now_s, about)
 
     def _give_up(self, failure: CompanionError) -> None:
@@ -339,7 +340,7 @@ _WORK: dict[Phase, Callable[[Sortie, VehicleState], object]] = {
     Phase.WAITING: Sortie._begin,
     Phase.CHECKING: Sortie._check_autopilot,
     Phase.TASK: Sortie._fly,
-    Phase.PAUSED: lambda sortie, _: sortie.resume() if sortie._flown.ends_pause() else None,
+    Phase.PAUSED: Sortie._fly,
     Phase.RETURNING: Sortie._fly,
     Phase.YIELDED: Sortie._await_control,
     **dict.fromkeys(GOALS, Sortie._pursue_goal),

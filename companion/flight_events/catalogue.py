@@ -99,6 +99,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    BatteryLow,
     ChargeAwaited,
     ChargeCutShort,
     ChargeSufficient,
@@ -190,6 +191,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     FrameTrusted,
     FrameDoubted,
     StopRequested,
+    BatteryLow,
     FlightLimitReached,
     PauseEnded,
     ReturnBegun,

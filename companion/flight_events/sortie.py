@@ -22,7 +22,7 @@ class Phase(Enum):
     OFFBOARD = "entering OFFBOARD"
     TASK = "flying the task"
     PAUSED = "paused"
-    RETURNING = "returning home as asked"
+    RETURNING = "returning"
     YIELDED = "yielded"
     HOLDING = "holding"
     PARTING = "leaving the vehicle on hold"
@@ -169,6 +169,16 @@ class FlightLimitReached(FlightEvent):
     template = "{limit} flown: returning"
 
     limit: InText[str]
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryLow(FlightEvent):
+    """The autopilot calls the charge low, and the mission says nothing of that."""
+
+    kind = "phase"
+    template = "the battery is low, and the mission does not say what then: returning to {place}"
+
+    place: InText[str]
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,6 +43,16 @@ class Signal:
         return self.message == COMMAND
 
     @property
+    def is_battery(self) -> bool:
+        """Whether it tells of the battery.
+
+        >>> Signal("SYS_STATUS", "", "battery_remaining").is_battery
+        True
+        """
+        is_in_status = self.message == "SYS_STATUS" and "battery" in self.field
+        return self.message == "BATTERY_STATUS" or is_in_status
+
+    @property
     def is_report(self) -> bool:
         """Whether another program reports it, and not MAVLink."""
         return self.message == REPORT

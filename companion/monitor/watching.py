@@ -13,9 +13,10 @@ from companion.geometry import GlobalOrigin, Ned, enu_from_ned
 from companion.mavlink.framing import Message, choose, dialect, message_of, source
 from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
+from companion.vehicle.battery_gauge import voltage_v
 from companion.vehicle.ranging import Ranging
 from companion.vehicle.surroundings import Surroundings
-from companion.vehicle.telemetry import Telemetry, voltage_v
+from companion.vehicle.telemetry import Telemetry
 
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 COMPANION = dialect.MAV_COMP_ID_ONBOARD_COMPUTER

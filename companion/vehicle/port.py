@@ -69,6 +69,8 @@ class VehicleState:
         is_battery_critical: the charge is critical, or worse, by the autopilot's own word.
         is_drifting: the autopilot is losing its position (`position_watch.py`).
         battery_s: when the charge was told last; for a charge that is None of no account.
+        battery_low_since_s: since when the charge is low, or worse, by the autopilot's own word;
+            inf while it is not.
         power_w: what the battery gives, by voltage and current; None while one is not known.
     """
 
@@ -92,6 +94,7 @@ class VehicleState:
     is_battery_critical: bool = False
     is_drifting: bool = False
     battery_s: float = math.inf
+    battery_low_since_s: float = math.inf
     power_w: float | None = None
 
     def is_mode_known(self, now_s: float) -> bool:

@@ -16,6 +16,7 @@ from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
 from companion.outcomes import Refusal
 from companion.vehicle.autopilot_words import SPOKEN, AutopilotWords
+from companion.vehicle.battery_gauge import BatteryGauge
 from companion.vehicle.boot_clock import BootClock
 from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.laid_frames import LaidFrames
@@ -26,15 +27,8 @@ from companion.vehicle.position_watch import PositionWatch
 from companion.vehicle.velocity_bias import STILL, VelocityBias
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
-BATTERY_KNOWN_S = 5.0
-"""How long a charge stays known while an autopilot says that it does not know it."""
 MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
 GRAVITY_MPS2 = 9.81
-VOLTAGE_UNKNOWN = 65535
-CRITICAL_CHARGE = (
-    dialect.MAV_BATTERY_CHARGE_STATE_CRITICAL,
-    dialect.MAV_BATTERY_CHARGE_STATE_EMERGENCY,
-)
 
 
 class Telemetry:
@@ -63,15 +57,13 @@ class Telemetry:
         self.heartbeat_s = -math.inf
         self.mode: Mode | None = None
         self._order = SequenceTracker()
-        self.is_armed = self.is_failsafe = self._is_battery_critical = False
+        self.is_armed = self.is_failsafe = False
         self._is_landed: bool | None = None
         self._landed_since_s = -math.inf
         self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
         self._yaw_rad: float | None = None
         self._position_s = self._yaw_s = -math.inf
-        self._battery_percent: int | None = None
-        self._battery_s = 0.0
-        self._power_w: float | None = None
+        self._battery = BatteryGauge()
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._position_watch = PositionWatch()
         self._thrust_mps2: NorthEast = (0.0, 0.0)
@@ -110,6 +102,7 @@ class Telemetry:
         ):
             return None
         stamp_s, position, velocity = self._position
+        battery = self._battery
         off = STILL if self._is_landed else self.velocity_bias.at(stamp_s)
         return VehicleState(
             stamp_s=stamp_s,
@@ -120,7 +113,7 @@ class Telemetry:
             is_armed=self.is_armed,
             is_landed=self._is_landed,
             is_failsafe=self.is_failsafe,
-            battery_percent=self._battery_percent,
+            battery_percent=battery.percent,
             mode_s=self.heartbeat_s,
             landed_since_s=self._landed_since_s,
             measured_s=self._measured_s,
@@ -129,10 +122,11 @@ class Telemetry:
             accuracy_m=self.accuracy_m,
             position_s=self._position_s,
             yaw_s=self._yaw_s,
-            is_battery_critical=self._is_battery_critical,
+            is_battery_critical=battery.is_critical,
             is_drifting=self._position_watch.is_drifting,
-            battery_s=self._battery_s,
-            power_w=self._power_w,
+            battery_s=battery.percent_s,
+            battery_low_since_s=battery.low_since_s,
+            power_w=battery.power_w,
         )
 
     def stand_at(self, place: Ned) -> None:
@@ -266,12 +260,7 @@ class Telemetry:
             self._is_landed, self._landed_since_s = is_landed, now_s
 
     def _on_battery(self, now_s: float, message: Message) -> None:
-        if message.battery_remaining >= 0:
-            self._battery_percent, self._battery_s = message.battery_remaining, now_s
-        elif now_s - self._battery_s > BATTERY_KNOWN_S:
-            self._battery_percent = None
-        self._is_battery_critical = message.charge_state in CRITICAL_CHARGE
-        self._power_w = _power_w(message)
+        self._battery.take(now_s, message)
 
     def _on_estimator(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.pos_horiz_accuracy):
@@ -305,21 +294,6 @@ def heartbeat_of(message: Message) -> Heartbeat:
         bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED),
         message.system_status >= dialect.MAV_STATE_CRITICAL,
     )
-
-
-def voltage_v(message: Message) -> float | None:
-    """Of all cells of a BATTERY_STATUS; None if it is not known."""
-    cells_mv = [each for each in message.voltages if each != VOLTAGE_UNKNOWN]
-    return sum(cells_mv) / 1000 if cells_mv else None
-
-
-def _power_w(message: Message) -> float | None:
-    """Voltage times current of a BATTERY_STATUS; None without one of them.
-
-    A charger's current counts as none, as PX4 sends -1 for a current that it does not know.
-    """
-    volts, amperes = voltage_v(message), message.current_battery / 100
-    return None if volts is None or amperes < 0 else volts * amperes
 
 
 def _thrust(roll: float, pitch: float, yaw: float) -> NorthEast:

@@ -38,6 +38,7 @@ from companion.flight_events.sortie import (
 from companion.flight_events.word import ConjunctViolated
 from companion.geometry import distance, is_in_polygon
 from companion.mavlink.framing import dialect
+from companion.mission.conditions import parse_condition
 from companion.mission.model import Mission, Otherwise
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import hold_at
@@ -222,11 +223,14 @@ def test_a_stop_before_the_task(phase: Phase, climbs: bool, start: Start) -> Non
 # -- the vehicle before the flight -----------------------------------------------------------------
 
 
-def test_a_vehicle_that_may_not_arm_says_why(start: Start, short_hall: World) -> None:
+def test_a_vehicle_that_may_not_arm_says_why(surveillance: Mission, short_hall: World) -> None:
     """The battery is empty; STATUSTEXT and the report of the arming checks say so, once."""
     scenario, grid = short_hall
     empty = replace(scenario, battery=replace(scenario.battery, charge=0.05))
-    flight = start((empty, grid), has_station=True).until_the_end()
+    when = parse_condition("BATTERY_STATUS.battery_remaining > 90")
+    full = replace(event("full"), when=when)
+    watches = replace(surveillance, events={**surveillance.events, "full": full})
+    flight = Lockstep(watches, (empty, grid), has_station=True).until_the_end()
     assert flight.ending == aborted("not armed: temporarily rejected (autopilot: low battery)")
     assert flight.setpoints == []
     assert flight.armings == 0

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
+from companion.acting.low_battery import why_not_armed
 from companion.acting.preflight.arming_terms import ArmingTerms
 from companion.acting.preflight.dock_check import DockCheck, needs_docks
 from companion.acting.preflight.failsafe_check import FailsafeCheck
@@ -16,7 +17,7 @@ from companion.acting.preflight.kept_fence import KeptFenceCheck
 from companion.acting.preflight.rally_check import RallyJudge
 from companion.acting.preflight.upload_check import UploadCheck
 from companion.mission.model import Mission
-from companion.vehicle.port import Outcome, Progress
+from companion.vehicle.port import Failed, Outcome, Progress
 
 
 class GroundChecks:
@@ -32,6 +33,7 @@ class GroundChecks:
     def __init__(
         self, flight: Flight, terms: ArmingTerms, mission: Mission, executive: Executive
     ) -> None:
+        self._flight, self._mission = flight, mission
         energy = executive.planner.energy
         reserve = None if energy is None else energy.model.charge(energy.model.reserve)
         failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes, reserve)
@@ -47,6 +49,8 @@ class GroundChecks:
 
     def tick(self) -> Outcome:
         """DONE when the vehicle may be armed; or why it may not."""
+        if (reason := why_not_armed(self._flight, self._mission)) is not None:
+            return Failed(reason)
         outcome = self._checks[0]()
         if outcome is not Progress.DONE or len(self._checks) == 1:
             return outcome

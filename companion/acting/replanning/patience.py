@@ -26,8 +26,6 @@ from companion.planning.planner import Planner
 THE_MAP = "the map"
 APART_S = 2.0
 """Holds so far apart, with no search between them, are two waits; the second looks elsewhere."""
-BATTERY = frozenset({"BATTERY_STATUS", "SYS_STATUS"})
-"""Messages whose events mean that the flight has to end."""
 
 
 class Patience:
@@ -133,4 +131,4 @@ class Patience:
     def _is_battery_low(self) -> bool:
         events = self._planner.mission.events.values()
         holding = (event for event in events if event.fact in self._flight.task.facts)
-        return any(event.when.signal.message in BATTERY for event in holding)
+        return any(event.when.signal.is_battery for event in holding)

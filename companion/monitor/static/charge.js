@@ -8,7 +8,7 @@ const MARGIN = { left: 34, right: 10, top: 16, bottom: 18 };
 const LEAST_LABEL_PX = 14; // between the numbers of two replans
 const TIMES_PX = 90; // between two times on the axis
 const STEPS_S = [5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400];
-const OVER = new Set(["returning home as asked", "holding", "leaving the vehicle on hold", "landing"]);
+const OVER = new Set(["returning", "holding", "leaving the vehicle on hold", "landing"]);
 
 export const freshCharge = () => ({
   measured: [], plans: [], ahead: [], pinned_s: 0, reserve: null, charging: [], replans: [], leaves: new Set(),

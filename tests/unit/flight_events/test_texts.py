@@ -105,6 +105,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import (
     AutopilotSaid,
     BatteryCharged,
+    BatteryLow,
     ChargeAwaited,
     ChargeCutShort,
     ChargeSufficient,
@@ -307,6 +308,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (FrameTrusted(), "the position is certain again; going on"),
     (FrameDoubted("two positions"), "waiting: two positions"),
     (StopRequested(), "stopping as asked"),
+    (
+        BatteryLow("North"),
+        "the battery is low, and the mission does not say what then: returning to North",
+    ),
     (FlightLimitReached("3 laps"), "3 laps flown: returning"),
     (PauseEnded(), "the pause is over: the charge is needed to land at a safe place"),
     (ReturnBegun("Home"), "returning to Home"),
@@ -418,7 +423,7 @@ def test_phases_are_named_as_people_read_them() -> None:
         "entering OFFBOARD",
         "flying the task",
         "paused",
-        "returning home as asked",
+        "returning",
         "yielded",
         "holding",
         "leaving the vehicle on hold",
