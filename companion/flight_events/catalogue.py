@@ -7,7 +7,7 @@ them whose text it has; so those whose text may be anything come last.
 from __future__ import annotations
 
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned
-from companion.flight_events.energy import EnergyUsed, GaugeJumped
+from companion.flight_events.energy import EnergyUsed, GaugeJumped, ReserveUsed
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -211,6 +211,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     ChargeMeasured,
     ChargePlanned,
     EnergyUsed,
+    ReserveUsed,
     GaugeJumped,
     AutopilotSaid,
     GoalFailed,

@@ -67,6 +67,9 @@ class Energy:
         ready: by place, what has to be left there so that lines are ready; empty without any.
         is_short: the way into a loop keeps the floors alone, for want of what lines that are ready
             keep: it was used up, by an answer or by the wind.
+        lent: what of `level` is not there: it is taken from the reserve.
+        lendable: what may be taken from it where there is no plan without: it lasts for a landing
+            at a dock, and not for charging there.
     """
 
     level: int
@@ -76,6 +79,8 @@ class Energy:
     percents: Sequence[float]
     ready: Mapping[str, int] = field(default_factory=dict)
     is_short: bool = False
+    lent: int = 0
+    lendable: int = 0
 
     def floor(self, place: str, in_loop: bool = True) -> int | None:
         """What has to be left at a place; None where no safe one can be reached.

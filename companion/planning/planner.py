@@ -28,6 +28,7 @@ from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, is_named, reach
 from companion.planning.energy.ledger import Ledger, ledger
 from companion.planning.energy.mission_energy import MissionEnergy
+from companion.planning.energy_check import place_of
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.flown_ways import FlownWays
@@ -199,7 +200,7 @@ class Planner(Solver):
         held = facts | (beliefs - withdrawn)
         actions, energy = self._readiness.allowed(actions, withdrawn), None
         if self.energy is not None:
-            now = self.energy.now(is_en_route)
+            now = self.energy.with_reserve(self.energy.now(is_en_route), place_of(held))
             actions, energy = self._readiness.on_battery(actions, now, withdrawn)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
         problem = replace(problem, clocks_ms=clocks_ms, energy=energy)

@@ -119,7 +119,7 @@ class Solver:
             SearchLimit: the search was given up.
         """
         limit = None
-        for asked in _or_short(problem):
+        for asked in _or_less(problem):
             try:
                 first = next(self._checked(asked, histories, Objective.LAP, IN_FLIGHT), None)
             except SearchLimit as reached:
@@ -232,7 +232,7 @@ class Solver:
 
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
         answer: bool | None = False
-        for asked in _or_short(problem):
+        for asked in _or_less(problem):
             if found := self.is_solvable(asked, IN_FLIGHT):
                 return True
             answer = None if found is None else answer
@@ -243,7 +243,7 @@ class Solver:
         energy = problem.energy
         if energy is None or not self._is_solvable_soon(replace(problem, energy=None)):
             return ()
-        now = math.floor(energy.percents[max(0, energy.level)])
+        now = math.floor(energy.percents[max(0, energy.level - energy.lent)])
         return (f"the charge, {now} %, is too little",)
 
     def _is_late_soon(self, problem: Problem) -> tuple[str, ...]:
@@ -268,8 +268,18 @@ class Solver:
         return *late, *self._readiness.too_far
 
 
-def _or_short(problem: Problem) -> tuple[Problem, ...]:
-    """A problem, and where lines are ready on a battery, one that keeps less until its loop."""
-    if problem.energy is None or not problem.energy.ready:
-        return (problem,)
-    return problem, replace(problem, energy=replace(problem.energy, is_short=True))
+def _or_less(problem: Problem) -> Iterator[Problem]:
+    """A problem, and with a battery those that keep less until their loop, in turn.
+
+    Nothing for lines that are ready; then not all of the reserve.
+    """
+    yield problem
+    energy = problem.energy
+    if energy is None:
+        return
+    if energy.ready:
+        energy = replace(energy, is_short=True)
+        yield replace(problem, energy=energy)
+    if lent := energy.lendable:
+        energy = replace(energy, level=energy.level + lent, lent=lent, lendable=0)
+        yield replace(problem, energy=energy)

@@ -30,6 +30,7 @@ class Gauge:
     def __init__(self, flight: Flight, energy: MissionEnergy) -> None:
         self._flight, self._energy, self._model = flight, energy, energy.model
         energy.level, energy.most, energy.middle = self.for_flying, self.most, self.middle
+        energy.is_flown = self._is_flown
         self._known, self._known_s = 1.0, math.inf
         self._told: float | None = None
         self._too_much = 0.0
@@ -66,6 +67,10 @@ class Gauge:
         self._known = max(0.0, told - self._too_much)
         flight.believed_percent = 100 if not self._too_much else math.floor(100 * self._known)
         self._known_s = min(state.stamp_s, state.battery_s)
+
+    def _is_flown(self) -> bool:
+        state = self._flight.vehicle.state
+        return state is not None and not state.is_landed
 
     def _level(self, step: float) -> int:
         self.listen()

@@ -1,5 +1,8 @@
 """Whether the charge is enough for what is left of a plan, and for a safe place.
 
+Where nothing is left above the reserve, a plan leads to the safe place that takes the least, and
+what it takes of the reserve is lent until it has charged there.
+
 A gauge tells whole percents. A plan is made with the least that there may be, and is given up when
 not even the most that there may be is enough, so that the gauge's steps make no plan anew. What is
 not known is full, as long as it was never known; else a hover is taken from what it was last.
@@ -11,10 +14,11 @@ import math
 
 from companion.acting.charge.energy_meter import EnergyMeter
 from companion.acting.flight import Flight
+from companion.flight_events.energy import ReserveUsed
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action
 from companion.planning.energy.mission_energy import MissionEnergy
-from companion.planning.energy_check import required_levels
+from companion.planning.energy_check import place_of, required_levels
 from companion.planning.lasso import Lasso
 
 LOOKS_S = 1.0
@@ -38,6 +42,7 @@ class EnergyWatch:
         self.meter = EnergyMeter(flight, energy)
         self._lasso: Lasso | None = None
         self._required: tuple[int, ...] = ()
+        self._lent = 0
         self._looked_s = -LOOKS_S
 
     @property
@@ -49,7 +54,10 @@ class EnergyWatch:
         """A plan is flown from now on, from the facts that hold now."""
         self._lasso = lasso
         facts = self._flight.task.facts
-        self._required = required_levels(self._energy.now(is_en_route=True), facts, lasso)
+        energy = self._energy.with_reserve(self._energy.now(is_en_route=True), place_of(facts))
+        self._required, self._lent = required_levels(energy, facts, lasso), energy.lent
+        if energy.lent:
+            self._flight.report(ReserveUsed(energy.lent / UNITS_PER_WH))
 
     def shortage(self) -> str | None:
         """What is missing for the rest of the plan, in words; None if it lasts."""
@@ -59,6 +67,8 @@ class EnergyWatch:
             return None
         number = self._flight.progress.completed
         ahead, following = _place(lasso, number), _place(lasso, number + 1)
+        if self._has_charged:
+            self._lent = 0
         running = self._flight.task.running
         needed = self._required[ahead]
         if running is not None:
@@ -67,10 +77,10 @@ class EnergyWatch:
                 needed = 0  # it is on its way down
             elif (goal := running.destination) is not None:
                 needed += self._left_to(goal)
-        missing = needed - self._energy.most()
+        missing = needed - self._lent - self._energy.most()
         if missing <= 0:
             return None
-        return f"{missing / UNITS_PER_WH:.1f} Wh are missing for {_action(lasso, ahead).name}"
+        return f"{missing / UNITS_PER_WH:.2f} Wh are missing for {_action(lasso, ahead).name}"
 
     @property
     def is_figure_wrong(self) -> bool:

@@ -15,7 +15,7 @@ class ContingencyVerdict(Enum):
     PLANNED = ("P", "another plan")
     LINES_DROPPED = ("D", "another plan, lines dropped")
     SAFE_PLACE = ("S", "lands at a safe place")
-    ON_RESERVE = ("R", "lands at a safe place on the reserve")
+    ON_RESERVE = ("R", "lands at a safe place, or charges, on the reserve")
     WHERE_IT_IS = ("W", "lands or holds where it is")
     UNSAFE = ("!", "unsafe: the charge does not last to a safe place")
 
@@ -51,22 +51,26 @@ class PlansAnew:
         plan: from where the vehicle is.
         dropped: lines of the task that it does not keep.
         waited_s: how long the vehicle holds before: a belief comes back then.
+        reserve_wh: what it takes of the reserve until it has charged.
     """
 
     plan: PlannedLasso
     dropped: tuple[str, ...] = ()
     waited_s: float = 0.0
+    reserve_wh: float = 0.0
 
     @property
     def verdict(self) -> ContingencyVerdict:
         """In short."""
         kinds = ContingencyVerdict
+        if self.reserve_wh > 0:
+            return kinds.ON_RESERVE
         return kinds.LINES_DROPPED if self.dropped else kinds.PLANNED
 
     def __str__(self) -> str:
         waits = f"after {self.waited_s:g} s " if self.waited_s else ""
         without = f", without {', '.join(self.dropped)}" if self.dropped else ""
-        return f"{waits}{self.plan}{without}"
+        return f"{waits}{self.plan}{without}{short_of(self.reserve_wh, 0.0)}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from companion.acting.contingencies.answers import LandsAt, PlansAnew, StaysWhereItIs
+from companion.acting.contingencies.answers import LandsAt, PlansAnew, StaysWhereItIs, short_of
 from companion.acting.contingencies.table import FoldedContingencies
 
 SHOWN_LABELS = 8
@@ -65,7 +65,8 @@ def _plans_in_words(answers: Sequence[PlansAnew]) -> str:
         text = f"lap of {laps}: {_some([step.action for step in plan.loop])}; the way there {way}"
     if waited:
         text = f"after {_span_s(waited)} of waiting: {text}"
-    return f"{text}; without {', '.join(dropped)}" if dropped else text
+    text += f"; without {', '.join(dropped)}" if dropped else ""
+    return text + short_of(max(a.reserve_wh for a in answers), 0.0)
 
 
 def _some(actions: Sequence[str]) -> str:

@@ -96,6 +96,7 @@ class SupposedFlight:
         self._flight = flight = flight_of(prepared, cast(Vehicle, self._vehicle))
         if (energy := self._planner.energy) is not None and level is not None:
             energy.level = energy.most = lambda: self._level or 0
+            energy.is_flown = lambda: not flight.progress.is_landed_by_plan
         self._assumptions = Assumptions(self._planner, flight)
         self._patience = Patience(self._planner, flight)
         about = flight, self._assumptions
@@ -272,7 +273,8 @@ class SupposedFlight:
             return self._without_plan(found, waits), None
         if self._replanner.is_rest_of(self._lasso, found.lasso):
             return GoesOn(), None
-        return PlansAnew(found.lasso.planned, found.lines_dropped, waited_s), found
+        about = found.lasso.planned, found.lines_dropped, waited_s, self._lent_wh
+        return PlansAnew(*about), found
 
     def _make_plan(self, reason: str) -> ChosenPlan | PlanFailure:
         due = self._replanner.begin(reason)
@@ -307,6 +309,14 @@ class SupposedFlight:
         is_hold = self._mission.otherwise is Otherwise.HOLD
         does = "holds where it is" if is_hold else "lands where it is"
         return StaysWhereItIs(does, why, not self._mission.safe_places, waits)
+
+    @property
+    def _lent_wh(self) -> float:
+        """What a plan from here takes of the reserve."""
+        energy, place = self._planner.energy, place_of(self._flight.task.facts)
+        if energy is None:
+            return 0.0
+        return energy.with_reserve(energy.now(is_en_route=True), place).lent / UNITS_PER_WH
 
     def _missing_wh(self, units: int) -> tuple[float, float]:
         """What is missing, the reserve left and the reserve used."""

@@ -76,6 +76,7 @@ class Contingency:
         match answer:
             case PlansAnew(plan, dropped, waited_s):
                 told = json_of(plan) | {"dropped": list(dropped), "waited_s": waited_s}
+                told |= {"of_reserve_wh": round(answer.reserve_wh, 2)}
             case LandsAt():
                 told = {
                     "lands_at": answer.place,

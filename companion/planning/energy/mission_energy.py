@@ -23,6 +23,8 @@ from companion.planning.lasso import Energy
 from companion.planning.step_times import waits_s
 
 MOVING_MPS = 0.5
+MOVED_S = 1.0
+"""The vehicle moves so long between two reckonings of one plan."""
 WAITS_END_S = 5.0
 """A wait ends so long before the charge is needed for the way to a safe place."""
 
@@ -40,6 +42,7 @@ class MissionEnergy:
         here: says where the vehicle is, and how it moves, between places; a flight sets one.
         level: says what there is at least; a full battery until a flight says otherwise.
         most: says what there is at most.
+        is_flown: says whether the vehicle is in the air.
         middle: says what there is, about.
         known: what flights have taken so far of what the mission says.
         percents: by level, the charge of the battery.
@@ -60,24 +63,22 @@ class MissionEnergy:
         self.level: Callable[[], int] = lambda: model.full
         self.most: Callable[[], int] = lambda: model.full
         self.middle: Callable[[], int] = lambda: model.full
+        self.is_flown: Callable[[], bool] = lambda: False
         self.known = KnownRatios()
         self._charging: dict[str, NDArray[np.int64]] = {}
-        self._docks: dict[str, None] = {}
+        self._docks: dict[str, int] = {}  # what a charge takes beside the way there and landing
         self.percents = [100 * self.model.charge(level) for level in range(self.model.full + 1)]
 
     def of(
         self, skill: Skill, action: Action, flight: tuple[str, str] | None, place: str | None
     ) -> Action:
         """An action with what it takes; see `Drains`."""
-        drain = math.ceil(skill.energy_wh * UNITS_PER_WH)
-        if flight is not None:
-            drain += self.flight(*flight) or 0
-            drain += self.model.hovering(waits_s(action.execute))
-        else:
-            drain += self.model.hovering(action.cost_ms / 1000)
+        lasts_s = action.cost_ms / 1000 if flight is None else waits_s(action.execute)
+        own = math.ceil(skill.energy_wh * UNITS_PER_WH) + self.model.hovering(lasts_s)
+        drain = own + ((self.flight(*flight) or 0) if flight is not None else 0)
         if skill.charge_rate is None or place is None:
             return action if action.drain == drain else replace(action, drain=drain)
-        self._docks[place] = None
+        self._docks[place] = max(own, self._docks.get(place, 0))
         charger = self._charger(skill, place, action.cost_ms if flight else 0, drain)
         return replace(action, cost_ms=charger.overhead_ms, charger=charger)
 
@@ -129,6 +130,26 @@ class MissionEnergy:
         rests = {name: self.model.reserve + landing for name, landing in landings.items()}
         rest = self.model.hovering(REST_S)
         return Energy(self.level(), floors, rests, rest, self.percents)
+
+    def with_reserve(self, energy: Energy, place: str) -> Energy:
+        """The same, where in the air nothing is left above the reserve: that is for the landing.
+
+        As much of it is lent as it takes to land at the safe place that takes the least, and to
+        charge there if it is a dock, so that a plan leads there and goes on.
+
+        Args:
+            energy: of a problem.
+            place: where the vehicle is; "" for between places.
+        """
+        floor = energy.floors.get(place or HERE)
+        if floor is None or not self.is_flown():
+            return energy
+        to_charge = max(self._docks.values(), default=0) + self.model.hovering(MOVED_S)
+        lent = floor + to_charge - energy.level
+        if energy.level >= floor:
+            return replace(energy, lendable=max(0, lent))
+        is_lent = lent <= self.model.reserve
+        return replace(energy, level=energy.level + lent, lent=lent) if is_lent else energy
 
     def recall(self, flying: RatioEstimate, gauge: RatioEstimate) -> None:
         """Plans reckon with what was learnt before."""

@@ -34,7 +34,7 @@ def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ..
     full = replace(problem, energy=replace(energy, level=len(energy.percents) - 1))
     if is_solvable(search, full, effort):
         percent = math.ceil(energy.percents[_least(search, full, energy.level, effort)])
-        now = math.floor(energy.percents[max(0, energy.level)])
+        now = math.floor(energy.percents[max(0, energy.level - energy.lent)])
         return (f"the charge, {now} %, is too little: from {percent} % on there is a plan",)
     graph = EnergyProduct(problem, search.product(problem, effort, min_goals=sys.maxsize))
     components = accepting_components(graph.product)

@@ -10,7 +10,7 @@ import pytest
 
 from companion.flight_events.catalogue import EVENTS
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned, PlannedCharge
-from companion.flight_events.energy import EnergyUsed, GaugeJumped
+from companion.flight_events.energy import EnergyUsed, GaugeJumped, ReserveUsed
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import (
     BeliefRestored,
@@ -353,6 +353,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "flown 61 s on 3.21 Wh, 3.10 Wh were expected; "
         "flights take 1.04 times what the mission says",
     ),
+    (ReserveUsed(0.4), "0.40 Wh of the reserve are used on the way to the next landing"),
     (GaugeJumped(50, 90, 50), "the battery's gauge jumps from 50 % to 90 %: 50 % are believed"),
     (AutopilotSaid("Low battery"), "the autopilot says: Low battery"),
     (GoalFailed("not armed: denied"), "not armed: denied"),

@@ -271,8 +271,9 @@ class TestBattery:
         found = [c.answer for c in docked.contingencies if isinstance(c.change, DrainUp)]
         assert {answer.verdict.letter for answer in found} == {"P", "R"}
         last = found[-1]
-        assert isinstance(last, LandsAt) and (last.place, last.short_wh) == ("Dock", 0.0)
-        assert 0 < last.missing_wh < 2.4
+        assert isinstance(last, PlansAnew) and 0 < last.reserve_wh < 2.4
+        (*_, first) = [*last.plan.prefix, *last.plan.loop][:2]
+        assert first.action == "recharge(Dock)"
 
     def test_without_a_reserve_it_is_unsafe(self) -> None:
         table = table_of(load_mission(DOCKED.replace("RESERVE", "0")))

@@ -100,6 +100,11 @@ def test_json_has_the_plan_or_the_place() -> None:
     (told,) = found.as_json()["contingencies"]
     assert (told["verdict"], told["dropped"], told["waited_s"]) == ("lines_dropped", ["dock"], 20)
     assert (told["prefix_cost_s"], told["lap_cost_s"]) == (4.0, 8.0)
+    found = table((0, ALARM, PlansAnew(plan("A", "AB", 4.0), (), 0.0, 0.25)))
+    (told,) = found.as_json()["contingencies"]
+    assert (told["verdict"], told["of_reserve_wh"]) == ("on_reserve", 0.25)
+    (fold,) = found.folded()
+    assert answers_in_words(fold).endswith("the way there 4.0 s, with 0.25 Wh of the reserve")
     found = table((0, ALARM, LandsAt("A", WHY, (), 3.0, 1.0)))
     (told,) = found.as_json()["contingencies"]
     assert (told["lands_at"], told["of_reserve_wh"], told["missing_wh"]) == ("A", 2.0, 1.0)

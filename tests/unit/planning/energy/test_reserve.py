@@ -1,0 +1,84 @@
+"""What is lent of the reserve in flight, where nothing is left above it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from two_docks import two_docks
+
+from companion.mission.loader import load_mission
+from companion.planning.energy.mission_energy import MissionEnergy
+from companion.planning.lasso import Problem
+from companion.planning.planner import Planner
+
+FAR = 50
+"""Units above the reserve, or below."""
+
+
+def planner_at(missing: int, place: str = "B", is_flown: bool = True, **changes: Any) -> Planner:
+    """With so much less than it takes to land at a safe place with the reserve left."""
+    planner = Planner(load_mission(two_docks(**changes)))
+    energy = energy_of(planner)
+    level = energy.now(is_en_route=False).floors[place] - missing
+    energy.level, energy.is_flown = lambda: level, lambda: is_flown
+    return planner
+
+
+def energy_of(planner: Planner) -> MissionEnergy:
+    assert planner.energy is not None
+    return planner.energy
+
+
+def problem_at(planner: Planner, place: str = "B") -> Problem:
+    return planner.initial_problem(at=place)[0]
+
+
+def lent(planner: Planner, place: str = "B") -> int:
+    energy = problem_at(planner, place).energy
+    assert energy is not None
+    assert energy.level - energy.lent == energy_of(planner).level()
+    return energy.lent
+
+
+@pytest.mark.parametrize("missing", [1, FAR, 500])
+def test_a_plan_charges_first_where_that_takes_the_least(missing: int) -> None:
+    """It is the plan of one that has just enough, but for what is lent."""
+    planner = planner_at(missing)
+    assert missing < lent(planner) < missing + 20
+    lasso = planner.replan(*planner.initial_problem(at="B"))
+    assert lasso is not None
+    assert [a.name for a in (*lasso.prefix, *lasso.loop)][:2] == ["move(B, E)", "recharge(E)"]
+
+
+@pytest.mark.parametrize("more", [0, FAR])
+def test_what_lasts_for_a_landing_alone_lasts_for_a_charge(more: int) -> None:
+    planner = planner_at(-more)
+    assert lent(planner) == 0
+    assert planner.replan(*planner.initial_problem(at="B")) is not None
+
+
+def test_nothing_is_lent_on_the_ground() -> None:
+    planner = planner_at(1, is_flown=False)
+    assert lent(planner) == 0
+    assert planner.replan(*planner.initial_problem(at="B")) is None
+
+
+def test_no_more_is_lent_than_the_reserve() -> None:
+    reserve = energy_of(planner_at(0)).model.reserve
+    assert lent(planner_at(reserve + 1)) == 0
+    assert lent(planner_at(reserve - FAR)) <= reserve
+
+
+def test_no_farther_dock_is_reached_on_the_reserve() -> None:
+    """Home takes the least, and nothing charges there."""
+    places = two_docks()["places"] | {"Home": {"east_m": 28, "north_m": 0, "up_m": 3}}
+    planner = planner_at(1, "A", places=places)
+    assert 1 < lent(planner, "A") < 20
+    assert planner.replan(*planner.initial_problem(at="A")) is None
+
+
+def test_no_line_of_the_task_is_dropped_for_it() -> None:
+    task = {"a": {"formula": "G F at(A)", "priority": 1}, "b": "G F at(B)"}
+    planner = planner_at(FAR, task=task)
+    assert planner.lines_to_drop(problem_at(planner)) == ()
