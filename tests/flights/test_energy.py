@@ -118,6 +118,7 @@ def test_with_too_little_for_any_plan_it_charges_on_the_reserve_and_goes_on(at_s
     assert len(flight.of(ReserveUsed)) == 1, text(flight)
     assert not flight.of(NoPlanFound) and not flight.companion.has_ended
     assert charges(flight) >= 2 and {"A", "B"} <= {*flight.places}
+    assert "flights take" not in "".join(e.reason for e in flight.of(PlanReplaced))
 
 
 @pytest.fixture

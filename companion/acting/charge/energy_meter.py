@@ -4,7 +4,8 @@ Each action that flies or hovers is measured from its beginning to its end, or a
 voltage times current where the autopilot tells both, and by the gauge. What is measured beside it,
 the way down to a charge and up again, holds and waits, is in no figure. Late flights count like
 thirsty ones: what is predicted of a leg is for the time that was planned. By voltage and current a
-minute is enough, by the gauge it takes all from one charge to the next.
+minute is enough, by the gauge it takes all from one charge to the next. Where the gauge jumps, what
+is measured begins anew.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ OF_A_CURVE = 0.08
 """The same of a gauge between two charges: a pack has not quite the curve of the mission."""
 OF_THE_GAUGE = 0.0041
 """The same of a difference of two whole percents."""
+MOST_IN_A_TICK = 0.04
+"""Share of the battery that a flight takes at most; more is a gauge that jumps."""
 UNITS_PER_J = UNITS_PER_WH / 3600
 
 
@@ -88,6 +91,7 @@ class EnergyMeter:
     energy: MissionEnergy
     _leg: _Leg | None = None
     _now_s: float = -math.inf
+    _gauge: int = 0
     _window: _Window = field(default_factory=_Window)
     _stretch: _Window = field(default_factory=_Window)
 
@@ -96,8 +100,11 @@ class EnergyMeter:
         flight, state = self.flight, self.flight.vehicle.state
         if state is None or (state.battery_percent is None and state.power_w is None):
             return  # of a battery that is not heard yet, nothing was taken
-        self.energy.middle()  # the gauge listens
+        before, self._gauge = self._gauge, self.energy.middle()
         elapsed_s, self._now_s = flight.now_s - self._now_s, flight.now_s
+        fallen = (before - self._gauge) / self.energy.model.full
+        if fallen > MOST_IN_A_TICK and elapsed_s < 3 * TICK_S:
+            self._leg, self._window, self._stretch = None, _Window(), _Window()
         running = flight.task.running
         leg = self._leg
         if leg is not None and leg.action is not running:

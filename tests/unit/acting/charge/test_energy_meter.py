@@ -100,6 +100,15 @@ def test_a_leg_that_is_cut_short_counts_as_far_as_it_came() -> None:
     assert known.flying.mean == pytest.approx(1.3, abs=0.05)
 
 
+def test_a_gauge_that_jumps_begins_the_measurement_anew() -> None:
+    stretch = Stretch(1.0, is_told=False).leg()
+    stretch.level -= 0.3 * stretch.energy.model.full
+    stretch.leg().charge()
+    (used,) = stretch.reports
+    assert used.used_wh == pytest.approx(POWER_W * LEG_S / 3600, rel=0.02)  # of the leg after it
+    assert stretch.energy.known.mean == pytest.approx(1.0, abs=0.05)
+
+
 def test_one_of_which_nobody_knows_how_far_it_came_does_not_count() -> None:
     stretch = Stretch(1.3)
     stretch.energy.left_to = lambda *_: None
