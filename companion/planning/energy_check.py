@@ -69,6 +69,11 @@ def required_levels(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> tup
     return (*levels[rest:][::-1], *levels[:rest])
 
 
+def of_reserve(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> int:
+    """What a plan takes of the reserve, in units; arguments as of `required_levels`."""
+    return max(0, required_levels(energy, facts, lasso)[0] - energy.level)
+
+
 def _before(energy: Energy, action: Action, after: int, floor: int) -> int:
     if action.charger is not None:
         return max(floor, action.charger.floor)

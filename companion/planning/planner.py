@@ -200,8 +200,9 @@ class Planner(Solver):
         held = facts | (beliefs - withdrawn)
         actions, energy = self._readiness.allowed(actions, withdrawn), None
         if self.energy is not None:
-            now = self.energy.with_reserve(self.energy.now(is_en_route), place_of(held))
+            now = self.energy.now(is_en_route)
             actions, energy = self._readiness.on_battery(actions, now, withdrawn)
+            energy = self.energy.with_reserve(energy, place_of(held), actions)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
         problem = replace(problem, clocks_ms=clocks_ms, energy=energy)
         return self._unread_rises.with_unread(problem, unread) if unread else problem

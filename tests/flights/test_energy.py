@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from random import Random
 from typing import Any
 
 import pytest
@@ -119,6 +120,22 @@ def test_with_too_little_for_any_plan_it_charges_on_the_reserve_and_goes_on(at_s
     assert not flight.of(NoPlanFound) and not flight.companion.has_ended
     assert charges(flight) >= 2 and {"A", "B"} <= {*flight.places}
     assert "flights take" not in "".join(e.reason for e in flight.of(PlanReplaced))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(24))
+def test_charge_that_is_lost_at_any_time_ends_no_patrol(seed: int) -> None:
+    """More than 14 % are left, so the reserve is enough for the way to a dock."""
+    chance = Random(seed)
+    at_s, left, charge = (
+        chance.uniform(8, 120),
+        chance.uniform(0.14, 0.235),
+        chance.uniform(0.25, 1),
+    )
+    flight = fly({"at_s": at_s, "battery": {"charge": left}}, charge=charge)
+    assert lowest(flight, at_s + 110.0) > 100 * left - 2
+    assert not flight.companion.has_ended, text(flight)
+    assert flight.simulation.collisions == 0 and {*flight.places[-4:]} >= {"A", "B"}
 
 
 @pytest.fixture

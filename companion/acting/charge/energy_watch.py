@@ -18,7 +18,7 @@ from companion.flight_events.energy import ReserveUsed
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action
 from companion.planning.energy.mission_energy import MissionEnergy
-from companion.planning.energy_check import place_of, required_levels
+from companion.planning.energy_check import of_reserve, required_levels
 from companion.planning.lasso import Lasso
 
 LOOKS_S = 1.0
@@ -54,10 +54,11 @@ class EnergyWatch:
         """A plan is flown from now on, from the facts that hold now."""
         self._lasso = lasso
         facts = self._flight.task.facts
-        energy = self._energy.with_reserve(self._energy.now(is_en_route=True), place_of(facts))
-        self._required, self._lent = required_levels(energy, facts, lasso), energy.lent
-        if energy.lent:
-            self._flight.report(ReserveUsed(energy.lent / UNITS_PER_WH))
+        energy = self._energy.now(is_en_route=True)
+        self._required = required_levels(energy, facts, lasso)
+        self._lent = of_reserve(energy, facts, lasso) if self._energy.is_flown() else 0
+        if 0 < self._lent <= self._energy.model.reserve:
+            self._flight.report(ReserveUsed(self._lent / UNITS_PER_WH))
 
     def shortage(self) -> str | None:
         """What is missing for the rest of the plan, in words; None if it lasts."""

@@ -46,9 +46,9 @@ from companion.mission.model import Event, Land, LandOn, Otherwise, TakeOff
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action, Refinement, Step
 from companion.planning.energy.model import EnergyModel
-from companion.planning.energy_check import level_after, place_of
+from companion.planning.energy_check import level_after, of_reserve, place_of
 from companion.planning.explain import Explanation
-from companion.planning.lasso import ChosenPlan, Problem
+from companion.planning.lasso import ChosenPlan, Lasso, Problem
 from companion.vehicle.port import Mode, Vehicle, VehicleState
 
 
@@ -273,7 +273,7 @@ class SupposedFlight:
             return self._without_plan(found, waits), None
         if self._replanner.is_rest_of(self._lasso, found.lasso):
             return GoesOn(), None
-        about = found.lasso.planned, found.lines_dropped, waited_s, self._lent_wh
+        about = found.lasso.planned, found.lines_dropped, waited_s, self._of_reserve_wh(found.lasso)
         return PlansAnew(*about), found
 
     def _make_plan(self, reason: str) -> ChosenPlan | PlanFailure:
@@ -310,13 +310,12 @@ class SupposedFlight:
         does = "holds where it is" if is_hold else "lands where it is"
         return StaysWhereItIs(does, why, not self._mission.safe_places, waits)
 
-    @property
-    def _lent_wh(self) -> float:
+    def _of_reserve_wh(self, lasso: Lasso) -> float:
         """What a plan from here takes of the reserve."""
-        energy, place = self._planner.energy, place_of(self._flight.task.facts)
-        if energy is None:
+        energy, facts = self._planner.energy, self._flight.task.facts
+        if energy is None or not energy.is_flown():
             return 0.0
-        return energy.with_reserve(energy.now(is_en_route=True), place).lent / UNITS_PER_WH
+        return of_reserve(energy.now(is_en_route=True), facts, lasso) / UNITS_PER_WH
 
     def _missing_wh(self, units: int) -> tuple[float, float]:
         """What is missing, the reserve left and the reserve used."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -18,13 +18,12 @@ from companion.planning.charger import UNITS_PER_WH, Charger
 from companion.planning.domain import REST_S, Action
 from companion.planning.energy.model import EnergyModel
 from companion.planning.energy.ratio_estimate import KnownRatios, RatioEstimate
+from companion.planning.energy_check import place_of
 from companion.planning.flown_ways import FlownWays
 from companion.planning.lasso import Energy
 from companion.planning.step_times import waits_s
 
 MOVING_MPS = 0.5
-MOVED_S = 1.0
-"""The vehicle moves so long between two reckonings of one plan."""
 WAITS_END_S = 5.0
 """A wait ends so long before the charge is needed for the way to a safe place."""
 
@@ -66,19 +65,22 @@ class MissionEnergy:
         self.is_flown: Callable[[], bool] = lambda: False
         self.known = KnownRatios()
         self._charging: dict[str, NDArray[np.int64]] = {}
-        self._docks: dict[str, int] = {}  # what a charge takes beside the way there and landing
+        self._docks: dict[str, None] = {}
         self.percents = [100 * self.model.charge(level) for level in range(self.model.full + 1)]
 
     def of(
         self, skill: Skill, action: Action, flight: tuple[str, str] | None, place: str | None
     ) -> Action:
         """An action with what it takes; see `Drains`."""
-        lasts_s = action.cost_ms / 1000 if flight is None else waits_s(action.execute)
-        own = math.ceil(skill.energy_wh * UNITS_PER_WH) + self.model.hovering(lasts_s)
-        drain = own + ((self.flight(*flight) or 0) if flight is not None else 0)
+        drain = math.ceil(skill.energy_wh * UNITS_PER_WH)
+        if flight is not None:
+            drain += self.flight(*flight) or 0
+            drain += self.model.hovering(waits_s(action.execute))
+        else:
+            drain += self.model.hovering(action.cost_ms / 1000)
         if skill.charge_rate is None or place is None:
             return action if action.drain == drain else replace(action, drain=drain)
-        self._docks[place] = max(own, self._docks.get(place, 0))
+        self._docks[place] = None
         charger = self._charger(skill, place, action.cost_ms if flight else 0, drain)
         return replace(action, cost_ms=charger.overhead_ms, charger=charger)
 
@@ -131,7 +133,7 @@ class MissionEnergy:
         rest = self.model.hovering(REST_S)
         return Energy(self.level(), floors, rests, rest, self.percents)
 
-    def with_reserve(self, energy: Energy, place: str) -> Energy:
+    def with_reserve(self, energy: Energy, place: str, actions: Iterable[Action]) -> Energy:
         """The same, where in the air nothing is left above the reserve: that is for the landing.
 
         As much of it is lent as it takes to land at the safe place that takes the least, and to
@@ -140,16 +142,32 @@ class MissionEnergy:
         Args:
             energy: of a problem.
             place: where the vehicle is; "" for between places.
+            actions: of the problem.
         """
-        floor = energy.floors.get(place or HERE)
+        floor = energy.floors.get(place := place or HERE)
         if floor is None or not self.is_flown():
             return energy
-        to_charge = max(self._docks.values(), default=0) + self.model.hovering(MOVED_S)
-        lent = floor + to_charge - energy.level
+        lent = max(floor, self._to_land_from(place, energy, actions)) - energy.level
         if energy.level >= floor:
             return replace(energy, lendable=max(0, lent))
         is_lent = lent <= self.model.reserve
         return replace(energy, level=energy.level + lent, lent=lent) if is_lent else energy
+
+    def _to_land_from(self, place: str, energy: Energy, actions: Iterable[Action]) -> int:
+        """The least level from which an action leads to a safe place, to charge there or to rest.
+
+        It is asked of actions, and not of the way: that was reckoned at another moment, and the
+        vehicle moves.
+        """
+        ends = {safe: energy.rests[safe] for safe in self.safe}
+        moves: dict[str, int] = {place: 0}
+        for action in actions:
+            start = place_of(action.requires)
+            if action.charger is not None:
+                ends[start] = (action.charger.bare or action.charger).floor
+            elif start == place and (goal := action.destination) is not None:
+                moves[goal] = action.drain
+        return min((moves[safe] + ends[safe] for safe in ends if safe in moves), default=0)
 
     def recall(self, flying: RatioEstimate, gauge: RatioEstimate) -> None:
         """Plans reckon with what was learnt before."""
