@@ -45,7 +45,7 @@ class ChargePlanned(FlightEvent):
 
     percent: Annotated[float, Doc("of the charge, which is there at least")]
     required_percent: Annotated[float, Doc("of the charge, which the plan takes from here on")]
-    reserve_percent: Annotated[float, Doc("of the charge, which no plan touches")]
+    reserve_percent: Annotated[float, Doc("of the charge kept for what nobody foresees")]
     ahead: Annotated[
         tuple[PlannedCharge, ...],
         Doc(

@@ -32,9 +32,9 @@ class ReserveUsed(FlightEvent):
     """Nothing is left above the reserve: it is used to land where that takes the least."""
 
     kind = "energy"
-    template = "{used_wh:.2f} Wh of the reserve are used on the way to the next landing"
+    template = "{reserve_wh:.2f} Wh of the reserve are used on the way to the next landing"
 
-    used_wh: Annotated[float, Doc("that the charge lacks for a landing with the reserve left")]
+    reserve_wh: Annotated[float, Doc("that the charge lacks for a landing with the reserve left")]
 
 
 @dataclass(frozen=True, slots=True)

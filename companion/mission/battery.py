@@ -24,7 +24,7 @@ class MissionBattery:
 
     Attributes:
         profile: what it holds, and what flying takes.
-        reserve: the share of the energy that no plan touches.
+        reserve: the share of the energy kept for what nobody foresees.
         wind: where the air is expected to move to, m/s.
     """
 

@@ -53,7 +53,7 @@ class BatteryEntry(DrawnModel):
 
     reserve: Annotated[
         float,
-        Field(ge=0, le=90, description="Percent of the energy that no plan touches."),
+        Field(ge=0, le=90, description="Percent of the energy kept for what nobody foresees."),
     ]
     capacity_wh: Annotated[
         float | None,

@@ -53,7 +53,7 @@ class ChargeTrail:
     Attributes:
         measured: pairs of time and percent, None while it is not known.
         planned: positions that were reached.
-        reserve_percent: that no plan touches; None where plans know of no charge.
+        reserve_percent: kept for what nobody foresees; None where plans know of no charge.
         charging: pairs of times, from when to when it charged.
         replans: pairs of time and number.
         end_s: the newest time.

@@ -20,7 +20,7 @@ def charge_ahead(
 
     Args:
         energy: of the problem that it solves, with what is there now.
-        reserve: units that no plan touches.
+        reserve: units kept for what nobody foresees.
         facts: at its beginning.
         lasso: the plan.
     """

@@ -56,7 +56,7 @@ class Ledger:
         lap_wh: what a lap takes, landings and take-offs for charges too; 0 for rest.
         least_percent: the least charge that there ever is.
         least_at: where that is, in words.
-        reserve_percent: the charge that no plan touches.
+        reserve_percent: the charge kept for what nobody foresees.
     """
 
     prefix: tuple[PlannedEnergy, ...]
@@ -86,7 +86,7 @@ def ledger(problem: Problem, lasso: Lasso, reserve: int) -> Ledger:
     Args:
         problem: that it solves, with energy.
         lasso: the plan.
-        reserve: units that no plan touches.
+        reserve: units kept for what nobody foresees.
     """
     energy = problem.energy
     assert energy is not None

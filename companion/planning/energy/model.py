@@ -40,7 +40,7 @@ class EnergyModel:
 
     Attributes:
         full: units of a full battery.
-        reserve: units that no plan touches.
+        reserve: units kept for what nobody foresees.
         factor: plans reckon with so much more than the battery's figures; a flight sets it.
     """
 

@@ -51,9 +51,20 @@ def test_a_plan_charges_first_where_that_takes_the_least(missing: int) -> None:
     assert [a.name for a in (*lasso.prefix, *lasso.loop)][:2] == ["move(B, E)", "recharge(E)"]
 
 
+BOUNDED = {"task": {"a": "revisit(A) <= 900 s", "b": "G F at(B)"}}
+READY = {
+    "task": {"patrol": "patrolling(A, B)", "answer": "G (alarm -> F[<=60s] at(A))"},
+    "events": {"alarm": {"when": "COMMAND.MAV_CMD_USER_1"}},
+    "ready": ["answer"],
+}
+
+
 @pytest.mark.parametrize("missing", [0, 1, FAR])
-def test_so_it_does_where_lines_have_bounds(missing: int) -> None:
-    planner = planner_at(missing, task={"a": "revisit(A) <= 900 s", "b": "G F at(B)"})
+@pytest.mark.parametrize("changes", [BOUNDED, READY])
+def test_so_it_does_where_lines_have_bounds_or_are_ready(
+    missing: int, changes: dict[str, Any]
+) -> None:
+    planner = planner_at(missing, **changes)
     lasso = planner.replan(*planner.initial_problem(at="B"))
     assert lasso is not None
     assert [a.name for a in (*lasso.prefix, *lasso.loop)][:2] == ["move(B, E)", "recharge(E)"]
