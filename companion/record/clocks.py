@@ -32,22 +32,24 @@ class ClockFile:
     Args:
         folder: of the run; where it has samples already, more are added.
         is_continued: whether it is the folder of a run that goes on.
+        write: makes a file with a text.
         unix_of: as the function of that name.
     """
 
     def __init__(
-        self, folder: Path, is_continued: bool, unix_of: Callable[[float], float] = unix_of
+        self,
+        folder: Path,
+        is_continued: bool,
+        write: Callable[[Path, str], None],
+        unix_of: Callable[[float], float] = unix_of,
     ) -> None:
         self._path = folder / CLOCKS_FILE
+        self._write = write
         self._unix_of = unix_of
         self._samples: list[dict[str, Any]] = read_clocks(folder) if is_continued else []
 
     def add(self, reading: ClockReading) -> None:
-        """Adds a sample.
-
-        Raises:
-            OSError: it cannot be written.
-        """
+        """Adds a sample."""
         clock_s, offset = reading.clock_s, reading.autopilot
         unix_s = self._unix_of(clock_s) if clock_s is not None else None
         autopilot = None
@@ -63,7 +65,7 @@ class ClockFile:
         }
         self._samples.append(sample)
         text = json.dumps({"version": VERSION, "samples": self._samples}, indent=1)
-        self._path.write_text(text + "\n", encoding="utf-8")
+        self._write(self._path, text + "\n")
 
 
 def read_clocks(folder: Path) -> list[dict[str, Any]]:

@@ -6,10 +6,12 @@
 - `scene.json`: what the mission says of the world (scene.py).
 - `plan-N.json`: the N-th plan; 0 is the first, N the one after replan N.
 - `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
-  microseconds since 1970), as MAVProxy and QGroundControl write it. It reaches the disk five times
-  a second of the flight's time, so that others can follow it.
+  microseconds since 1970), as MAVProxy and QGroundControl write it. It is written five times a
+  second of the flight's time, so that others can follow it.
 - `clocks.json`: what the clocks of the run showed at the same time (clocks.py).
 - `journal.jsonl`: what another process needs to go on with the flight (journal_file.py), if asked.
+
+In flight nobody waits for the disk: a thread writes (disk_thread.py), and one of the journal's own.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from companion.acting.journal import Journal, NoJournal
-from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.event import Stamped
 from companion.flight_events.hosting import RecordingFailed
 from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.sortie import RunEnded
@@ -31,6 +33,7 @@ from companion.mavlink.framing import dialect, message_id, split_frames
 from companion.mission.model import Mission
 from companion.record.clocks import ClockFile
 from companion.record.cut_off import ToldWord, cut_events, cut_tlog, write_if_lost
+from companion.record.disk_thread import DiskThread
 from companion.record.drawing import draw_here
 from companion.record.events import EVENTS_FILE, MISSION_FILE, SCENE_FILE, TLOG_FILE
 from companion.record.journal_file import JournalFile
@@ -39,6 +42,8 @@ from companion.record.trail import Trail
 from companion.vehicle.run_clocks import ClockReading
 
 FLUSH_S = 0.2
+MOST_WAITING_BYTES = 32 << 20
+"""A quarter of an hour of packets; what comes while so much waits for the disk is left out."""
 SETUP_SIGNING: int = dialect.MAVLINK_MSG_ID_SETUP_SIGNING
 
 
@@ -82,6 +87,7 @@ class RunFolder:
         self.trail = Trail()
         self.has_ended = False
         self._is_failing = False
+        self._packets = bytearray()
         self._flushed_s = 0.0
         events, tlog = folder / EVENTS_FILE, folder / TLOG_FILE
         about = json.dumps(scene(mission, start_unix_s)) + "\n"
@@ -94,10 +100,10 @@ class RunFolder:
             write_if_lost(folder / SCENE_FILE, about)
             self._told = cut_events(events, cut_off_at)
             cut_tlog(tlog)
-        self._clocks = ClockFile(folder, is_continued=cut_off_at is not None)
-        mode = "w" if cut_off_at is None else "a"
-        self._events = events.open(mode, encoding="utf-8")
-        self._tlog = tlog.open(f"{mode}b")
+        self._disk = DiskThread()
+        self._clocks = ClockFile(folder, cut_off_at is not None, self._disk.write)
+        mode = "wb" if cut_off_at is None else "ab"
+        self._events, self._tlog = events.open(mode), tlog.open(mode)
 
     @property
     def name(self) -> str:
@@ -105,33 +111,30 @@ class RunFolder:
         return self.folder.name
 
     def report(self, stamped: Stamped) -> None:
-        """Appends a line to events.jsonl, at once; a plan also becomes a file."""
+        """Appends a line to events.jsonl; a plan also becomes a file."""
         if stamped.event in self._told:
             return  # the run that was cut off has told it
         self.has_ended |= isinstance(stamped.event, RunEnded)
         self.trail.take(stamped)
         if stamped.event.is_told:
             self._tell(stamped)
-        with self._going_on():
-            self._events.write(json.dumps(line_of(stamped)) + "\n")
-            self._events.flush()
-            match stamped.event:
-                case PlanMade(number=number) | PlanReplaced(number=number) as plan:
-                    self._plan(number, plan)
+        self._disk.append(self._events, (json.dumps(line_of(stamped)) + "\n").encode())
+        match stamped.event:
+            case PlanMade(number=number) | PlanReplaced(number=number) as plan:
+                text = json.dumps(json_of(plan), indent=2) + "\n"
+                self._disk.write(self.folder / f"plan-{number}.json", text)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Appends frames to flight.tlog; none with a signing key in it."""
         stamp = struct.pack(">Q", int((self._start_unix_s + now_s) * 1e6))
-        with self._going_on():
-            for datagram in datagrams:
-                for frame in split_frames(datagram):
-                    if message_id(frame) != SETUP_SIGNING:
-                        self._tlog.write(stamp + frame)
-            if self._journal_file is not None and self._journal_file.failure is not None:
-                raise OSError(0, self._journal_file.failure)
-            if now_s - self._flushed_s >= FLUSH_S:
-                self._tlog.flush()
-                self._flushed_s = now_s
+        for datagram in datagrams:
+            for frame in split_frames(datagram):
+                if message_id(frame) != SETUP_SIGNING:
+                    self._packets += stamp + frame
+        if now_s - self._flushed_s >= FLUSH_S:
+            self._flushed_s = now_s
+            self._hand_over_packets()
+            self._tell_failure()
 
     def position(self, now_s: float, position: Ned) -> None:
         """Adds to the trail of flight.png."""
@@ -139,30 +142,44 @@ class RunFolder:
 
     def clocks(self, reading: ClockReading) -> None:
         """Adds to clocks.json."""
-        with self._going_on():
-            self._clocks.add(reading)
+        self._clocks.add(reading)
 
     def close(self) -> None:
-        """Closes the files and draws the flight."""
+        """Closes the files when all is written, and draws the flight."""
         if self._journal_file is not None:
             self._journal_file.close()
+        self._hand_over_packets()
+        self._disk.close()
+        self._tell_failure()
         for stream in (self._events, self._tlog):
             with self._going_on():
                 stream.close()
         with self._going_on():
             self._draw(self._mission, self.trail, self.folder / "flight.png")
 
+    def _hand_over_packets(self) -> None:
+        if self._disk.waiting_bytes < MOST_WAITING_BYTES:
+            self._disk.append(self._tlog, bytes(self._packets))
+        else:
+            self._fail("the disk takes nothing any more")
+        self._packets.clear()
+
+    def _tell_failure(self) -> None:
+        """What a thread could not write is told here, in the loop's own."""
+        journal = self._journal_file
+        if failure := self._disk.failure or (journal and journal.failure):
+            self._fail(failure)
+
     @contextmanager
     def _going_on(self) -> Iterator[None]:
-        """A full disk ends no flight: the first failure is told, later ones are not."""
+        """A full disk ends no flight."""
         try:
             yield
         except OSError as error:
-            if not self._is_failing:
-                self._is_failing = True
-                self._tell(Stamped(0.0, RecordingFailed(str(error.strerror))))
+            self._fail(str(error.strerror))
 
-    def _plan(self, number: int, plan: FlightEvent) -> None:
-        """Writes a plan."""
-        path = self.folder / f"plan-{number}.json"
-        path.write_text(json.dumps(json_of(plan), indent=2) + "\n", encoding="utf-8")
+    def _fail(self, reason: str) -> None:
+        """The first failure is told, later ones are not."""
+        if not self._is_failing:
+            self._is_failing = True
+            self._tell(Stamped(0.0, RecordingFailed(reason)))

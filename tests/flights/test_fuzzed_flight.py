@@ -1,7 +1,9 @@
 """200,000 fuzzed datagrams in two flights over sockets, with and without a key.
 
-The same is flown as without them, setpoints keep their pace, and memory does not grow. In lockstep
-many more are sent, in `tests/properties/test_frame_fuzz.py`.
+The same is flown as without them, setpoints keep their pace, and memory does not grow. A machine
+may stand still for a moment, also for one program alone: so 99 of 100 periods are compared with an
+empty loop's, and of the others none is so long that the simulator leaves OFFBOARD (the same is
+flown). In lockstep many more are sent, in `tests/properties/test_frame_fuzz.py`.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import time
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import psutil
 import pytest
 from attacks import attacks, means_nothing
@@ -36,7 +39,7 @@ NUMBER = 100_000
 LASTS_S = 45.0
 """The task takes a minute."""
 BATCH_S = 0.01
-TICK_S, GAP_MAX_S = 0.05, 0.2
+LATER_MAX_S = 0.05
 GROWTH_MAX = 10_000_000
 
 
@@ -76,9 +79,9 @@ def fuzzed(system: int, is_signed: bool) -> list[bytes]:
     return found[:NUMBER]
 
 
-def longest_s(times_s: list[float]) -> float:
-    """The longest period."""
-    return max(b - a for a, b in pairwise(times_s))
+def period_s(times_s: list[float], share: float) -> float:
+    """The period that a share of all does not exceed."""
+    return float(np.quantile([b - a for a, b in pairwise(times_s)], share))
 
 
 @pytest.mark.parametrize("is_signed", [True, False], ids=["signed", "unsigned"])
@@ -107,11 +110,14 @@ def test_a_flight_is_as_without_them(is_signed: bool, run: Run, tmp_path: Path) 
         for event in recorded(tmp_path / "runs")
         if not isinstance(event, DatagramsDropped | FramesRefused)
     ]
-    late_s = longest_s(wire.ticks_s) - TICK_S
+    ours, empty = (
+        " ".join(f"{1e3 * period_s(times_s, share):.1f}" for share in (0.5, 0.99, 1.0))
+        for times_s in (wire.setpoints_s, wire.ticks_s)
+    )
     print(
-        f"longest period {longest_s(wire.setpoints_s):.3f} s, of an empty loop "
-        f"{longest_s(wire.ticks_s):.3f} s; {(after - before) / 1e6:.1f} MB more"
+        f"periods p50 p99 max {ours} ms, of an empty loop {empty} ms; "
+        f"{(after - before) / 1e6:.1f} MB more"
     )
     assert "".join(told) == STORED.read_text(encoding="utf-8")
-    assert longest_s(wire.setpoints_s) - late_s <= GAP_MAX_S
+    assert period_s(wire.setpoints_s, 0.99) <= period_s(wire.ticks_s, 0.99) + LATER_MAX_S
     assert after - before <= GROWTH_MAX

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from lossy_wire import LossyWire, lossy_wire
+from patience import PATIENCE_S, comes_true
 from ports import free_instance, own_ports
 from test_sockets import START_S, Run, run
 
@@ -31,8 +32,6 @@ pytestmark = [
 
 SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 SILENT_WITHIN_S = 0.3
-LONGEST_S = 300.0
-"""Wall time that nothing here needs."""
 PROGRAM = """
 import ctypes, re, sys, threading, time
 from companion import load_mission, run
@@ -121,13 +120,6 @@ def start(run: Run) -> Iterator[Start]:
             program.communicate()
 
 
-def comes_true(is_so: Callable[[], bool]) -> bool:
-    end_s = time.monotonic() + LONGEST_S
-    while not is_so() and time.monotonic() < end_s:
-        time.sleep(0.05)
-    return is_so()
-
-
 @pytest.mark.parametrize(
     "way", ["in_c", "in_a_long_regular_expression", "deadlocked", "in_a_loop", "from_outside"]
 )
@@ -158,7 +150,7 @@ def test_a_process_that_wakes_up_leaves_the_vehicle_to_its_failsafe(way: str, st
     if way == "from_outside":
         time.sleep(5.0)  # several times what is taken in at once
         os.kill(flown.program.pid, signal.SIGCONT)
-    said, _ = flown.program.communicate(timeout=LONGEST_S)
+    said, _ = flown.program.communicate(timeout=PATIENCE_S)
     assert "a failsafe of the autopilot has control, in AUTO.LOITER" in said
     assert flown.wire.setpoints_s[-1] <= hung_s + SILENT_WITHIN_S
     assert flown.is_on_hold()

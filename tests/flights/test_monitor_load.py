@@ -22,6 +22,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import PATIENCE_S, comes_true
 from ports import free_instance, own_ports
 from pymavlink import mavutil
 
@@ -38,7 +39,6 @@ WATCHED_S = 12.0
 SEEN = 3 * WATCHED_S  # snapshots that a quick client gets in this time
 TICK_S = 0.05
 ATTEMPTS = 3
-PATIENCE_S = 300.0  # wall time that no answer needs
 
 EMPTY_LOOP = f"""
 import select, sys, time
@@ -117,13 +117,6 @@ def empty_loop() -> Iterator[Callable[[], float]]:
         [sys.executable, "-c", EMPTY_LOOP], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as loop:
         yield lambda: float(loop.communicate()[0])
-
-
-def comes_true(is_so: Callable[[], bool], limit_s: float = PATIENCE_S) -> bool:
-    end_s = time.monotonic() + limit_s
-    while not is_so() and time.monotonic() < end_s:
-        time.sleep(0.1)
-    return is_so()
 
 
 def test_setpoints_keep_their_pace(tmp_path: Path) -> None:

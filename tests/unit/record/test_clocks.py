@@ -28,8 +28,12 @@ def samples(folder: Path) -> list[dict[str, Any]]:
     return list(data["samples"])
 
 
+def write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
 def test_a_sample_has_three_clocks(tmp_path: Path) -> None:
-    file = ClockFile(tmp_path, False, unix_of=lambda clock_s: 1.7e9 + clock_s)
+    file = ClockFile(tmp_path, False, write, lambda clock_s: 1.7e9 + clock_s)
     file.add(ARMED)
     assert samples(tmp_path) == [
         {
@@ -43,15 +47,15 @@ def test_a_sample_has_three_clocks(tmp_path: Path) -> None:
 
 
 def test_in_lockstep_there_is_no_machines_clock_and_at_first_no_autopilots(tmp_path: Path) -> None:
-    ClockFile(tmp_path, False).add(ClockReading("start", 0.0, None, None))
+    ClockFile(tmp_path, False, write).add(ClockReading("start", 0.0, None, None))
     (sample,) = samples(tmp_path)
     assert (sample["monotonic_s"], sample["unix_s"], sample["autopilot"]) == (None, None, None)
 
 
 @pytest.mark.parametrize("is_continued", [False, True])
 def test_a_run_that_goes_on_keeps_its_samples(tmp_path: Path, is_continued: bool) -> None:
-    ClockFile(tmp_path, False).add(ARMED)
-    ClockFile(tmp_path, is_continued).add(ARMED._replace(occasion="end"))
+    ClockFile(tmp_path, False, write).add(ARMED)
+    ClockFile(tmp_path, is_continued, write).add(ARMED._replace(occasion="end"))
     assert [s["at"] for s in samples(tmp_path)] == ["armed", "end"][1 - is_continued :]
 
 
@@ -66,8 +70,8 @@ def test_a_disk_that_is_full_ends_no_flight(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path / "run", mission("F at(A)"), 0.0, told.append)
     (tmp_path / "run" / "clocks.json").mkdir()
     folder.clocks(ARMED)
-    assert len(told) == 1
     folder.close()
+    assert len(told) == 1
 
 
 def test_a_flight_has_its_clocks_read_when_it_begins_arms_and_ends(surveillance_run: Path) -> None:
