@@ -67,7 +67,7 @@ class Companion:
 
     Attributes:
         failure: why the last run did not end well.
-        wire: its ear and its voice.
+        wire, telemetry: its ear and its voice, and what its vehicle has told of itself.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class Companion:
         functions: FunctionPort | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
-        self.wire, self._telemetry = Wire(), Telemetry(memory.frames if memory else None)
+        self.wire, self.telemetry = Wire(), Telemetry(memory.frames if memory else None)
         self._component = Component(self, host.uploads if host else None, page)
         self._host, self._mission = host, mission
         self._run_of = partial(
@@ -110,7 +110,7 @@ class Companion:
     def missing(self) -> str | None:
         """What the only run still waits to hear of its vehicle; None if it waits for nothing."""
         is_begun = self._run is not None and not self._run.is_waiting
-        return None if is_begun or self._host is not None else self._telemetry.missing
+        return None if is_begun or self._host is not None else self.telemetry.missing
 
     @property
     def has_ended(self) -> bool:
@@ -172,7 +172,7 @@ class Companion:
         answered = self.wire.take_answered()
         if run is None:
             self._idle(messages)
-            questions = self._telemetry.questions(now_s, (self.wire.system, AUTOPILOT), False)
+            questions = self.telemetry.questions(now_s, (self.wire.system, AUTOPILOT), False)
             leaving = self._component.transmit(now_s, self._is_stopping)
             return at_once + self.wire.pack(leaving + questions)
         self._follow_parameters()
@@ -213,11 +213,11 @@ class Companion:
             return Refusal(f"{self._run.mission.name} is {phase.value}")
         if self._host is None or self._mission is None:
             return Refusal("there is no mission; upload one")
-        if refusal := why_left_alone(self._telemetry.state, self._now_s):
+        if refusal := why_left_alone(self.telemetry.state, self._now_s):
             return refusal
         if self._preparation is None:
             speed_max_mps = self._component.parameters[SPEED_MAX]
-            ground_amsl_m = self._telemetry.ground_amsl_m
+            ground_amsl_m = self.telemetry.ground_amsl_m
             self._preparation = self._host.prepare(self._mission, speed_max_mps, ground_amsl_m)
         return None
 
@@ -243,7 +243,7 @@ class Companion:
         """Begins the only run, as soon as it can be prepared."""
         if (only := self._only) is None:
             return
-        match only.prepare(self._telemetry):
+        match only.prepare(self.telemetry):
             case PreparedMission() as prepared:
                 self._begin(prepared, only.recorder, only.journalled)
             case Aborted() as failure:
@@ -262,7 +262,7 @@ class Companion:
         if journalled is not None and (settings := journalled.settings) is not None:
             self._component.parameters.put(SPEED_MAX, settings.speed_max_mps)
             self._component.parameters.put(BELIEF_RETRY, settings.belief_retry_s)
-        parts = prepared, recorder, self.wire, self._telemetry, self._now_s
+        parts = prepared, recorder, self.wire, self.telemetry, self._now_s
         self._run = self._run_of(*parts, journalled=journalled)
         self._listen()
 
@@ -276,7 +276,7 @@ class Companion:
 
     def _begin_prepared(self, host: Host, preparation: Preparation) -> Refusal | None:
         """Begins a run, if the vehicle is still one to begin it with; or why there is none."""
-        if refusal := why_left_alone(self._telemetry.state, self._now_s):
+        if refusal := why_left_alone(self.telemetry.state, self._now_s):
             return refusal
         try:
             prepared = preparation.result()
@@ -297,8 +297,8 @@ class Companion:
         """
         for message in messages:
             is_theirs = source(message) == (self.wire.system, AUTOPILOT)
-            if is_theirs and self._telemetry.is_news(self._now_s, message):
-                self._telemetry.take(self._now_s, message)
+            if is_theirs and self.telemetry.is_news(self._now_s, message):
+                self.telemetry.take(self._now_s, message)
         self._begin_only()
         if self._preparation is not None:
             self._is_prepared = self._preparation.done()

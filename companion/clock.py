@@ -32,6 +32,7 @@ class ScaledClock:
     ) -> None:
         self._speed = speed
         self._max_jump_s = max_jump_s
+        self._is_machines = speed == 1.0 and max_jump_s == math.inf
         self._monotonic_s = monotonic_s
         self._read_s = monotonic_s()
         self._start_s = self._read_s - begin_s / speed
@@ -46,7 +47,19 @@ class ScaledClock:
     @property
     def zero_s(self) -> float | None:
         """What the machine's clock showed when this one showed 0; None if it does not run as it."""
-        return self._start_s if self._speed == 1.0 and self._max_jump_s == math.inf else None
+        return self._start_s if self._is_machines else None
+
+    @property
+    def speed(self) -> float:
+        """Scaled seconds per wall-clock second."""
+        return self._speed
+
+    def quicken(self, factor: float) -> None:
+        """Goes on so many times as fast, from what it shows now."""
+        now_s = self.now_s()
+        self._speed *= factor
+        self._start_s = self._read_s - now_s / self._speed
+        self._is_machines = False
 
     def sleep_until(self, time_s: float) -> None:
         """Sleeps until a scaled time."""

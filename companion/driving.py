@@ -13,6 +13,7 @@ from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
+from companion.flight_events.hosting import ClockFollowed
 from companion.ground.operations import SystemStatus
 from companion.slices import abandon_all
 from companion.vehicle.control_watch import PAUSED_S
@@ -21,6 +22,9 @@ from companion.vehicle.link import Link
 from companion.vehicle.report_port import ReportPort
 
 log = logging.getLogger(__name__)
+
+NEWS = 1.1
+"""A speed that is so many times another one is told."""
 
 
 def fly(
@@ -43,6 +47,9 @@ def fly(
     OFFBOARD, and would return to it by the next setpoint. So what was to be sent before the pause
     is not, what has arrived in it is not read, and the flight waits for a heartbeat
     (`ControlWatch`).
+
+    An autopilot whose clock runs faster or slower than this computer's is one of a simulator: the
+    flight's clock follows it.
 
     Args:
         companion: what is driven.
@@ -72,6 +79,7 @@ def _drive(
     reports: ReportPort | None,
 ) -> None:
     companion.wire.time.zero_s = clock.zero_s
+    told_speed = clock.speed
     begun_s = next_tick_s = now_s = clock.now_s()
     was_flying, is_tick = False, True
     while not companion.has_ended:
@@ -82,6 +90,7 @@ def _drive(
         if is_tick:
             clock.sleep_until(next_tick_s)
         now_s = _step(companion, link, clock, heard, is_tick, now_s, reports)
+        told_speed = _keep_pace(companion, clock, told_speed)
         if now_s - begun_s > timeout_s and (missing := companion.missing) is not None:
             raise _timed_out(link, timeout_s, missing)
         is_flying = companion.system_status is not SystemStatus.STANDBY
@@ -171,6 +180,18 @@ def _hears(
         if now_s >= until_s or companion.is_urgent(now_s, arrived):
             return now_s < until_s
     return False
+
+
+def _keep_pace(companion: Companion, clock: ScaledClock, told_speed: float) -> float:
+    """Lets the flight's clock run as fast as the autopilot's; returns which speed was told last."""
+    if (rate := companion.telemetry.clock.rate.take_news()) is None:
+        return told_speed
+    clock.quicken(rate)
+    companion.wire.time.zero_s = clock.zero_s
+    if max(clock.speed / told_speed, told_speed / clock.speed) < NEWS:
+        return told_speed
+    companion.note([ClockFollowed(round(clock.speed, 2))])
+    return clock.speed
 
 
 def _set_aside() -> None:

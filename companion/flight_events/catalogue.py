@@ -33,6 +33,7 @@ from companion.flight_events.frames import (
     OriginMoved,
 )
 from companion.flight_events.hosting import (
+    ClockFollowed,
     DatagramsDropped,
     FramesRefused,
     MissionReady,
@@ -222,6 +223,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     MissionUnreadable,
     RunNotBegun,
     TerminalHungUp,
+    ClockFollowed,
     DatagramsDropped,
     FramesRefused,
     PortLost,

@@ -118,6 +118,19 @@ class FramesRefused(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class ClockFollowed(FlightEvent):
+    """The autopilot's clock runs at another speed, as a simulator's does; the flight's follows."""
+
+    kind = "clock"
+    template = (
+        "the autopilot's clock runs {speed:g} times as fast as this computer's, as a simulator's "
+        "does: the flight goes by it"
+    )
+
+    speed: Annotated[float, Doc("seconds of the flight in a second of this computer")]
+
+
+@dataclass(frozen=True, slots=True)
 class RecordingFailed(FlightEvent):
     """The run folder cannot be written any more; the flight goes on."""
 

@@ -21,6 +21,7 @@ from companion.flight_events.facts import (
 )
 from companion.flight_events.frames import FrameDoubted, OriginMoved
 from companion.flight_events.hosting import (
+    ClockFollowed,
     DatagramsDropped,
     FramesRefused,
     PortLost,
@@ -89,7 +90,7 @@ def severity(event: FlightEvent) -> int:
             return WARNING
         case ReportRefused() | ReportUnknown() | SignalOfAnother() | DatagramsDropped():
             return WARNING
-        case LowPlacesFlown():
+        case LowPlacesFlown() | ClockFollowed():
             return WARNING
         case MissionEventChanged() | BeliefRestored() | UploadNews() | RunEnded():
             return NOTICE

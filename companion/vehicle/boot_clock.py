@@ -8,7 +8,8 @@ WINDOW_S the one with the latest bound counts: its question was the quickest. A 
 behind ours, as a simulated autopilot's does on a busy machine, has it in the newest answer.
 
 Rules:
-1. A question a second until FEW are answered, then one in RELAXED_S.
+1. A question a second until FEW are answered, then one in RELAXED_S; a clock that runs at another
+   rate than ours is asked each second, as its rate may change.
 2. An answer counts if it echoes a question of ours, once.
 3. A stamp, or an answer, that steps back by more than BACK_S is of a clock that has begun anew: the
    answers of before count no longer.
@@ -23,6 +24,7 @@ import math
 from typing import NamedTuple
 
 from companion.mavlink.framing import Message, dialect
+from companion.vehicle.clock_rate import ClockAnswer, ClockRate
 
 QUESTION_S, RELAXED_S = 1.0, 5.0
 WINDOW_S = 30.0
@@ -30,14 +32,6 @@ WINDOW_S = 30.0
 FEW = 5
 BACK_S = 1.0
 NANO = 1_000_000_000
-
-
-class _Answer(NamedTuple):
-    """An answer: the round trip, when it was asked, and what the autopilot's clock showed then."""
-
-    round_trip_s: float
-    asked_s: float
-    boot_s: float
 
 
 class ClockOffset(NamedTuple):
@@ -55,6 +49,9 @@ class ClockOffset(NamedTuple):
 class BootClock:
     """The clock of one autopilot, as seen from here.
 
+    Attributes:
+        rate: how fast it runs.
+
     >>> clock = BootClock()
     >>> (question,) = clock.due(100.0)
     >>> clock.take(100.1, dialect.MAVLink_timesync_message(7 * NANO, question.ts1))
@@ -63,10 +60,11 @@ class BootClock:
     """
 
     def __init__(self) -> None:
+        self.rate = ClockRate()
         self._next_s = -math.inf
         self._newest_s = -math.inf
         self._asked: dict[int, float] = {}
-        self._answers: list[_Answer] = []
+        self._answers: list[ClockAnswer] = []
         self._bound_s: float | None = None  # the latest of theirs: what ours showed at a 0 of its
 
     def due(self, now_s: float) -> list[Message]:
@@ -74,7 +72,8 @@ class BootClock:
         if now_s < self._next_s:
             return []
         self._forget(now_s)
-        self._next_s = now_s + (QUESTION_S if len(self._answers) < FEW else RELAXED_S)
+        is_relaxed = len(self._answers) >= FEW and not self.rate.has_differed
+        self._next_s = now_s + (RELAXED_S if is_relaxed else QUESTION_S)
         nanoseconds = round(now_s * NANO)
         self._asked[nanoseconds] = now_s
         return [dialect.MAVLink_timesync_message(0, nanoseconds)]
@@ -86,7 +85,10 @@ class BootClock:
         boot_s = message.tc1 / NANO
         self._follow(boot_s)
         self._forget(now_s)
-        self._answers.append(_Answer(now_s - asked_s, asked_s, boot_s))
+        answer = ClockAnswer(asked_s, now_s, boot_s)
+        self._answers.append(answer)
+        if self.rate.take(answer):
+            self._answers = self._answers[-1:]  # ours goes at another rate from now on
         self._find_bound()
 
     def measured_s(self, now_s: float, boot_s: float) -> float:
@@ -107,8 +109,9 @@ class BootClock:
         """
         if not self._answers:
             return None
-        round_trip_s, asked_s, boot_s = min(self._answers)
-        return ClockOffset(asked_s + round_trip_s / 2 - boot_s, round_trip_s / 2)
+        quickest = min(self._answers, key=lambda answer: answer.round_trip_s)
+        uncertainty_s = quickest.round_trip_s / 2
+        return ClockOffset(quickest.asked_s + uncertainty_s - quickest.boot_s, uncertainty_s)
 
     def _follow(self, boot_s: float) -> None:
         """Takes the autopilot's time; one that steps back is that of another boot."""

@@ -50,7 +50,7 @@ def two_flights(seed: int, *, remembers: bool = True) -> Lockstep:
 
 def off_m(flight: Lockstep) -> float:
     """How far the map lies from where it lay at first: there the local frame begins."""
-    origin = flight.companion._telemetry.frame.origin
+    origin = flight.companion.telemetry.frame.origin
     assert origin is not None
     return horizontal_distance(origin, (0.0, 0.0, 0.0))
 

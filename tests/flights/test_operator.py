@@ -117,7 +117,7 @@ class Operated(Lockstep):
 
     def start_by_operator(self) -> Operated:
         """The vehicle is known, and the operator starts the mission."""
-        self.until(lambda: self.companion._telemetry.state is not None, 10.0)
+        self.until(lambda: self.companion.telemetry.state is not None, 10.0)
         assert self.ask(START) == ACCEPTED
         return self
 

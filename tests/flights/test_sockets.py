@@ -26,6 +26,7 @@ from test_mavsdk_client import first, mavsdk
 from test_shipped import SHIPPED
 
 from companion.flight_events.event import FlightEvent
+from companion.flight_events.hosting import ClockFollowed
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
@@ -48,7 +49,7 @@ STORED = Path(__file__).parents[1] / "data" / "surveillance.events.txt"
 GROUND_STATION, COMPANION = 14550, 14540
 START_S, FLIGHT_S = 300.0, 900.0  # wall time that no start and no flight needs
 SPEED = 2
-LEFT_OUT = (SetpointRefused, AutopilotSaid)
+LEFT_OUT = (SetpointRefused, AutopilotSaid, ClockFollowed)
 
 
 class Command:
@@ -178,8 +179,9 @@ def run_folder(log_dir: Path) -> Path:
 def recorded(log_dir: Path) -> list[FlightEvent]:
     """All that people were told in the only run.
 
-    On a busy machine the gate may hold the vehicle for a moment; that is left out. So are the
-    autopilot's own words: some are said only where a ground station is heard.
+    On a busy machine the gate may hold the vehicle for a moment, and the simulator may fall behind
+    for seconds; that is left out. So are the autopilot's own words: some are said only where a
+    ground station is heard.
     """
     folder = run_folder(log_dir)
     lines = (folder / "events.jsonl").read_text(encoding="utf-8").splitlines()
@@ -245,6 +247,23 @@ def test_the_mission_flies_on_a_simulator_started_separately(
     assert sequence(tmp_path) == STORED.read_text(encoding="utf-8")
     os.kill(simulator.pid, signal.SIGTERM)
     assert simulator.exit_code(START_S) == 0
+
+
+@pytest.mark.parametrize("speed", [3.0, pytest.param(0.5, marks=pytest.mark.long)])
+def test_a_simulator_that_runs_at_another_speed_is_followed(
+    speed: float, run: Run, instance: int, tmp_path: Path
+) -> None:
+    """Nobody tells the companion; as with PX4_SIM_SPEED_FACTOR, or a Gazebo that is too slow."""
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    scenario = SURVEILLANCE.with_suffix(".sim.yaml")
+    run("sitl", *own_ports(instance), "--scenario", scenario, "--speed", speed)
+    companion = run(
+        *("companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path)
+    )
+    assert companion.exit_code() == 0, companion.printed
+    assert sequence(tmp_path) == STORED.read_text(encoding="utf-8")
+    assert "times as fast as this computer's" in companion.printed
+    assert not audit(read_events(run_folder(tmp_path))).is_failure
 
 
 def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_path: Path) -> None:

@@ -74,7 +74,7 @@ class World:
     """
 
     endpoint = "udpin://0.0.0.0:14540"
-    zero_s = None
+    zero_s, speed = None, 1.0
 
     def __init__(self, asked: Mission, **options: bool) -> None:
         self.notes = Notes()

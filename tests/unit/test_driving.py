@@ -38,7 +38,7 @@ class Line(Notes):
 
     endpoint = "udpin://0.0.0.0:14540"
     uploads = None
-    zero_s = 700.0
+    zero_s, speed = 700.0, 1.0
 
     def __init__(self, asks_until_s: float) -> None:
         super().__init__()

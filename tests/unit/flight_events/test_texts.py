@@ -36,6 +36,7 @@ from companion.flight_events.frames import (
     OriginMoved,
 )
 from companion.flight_events.hosting import (
+    ClockFollowed,
     DatagramsDropped,
     FramesRefused,
     MissionReady,
@@ -364,6 +365,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (MissionUnreadable("no such file"), "the mission cannot be read: no such file"),
     (RunNotBegun("disk full"), "nothing is flown: disk full"),
     (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
+    (
+        ClockFollowed(0.5),
+        "the autopilot's clock runs 0.5 times as fast as this computer's, as a simulator's does: "
+        "the flight goes by it",
+    ),
     (DatagramsDropped(8), "datagrams dropped: 8; too long, or too many from one sender"),
     (FramesRefused(3, 1, 0), "frames refused: 3 unsigned, 1 with another key, 0 too old"),
     (

@@ -178,3 +178,28 @@ def test_nothing_is_taken_for_newer_than_it_is(
         now_s += 16.0
     told_s = measured_s(clock, now_s, delay_s)
     assert now_s - max(there_s for there_s, _ in trips) <= told_s <= now_s
+
+
+@pytest.mark.parametrize("rate", [0.5, 4.0])
+def test_a_clock_of_another_rate_is_asked_each_second_and_its_newest_answer_counts(
+    rate: float,
+) -> None:
+    """Ours has its rate from then on, by whoever takes the news."""
+    clock = BootClock()
+    for i in range(FEW):
+        (question,) = clock.due(1100.0 + i)
+        shown = round(rate * (100.0 + i) * NANO)
+        clock.take(1100.0 + i, dialect.MAVLink_timesync_message(shown, question.ts1))
+        if clock.rate.has_differed:
+            break
+    assert clock.rate.take_news() == pytest.approx(rate)
+    booted_s = 1100.0 + i - rate * (100.0 + i)
+    assert measured_s(clock, 1100.0 + i, 2.0, booted_s) == pytest.approx(1100.0 + i)
+    for now_s in (1110.0, 1111.0, 1112.0, 1113.0, 1114.0, 1115.0, 1116.0):
+        asked_of(clock, now_s, booted_s)
+    assert clock.rate.take_news() is None
+
+
+def asked_of(clock: BootClock, now_s: float, booted_s: float) -> None:
+    (question,) = clock.due(now_s)
+    clock.take(now_s, answer(question, now_s, booted_s))
