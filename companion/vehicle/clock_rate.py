@@ -4,7 +4,7 @@ An answer to TIMESYNC was given after our question was sent and before it arrive
 bound the rate, whatever the link does: what lies between them on the autopilot's clock, over the
 most and the least that can lie between them on ours. It is another rate where the last PAIRS of
 answers leave no doubt of it, all on one side. A computer that was suspended, whose clock stood
-still, shows one such pair alone.
+still, shows one such pair alone. A clock that stands, or counts in other units, is none to go by.
 
 Source: https://mavlink.io/en/services/timesync.html
 """
@@ -18,6 +18,8 @@ from typing import NamedTuple
 PAIRS = 3
 NEARLY = 0.03
 """A rate that is off by less is none: setpoints are, by as little."""
+SLOWEST, QUICKEST = 0.02, 50.0
+"""Of simulators."""
 
 
 class ClockAnswer(NamedTuple):
@@ -64,14 +66,13 @@ class ClockRate:
         if len(self._answers) <= PAIRS:
             return False
         bounds = [_bounds(*pair) for pair in pairwise(self._answers)]
-        is_quick = all(least > 1.0 + NEARLY for least, _ in bounds)
+        is_quick = all(1.0 + NEARLY < least for least, _ in bounds)
         is_slow = all(most < 1.0 - NEARLY for _, most in bounds)
-        if is_quick or is_slow:
-            first, last = self._answers[0], self._answers[-1]
-            between_s = (last.asked_s + last.heard_s - first.asked_s - first.heard_s) / 2
-            self._news = (last.boot_s - first.boot_s) / between_s
-            self._answers, self.has_differed = [last], True
-        return is_quick or is_slow
+        rate = _between(self._answers[0], self._answers[-1])
+        if not (is_quick or is_slow) or not SLOWEST <= rate <= QUICKEST:
+            return False
+        self._answers, self._news, self.has_differed = [answer], rate, True
+        return True
 
     def take_news(self) -> float | None:
         """A rate that was found; given once. Answers that follow are by a clock that has it."""
@@ -85,3 +86,9 @@ def _bounds(first: ClockAnswer, second: ClockAnswer) -> tuple[float, float]:
     shortest_s = second.asked_s - first.heard_s
     most = passed_s / shortest_s if shortest_s > 0.0 else math.inf
     return passed_s / (second.heard_s - first.asked_s), most
+
+
+def _between(first: ClockAnswer, second: ClockAnswer) -> float:
+    """The rate between two answers if each was given in the middle of its way."""
+    asked_s, heard_s = second.asked_s - first.asked_s, second.heard_s - first.heard_s
+    return (second.boot_s - first.boot_s) / ((asked_s + heard_s) / 2)

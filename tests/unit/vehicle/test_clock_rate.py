@@ -88,3 +88,10 @@ def test_one_that_is_followed_is_followed_where_it_changes() -> None:
         for i in range(1, PAIRS + 1)
     ]
     assert news(rate, slower) == pytest.approx([0.5], rel=0.01)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-6, 1e-3, 1e3])
+def test_a_clock_that_stands_or_counts_in_other_units_is_not_followed(rate: float) -> None:
+    clock = ClockRate()
+    assert news(clock, answers([(1.0, 0.01, 0.01)] * 20, rate)) == []
+    assert not clock.has_differed
