@@ -249,7 +249,7 @@ def test_the_mission_flies_on_a_simulator_started_separately(
     assert simulator.exit_code(START_S) == 0
 
 
-@pytest.mark.parametrize("speed", [3.0, pytest.param(0.5, marks=pytest.mark.long)])
+@pytest.mark.parametrize("speed", [2.0, pytest.param(0.5, marks=pytest.mark.long)])
 def test_a_simulator_that_runs_at_another_speed_is_followed(
     speed: float, run: Run, instance: int, tmp_path: Path
 ) -> None:
