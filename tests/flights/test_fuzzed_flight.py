@@ -39,7 +39,7 @@ NUMBER = 100_000
 LASTS_S = 45.0
 """The task takes a minute."""
 BATCH_S = 0.01
-LATER_MAX_S = 0.05
+LATER_MAX_S = 0.1
 GROWTH_MAX = 10_000_000
 
 

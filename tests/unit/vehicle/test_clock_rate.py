@@ -69,10 +69,11 @@ def test_a_computer_that_was_suspended_twice_goes_by_its_own_clock(rate: float) 
     assert news(ClockRate(), before + again + later) == []
 
 
-def test_an_autopilot_that_boots_anew_has_a_clock_of_the_same_rate() -> None:
-    before = answers([(1.0, 0.01, 0.01)] * 2, 1.0)
-    again = [ClockAnswer(a + 5.0, h + 5.0, b - 900.0) for a, h, b in before * 2]
-    assert news(ClockRate(), before + again[:2] + answers([(20.0, 0.01, 0.01)], 1.0)) == []
+def test_what_a_clock_showed_before_it_stepped_back_does_not_count() -> None:
+    """Its rate is found from what it shows since."""
+    taken = answers([(1.0, 0.01, 0.01)] * 7, 0.5)
+    since = [answer._replace(boot_s=answer.boot_s - 0.6) for answer in taken[3:]]
+    assert news(ClockRate(), taken[:3] + since) == pytest.approx([0.5])
 
 
 def test_one_that_is_followed_is_followed_where_it_changes() -> None:
