@@ -121,7 +121,14 @@ def start(run: Run) -> Iterator[Start]:
 
 
 @pytest.mark.parametrize(
-    "way", ["in_c", "in_a_long_regular_expression", "deadlocked", "in_a_loop", "from_outside"]
+    "way",
+    [
+        "in_c",
+        pytest.param("in_a_long_regular_expression", marks=pytest.mark.long),
+        "deadlocked",
+        pytest.param("in_a_loop", marks=pytest.mark.long),
+        "from_outside",
+    ],
 )
 def test_a_process_that_hangs_is_silent_and_the_vehicle_holds(way: str, start: Start) -> None:
     flown = start(way)

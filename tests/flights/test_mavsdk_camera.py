@@ -142,7 +142,9 @@ async def served(bridge: Bridge, share: float, seed: int) -> None:
     assert camera.made == 3 and [place for _, place in flight.told] == ["A", "B", "C"]
 
 
-@pytest.mark.parametrize(("share", "seed"), [(0.1, 1), (0.3, 2)])
+@pytest.mark.parametrize(
+    ("share", "seed"), [pytest.param(0.1, 1, marks=pytest.mark.long), (0.3, 2)]
+)
 def test_mavsdks_camera_makes_each_photo_once(bridge: Bridge, share: float, seed: int) -> None:
     asyncio.run(served(bridge, share, seed))
 
