@@ -95,6 +95,26 @@ def euler_from_quaternion(q: Quaternion) -> tuple[float, float, float]:
     return (roll, pitch, yaw)
 
 
+def body_plane(roll_rad: float, pitch_rad: float, yaw_rad: float) -> tuple[Ned, Ned]:
+    """Where a vehicle's forward and its right point, as unit vectors.
+
+    >>> forward, right = body_plane(0.0, math.radians(90), math.radians(90))
+    >>> [round(x) for x in forward], [round(x) for x in right]
+    ([0, 0, -1], [-1, 0, 0])
+    """
+    (sin_r, cos_r), (sin_p, cos_p), (sin_y, cos_y) = (
+        (math.sin(angle), math.cos(angle)) for angle in (roll_rad, pitch_rad, yaw_rad)
+    )
+    return (
+        (cos_p * cos_y, cos_p * sin_y, -sin_p),
+        (
+            sin_r * sin_p * cos_y - cos_r * sin_y,
+            sin_r * sin_p * sin_y + cos_r * cos_y,
+            sin_r * cos_p,
+        ),
+    )
+
+
 def is_in_polygon(point: Sequence[float], polygon: Sequence[NorthEast]) -> bool:
     """Whether a point lies inside a simple polygon (even-odd rule).
 

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from companion.mavlink.framing import Message, dialect, source
-from sitl.flight.physics import FlightState
+from sitl.flight.physics import STANDING_M, FlightState
 from sitl.link.component_sender import COMMANDS, ComponentSender, PackedMessage
 from sitl.link.routing import target
 from sitl.world.detector import TargetDetector
@@ -128,7 +128,9 @@ class LidarComponent:
         """HEARTBEAT and the scan."""
         sent = self._sender.heartbeat(state.time_s)
         if self._sender.is_due(SCAN_S, state.time_s):
-            scan_m = self._lidar.scan(state.position[:2], state.euler[2], -state.position[2])
+            roll_rad, pitch_rad, yaw_rad = state.euler
+            up_m = STANDING_M - state.position[2]
+            scan_m = self._lidar.scan(state.position[:2], yaw_rad, up_m, (roll_rad, pitch_rad))
             sent.append(self._sender.pack(self._report(scan_m, state.time_s)))
         return sent
 

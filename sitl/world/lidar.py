@@ -1,8 +1,9 @@
-"""The lidar: distances to the nearest walls, all around the vehicle.
+"""The lidar: distances to the nearest walls, or the ground, all around the vehicle.
 
-A level scanner in the vehicle's centre: 72 beams, 5 degrees apart, the first one straight ahead,
-then clockwise. It turns with the heading; tilt is left out. It looks over walls that end below it;
-off a map that is not open is a wall, as for collisions.
+A scanner that is fixed to the vehicle, in its centre: 72 beams, 5 degrees apart, the first one
+straight ahead, then clockwise. They lie in one plane, which leans as the vehicle leans: a beam
+meets the ground, or a roof, or passes over a wall that ends below it. Off a map that is not open
+is a wall, as for collisions.
 
 A beam is exact up to rounding, and hits a corner that it grazes: the faces between free and
 occupied cells are straight lines along rows and columns, and every beam is cut with all of them.
@@ -18,16 +19,17 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from companion.geometry import NorthEast
+from companion.geometry import NorthEast, body_plane
 from companion.motion.grid import OccupancyGrid
 
 BEAMS = 72
 STEP_RAD = 2 * math.pi / BEAMS
 Floats = npt.NDArray[np.float64]
-_AHEAD: Floats = np.array([math.cos(i * STEP_RAD) for i in range(BEAMS)])
-_RIGHT: Floats = np.array([math.sin(i * STEP_RAD) for i in range(BEAMS)])
-_BEAMS, _BEAMS_TURNED = np.array((_AHEAD, _RIGHT)), np.array((-_RIGHT, _AHEAD))
-"""(2, BEAMS) north and east of each beam while the vehicle looks north, and while it looks east."""
+_BEAMS: Floats = np.array(
+    [(math.cos(i * STEP_RAD), math.sin(i * STEP_RAD)) for i in range(BEAMS)]
+).T
+"""(2, BEAMS) forward and right of each beam."""
+_LEVEL, _LEAST_UP_M = 1e-12, 1e-3  # a beam that leans less meets no ground, however low it is
 
 _NORTH, _EAST = 0, 1
 
@@ -82,33 +84,77 @@ class Lidar:
         self._grid = grid
         self._faces: dict[int, WallFaces] = {}
 
-    def scan(self, position: NorthEast, yaw_rad: float, up_m: float = 0.0) -> Floats:
+    def scan(
+        self,
+        position: NorthEast,
+        yaw_rad: float,
+        up_m: float = 0.0,
+        tilt_rad: tuple[float, float] = (0.0, 0.0),
+    ) -> Floats:
         """(BEAMS,) distance along each beam, metres; inf where nothing is within range.
 
         Args:
             position: of the vehicle.
             yaw_rad: its heading.
-            up_m: its altitude above home.
+            up_m: height of the scanner above home.
+            tilt_rad: roll and pitch of the vehicle.
         """
-        if self._grid is None:
-            return np.full(BEAMS, math.inf)
-        layer = self._grid.layer(up_m)
-        grid = self._grid.in_layer(layer)
-        if layer not in self._faces:
-            self._faces[layer] = _faces_of(grid)
-        row, column = grid.cell(position)
-        is_on_map = grid.contains(row, column)
-        if grid.occupied[row, column] if is_on_map else not grid.is_open:
-            return np.zeros(BEAMS)
-        start = (np.array(position) - grid.origin) / grid.cell_m
-        beams = math.cos(yaw_rad) * _BEAMS + math.sin(yaw_rad) * _BEAMS_TURNED
-        far = self.spec.range_m / grid.cell_m
-        lengths = _lengths_to_walls(self._faces[layer], start, beams, far)
-        distances_m = np.where(lengths <= far, grid.cell_m * lengths, math.inf)
+        beams = np.array(body_plane(*tilt_rad, yaw_rad)).T @ _BEAMS
+        distances_m: Floats = max(up_m, _LEAST_UP_M) / np.maximum(beams[2], _LEVEL)  # to the ground
+        if self._grid is not None:
+            walls_m = self._to_walls(self._grid, position, up_m, beams)
+            distances_m = np.minimum(distances_m, walls_m)
+        distances_m[distances_m > self.spec.range_m] = math.inf
         if self.spec.noise_m > 0:
             noise = [self._random.gauss(0.0, self.spec.noise_m) for _ in range(BEAMS)]
             distances_m = np.maximum(0.0, distances_m + noise)
         return distances_m
+
+    def _to_walls(
+        self, world: OccupancyGrid, position: NorthEast, up_m: float, beams: Floats
+    ) -> Floats:
+        """(BEAMS,) distance along each beam to a wall or a roof, inf without one.
+
+        Between two heights at which low walls end walls are as if they had no end. A beam crosses
+        one such layer after the other, and meets a roof where it comes down into a wall.
+        """
+        row, column = world.cell(position)
+        own = world.layer(up_m)
+        occupied = world.in_layer(own).occupied
+        if occupied[row, column] if world.contains(row, column) else not world.is_open:
+            return np.zeros(BEAMS)
+        cell_m, flat = world.cell_m, beams[:2]
+        far, start = self.spec.range_m / cell_m, (np.array(position) - world.origin) / cell_m
+        if world.low is None:
+            return cell_m * _lengths_to_walls(self._faces_in(own), start, flat, far)
+        down = np.where(np.abs(beams[2]) < _LEVEL, -_LEVEL, beams[2])
+        found, ends_m = np.full(BEAMS, math.inf), (-math.inf, *world.low.heights_m, math.inf)
+        least_m, most_m = (up_m - self.spec.range_m * d for d in (down.max(), down.min()))
+        for layer in range(world.layer(least_m), world.layer(most_m) + 1):
+            cuts = [(up_m - end_m) / cell_m / down for end_m in ends_m[layer : layer + 2]]
+            enters, leaves = np.maximum(np.minimum(*cuts), 0.0), np.maximum(*cuts)
+            met = _lengths_to_walls(self._faces_in(layer), start, flat, far, enters)
+            is_on_roof = (layer < own) & (enters <= far)
+            at = start[:, None] + flat * np.where(is_on_roof, enters, 0.0)
+            is_on_roof &= _are_walls(world.in_layer(layer), at)
+            met = np.where(is_on_roof, enters, met)
+            found = np.minimum(found, np.where(met <= leaves, met, math.inf))
+        return cell_m * found
+
+    def _faces_in(self, layer: int) -> WallFaces:
+        if layer not in self._faces:
+            assert self._grid is not None
+            self._faces[layer] = _faces_of(self._grid.in_layer(layer))
+        return self._faces[layer]
+
+
+def _are_walls(grid: OccupancyGrid, points: Floats) -> npt.NDArray[np.bool_]:
+    """Whether each of some points (2, n), in cells, lies in an occupied cell of a map."""
+    cells = np.floor(points).astype(np.intp)
+    shape = np.array(grid.occupied.shape)[:, None]
+    row, column = np.clip(cells, 0, shape - 1)
+    is_on_map = ((cells >= 0) & (cells < shape)).all(axis=0)
+    return np.asarray(grid.occupied[row, column] & is_on_map)
 
 
 def _faces_of(grid: OccupancyGrid) -> WallFaces:
@@ -137,14 +183,17 @@ def _faces(walls: npt.NDArray[np.bool_]) -> Floats:
     return np.concatenate(found, axis=1, dtype=np.float64)
 
 
-def _lengths_to_walls(faces: WallFaces, start: Floats, beams: Floats, far: float) -> Floats:
+def _lengths_to_walls(
+    faces: WallFaces, start: Floats, beams: Floats, far: float, nearest: Floats | float = 0.0
+) -> Floats:
     """The length of each beam up to its first face, inf without one; everything in cells.
 
     Args:
         faces: of the map.
         start: (2,) north and east.
-        beams: (2, BEAMS) directions.
+        beams: (2, BEAMS) directions over the ground, shorter the steeper a beam is.
         far: faces farther away may be left out.
+        nearest: where each beam begins.
     """
     offsets = faces.ends - start[faces.axes]
     away, begin, end = offsets
@@ -155,5 +204,5 @@ def _lengths_to_walls(faces: WallFaces, start: Floats, beams: Floats, far: float
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         lengths = away * (1 / beams)[axis]
         at = lengths * beams[::-1][axis]
-    is_hit = (lengths >= 0) & (at >= begin) & (at <= end)
+    is_hit = (lengths >= nearest) & (at >= begin) & (at <= end)
     return np.asarray(np.where(is_hit, lengths, math.inf).min(axis=0, initial=math.inf))

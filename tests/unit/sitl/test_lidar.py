@@ -4,17 +4,22 @@ import math
 from random import Random
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from drawn import drawn
 from hypothesis import example, given
 from hypothesis import strategies as st
 from wire import Wire, companion_heartbeat
 
-from companion.motion.grid import OccupancyGrid
+from companion.geometry import Quaternion
+from companion.motion.grid import LowWalls, OccupancyGrid
+from sitl.flight.attitude import quaternion_from_euler
 from sitl.world.lidar import BEAMS, STEP_RAD, Lidar, LidarSpec
 from sitl.world.scenario import Scenario
 
 MARCH_M = 0.01
+Floats = npt.NDArray[np.float64]
+Bools = npt.NDArray[np.bool_]
 
 
 def room(seed: int) -> OccupancyGrid:
@@ -50,6 +55,45 @@ def test_every_beam_is_free_up_to_its_hit(
             assert any(touching(grid, north + t * dn, east + t * de))
         at = (north + hit_m * dn, east + hit_m * de)
         assert not all(touching(grid, *at))  # a corner may be hit, up to rounding
+
+
+def turned(attitude: Quaternion, beam: int) -> Floats:
+    """(3,) north, east and down along a beam of a vehicle, by its quaternion: q v q*."""
+    w, axis = attitude[0], np.array(attitude[1:])
+    body = np.array((math.cos(beam * STEP_RAD), math.sin(beam * STEP_RAD), 0.0))
+    across = 2 * np.cross(axis, body)
+    return body + w * across + np.cross(axis, across)
+
+
+TILT = st.floats(-0.7, 0.7)
+
+
+@drawn(40)
+@given(st.integers(0, 10**6), st.floats(0.05, 2.9), TILT, TILT, st.floats(-4.0, 4.0))
+def test_beams_of_a_vehicle_that_leans_end_at_the_first_thing_they_come_into(
+    seed: int, up_m: float, roll: float, pitch: float, yaw: float
+) -> None:
+    """A march in space: free above the ground and what ends below it, and solid behind the end."""
+    tall, random = room(seed), np.random.default_rng(seed)
+    tops_m = np.kron(random.choice([0.0, 0.0, 0.5, 1.0, 2.0], (12, 16)), np.ones((5, 5)))
+    tops_m[26:34, 36:44] = 0.0
+    grid = OccupancyGrid(tall.occupied, 0.1, tall.origin, tall.is_open, LowWalls(tops_m))
+    heights_m = np.pad(np.where(grid.occupied, math.inf, tops_m), 1, constant_values=math.inf)
+
+    def is_solid(points: Floats) -> Bools:
+        cells = np.floor((points[:2].T - grid.origin) / grid.cell_m).astype(int)
+        row, col = np.clip(cells + 1, 0, np.array(heights_m.shape) - 1).T
+        return (-points[2] < heights_m[row, col] - 1e-9) | (points[2] > 1e-9)
+
+    lidar, start = Lidar(LidarSpec(), grid, Random(0)), np.array((0.013, -0.021, -up_m))
+    scan = lidar.scan((start[0], start[1]), yaw, up_m, (roll, pitch))
+    for beam, hit_m in enumerate(scan.tolist()):
+        assert hit_m < math.inf  # the room is closed
+        along = turned(quaternion_from_euler(roll, pitch, yaw), beam)[:, None]
+        marched = np.arange(MARCH_M, hit_m - 1e-6, MARCH_M)
+        assert not is_solid(start[:, None] + along * marched).any()
+        aside = np.array([(a, b, c) for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)]).T * 1e-6
+        assert is_solid(start[:, None] + along * hit_m + aside).any()
 
 
 def test_an_empty_hall_is_seen_as_its_walls_are() -> None:
