@@ -18,9 +18,8 @@ from companion.geofence import KeptFence
 from companion.geometry import FAR_M, is_in_polygon
 from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import Limits, Place
-from companion.motion.position_error import greatest_error_m
+from companion.motion.position_error import EXACT_M, greatest_error_m
 from companion.outcomes import Refusal
-from companion.vehicle.mission_frame import EXACT_M
 from companion.vehicle.port import Mode, VehicleState
 
 LINK_LOST_S = 10.0

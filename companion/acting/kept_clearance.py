@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from companion.acting.flight import Flight
 from companion.flight_events.skills import ClearanceChanged, LowPlacesFlown
-from companion.motion.position_error import AddedClearance
-from companion.planning.low_places import HEIGHT_ERROR_M, least_above_m, low_places
+from companion.motion.position_error import WORST_HEIGHT_M, AddedClearance
+from companion.planning.low_places import least_above_m, low_places
 from companion.planning.planner import Planner
 from companion.vehicle.port import VehicleState
 
@@ -36,5 +36,5 @@ class KeptClearance:
         if self._low and self._added.metres:
             least_m = least_above_m(self._flight.profile)
             names = tuple(place.name for place in self._low)
-            self._flight.report(LowPlacesFlown(names, least_m, HEIGHT_ERROR_M))
+            self._flight.report(LowPlacesFlown(names, least_m, WORST_HEIGHT_M))
             self._low = ()

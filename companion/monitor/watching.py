@@ -122,7 +122,8 @@ class Watcher:
         """Takes the frames of one tick."""
         for frame in choose(frames, _WANTED, _CONTINUAL):
             self._take(now_s, message_of(frame))
-        self._surroundings.take(self._ranging.scans(now_s))
+        scans = self._ranging.scans(now_s, self._telemetry.accuracy_m)
+        self._surroundings.take(scans)
 
     def _take(self, now_s: float, message: Message) -> None:
         system, component = source(message)

@@ -17,6 +17,13 @@ import math
 SIGMAS = 3.0
 MOST_M = 1.5
 """No more is reckoned with: an autopilot that is worse off soon lands."""
+EXACT_M = 0.1
+"""A position that is as good as this is taken for exact."""
+EXACT_HEIGHT_M, GPS_HEIGHT_M = 0.3, 1.0
+"""What the height is reckoned to be off by, where the position is exact, and where it is not: two
+degrees of attitude at 8 m, and two deviations of a PX4's height."""
+WORST_HEIGHT_M = 1.4
+"""What the height of PX4's simulator was off by at worst, with GPS."""
 STEP_M = 0.1
 """The clearance changes by such steps, and with it all routes."""
 
@@ -28,6 +35,15 @@ def greatest_error_m(accuracy_m: float) -> float:
     0.75
     """
     return min(SIGMAS * accuracy_m, MOST_M)
+
+
+def height_error_m(accuracy_m: float) -> float:
+    """How far the vehicle may be below the height that it is taken to have.
+
+    >>> height_error_m(0.05), height_error_m(0.25)
+    (0.3, 1.0)
+    """
+    return EXACT_HEIGHT_M if accuracy_m <= EXACT_M else GPS_HEIGHT_M
 
 
 class AddedClearance:

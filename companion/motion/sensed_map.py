@@ -14,10 +14,10 @@ The prior map weighs more:
   for seconds.
 
 Low walls of the prior map stay as they are told. Where one of them, or what it explains, reaches up
-to BELOW_M below the beams, its echoes say nothing; above it a cell is as any other.
+to BELOW_M below an echo, that says nothing; above it a cell is as any other.
 
-Left out: tilt, the third dimension otherwise, and errors of the position beyond EXPLAINED_M, which
-show up as obstacles.
+Left out: the third dimension otherwise, and errors of the position beyond EXPLAINED_M, which show
+up as obstacles.
 """
 
 from __future__ import annotations
@@ -41,7 +41,9 @@ WALL_LOG_ODDS = 10.0
 EXPLAINED_M = 0.25
 """An echo this close to a wall of the prior map is taken for that wall."""
 BELOW_M = 1.0
-"""A wall that ends so far below the vehicle is not seen: where it may have been meanwhile."""
+"""An echo from so far above a wall's end is none of that wall: its height may be off."""
+PASSED_ABOVE_M = 0.5
+"""A beam that is higher above the vehicle may have passed over something that is in its way."""
 _BEHIND_M = 0.0051  # the cell of an echo is looked for this far behind it
 _DIAGONAL = 1.5  # cells; next to each other, corners included
 
@@ -67,15 +69,14 @@ class SensedMap:
         self._max_log_odds = np.where(walls, WALL_LOG_ODDS, MAX_LOG_ODDS).ravel()
         rows, cols = walls.shape
         self._framed_shape = rows + 2, cols + 2  # with a frame of cells, for what is off the map
-        self._framed_origin = np.array(prior.origin) - prior.cell_m
+        self._framed_origin = np.array(prior.origin)[:, None] - prior.cell_m
         self._cell_of_echo = _cell_of_echo(prior)
         self._low_m = _explained_low_m(prior)
         self._find_surface()
 
     def integrate(self, scan: RangeScan) -> bool:
         """Takes in a scan; True if a cell has become occupied or free."""
-        reach_m = scan.reach_m
-        hits, passed = self._hits(scan, reach_m), self._passed(scan, reach_m)
+        hits, passed = self._hits(scan), self._passed(scan)
         if not passed.size and (self._log_odds[hits] == self._max_log_odds[hits]).all():
             return False  # nothing new, as nearly always
         raised = np.minimum(self._log_odds[hits] + HIT_LOG_ODDS, self._max_log_odds[hits])
@@ -102,40 +103,43 @@ class SensedMap:
         self._surface = np.flatnonzero(is_raised & ~is_inside)
         row, col = np.divmod(self._surface, cols)
         south_m, west_m = self.grid.origin
-        self._north_m = (row + 0.5) * self.grid.cell_m + south_m
-        self._east_m = (col + 0.5) * self.grid.cell_m + west_m
+        centres = (row + 0.5) * self.grid.cell_m + south_m, (col + 0.5) * self.grid.cell_m + west_m
+        self._surface_at = np.array(centres)  # (2, n) north and east
 
-    def _hits(self, scan: RangeScan, reach_m: float) -> Cells:
+    def _hits(self, scan: RangeScan) -> Cells:
         """The cells that echoes come from, some of them twice; echoes off the map are left out.
 
         A cell is looked for half a centimetre behind the echo, the rounding of a distance on the
         wire: an echo comes from a face, and the cell is behind it.
         """
-        ends = (echoes(scan, reach_m, _BEHIND_M) - self._framed_origin) / self.grid.cell_m
-        row, col = np.floor(ends).astype(np.intp).T
+        ends = echoes(scan, _BEHIND_M)
+        row, col = np.floor((ends[:2] - self._framed_origin) / self.grid.cell_m).astype(np.intp)
         at = np.ravel_multi_index((row, col), self._framed_shape, mode="clip")
         hits = self._cell_of_echo[at]
         is_news = hits >= 0
         if self._low_m is not None:
-            is_news &= self._low_m[at] <= scan.up_m - BELOW_M
+            is_news &= self._low_m[at] <= -ends[2] - BELOW_M
         return np.asarray(hits[is_news])
 
-    def _passed(self, scan: RangeScan, reach_m: float) -> Cells:
+    def _passed(self, scan: RangeScan) -> Cells:
         """The cells of the surface that a beam and its two neighbours have passed.
 
         A beam passes within half a diagonal of the centre of each cell that it crosses; all cells
         that close count.
         """
         cell_m = self.grid.cell_m
-        north, east = self._north_m - scan.position[0], self._east_m - scan.position[1]
-        away2 = north * north + east * east
-        (near,) = (away2 < (reach_m - _DIAGONAL * cell_m) ** 2).nonzero()
+        offsets = self._surface_at - np.array(scan.position)[:, None]
+        ahead, right = scan.from_level @ offsets  # in the plane of the beams
+        away2 = ahead * ahead + right * right
+        (near,) = (away2 < (scan.reach_m - _DIAGONAL * cell_m) ** 2).nonzero()
         away_m = np.sqrt(away2[near])
-        round_m = np.concatenate((scan.distances_m[-1:], scan.distances_m, scan.distances_m[:1]))
-        clear_m = np.minimum(np.minimum(round_m[:-2], round_m[2:]), scan.distances_m)  # nan is nan
+        clear_m = np.minimum(scan.distances_m, scan.reaches_m(PASSED_ABOVE_M))
+        round_m = np.concatenate((clear_m[-1:], clear_m, clear_m[:1]))
+        clear_m = np.minimum(np.minimum(round_m[:-2], round_m[2:]), clear_m)  # nan is nan
 
         count, turn = len(scan.distances_m), 2 * math.pi / abs(scan.step_rad)
-        bearing = (np.arctan2(east[near], north[near]) - scan.first_rad) / scan.step_rad  # in steps
+        bearing = np.arctan2(right[near], ahead[near]) - scan.first_rad
+        bearing /= scan.step_rad
         bearing -= turn * np.floor(bearing / turn)  # a fifth of the time of %
         nearest = np.rint(bearing)
         beam = nearest.astype(np.intp) % round(turn)
@@ -144,7 +148,7 @@ class SensedMap:
         )
         (clear,) = is_clear.nonzero()
         if not clear.size:
-            return clear  # no beam gets past a wall, as nearly always
+            return np.asarray(clear)  # no beam gets past a wall, as nearly always
         aside = np.abs(bearing - nearest)[clear] * abs(scan.step_rad)
         is_crossed = away_m[clear] * np.sin(aside) <= math.sqrt(0.5) * cell_m
         return np.asarray(self._surface[near[clear[is_crossed]]])

@@ -60,7 +60,7 @@ class Displacement:
         return replace(
             scan,
             position=(north + self.north_m, east + self.east_m),
-            first_rad=scan.first_rad + self.turn_rad,
+            yaw_rad=scan.yaw_rad + self.turn_rad,
         )
 
 
@@ -92,13 +92,13 @@ class WallAlignment:
         """
         if not self._has_walls:
             return NONE
-        reach_m, cell_m = scan.reach_m, self._grid.cell_m
+        cell_m = self._grid.cell_m
         lever = _LEVER_M / cell_m
         held = _HELD * np.diag([1.0, 1.0, lever * lever])
         found = NONE
         for cutoff_m in np.geomspace(max(greatest_m, FIRST_M), INLIER_M, _PASSES):
             placed = found.applied(scan)
-            points = echoes(placed, reach_m)
+            points = echoes(placed)[:2].T
             away, slope = self._look_up((points - self._grid.origin) / cell_m)
             counts = np.abs(away) <= cutoff_m / cell_m
             if np.count_nonzero(counts) < max(LEAST_ECHOES, LEAST_SHARE * len(points)):

@@ -16,11 +16,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from companion.mission.model import Mission
+from companion.motion.position_error import WORST_HEIGHT_M
 from companion.planning.planner import Planner
 from companion.vehicle_profile import VehicleProfile
-
-HEIGHT_ERROR_M = 1.4
-"""What the height of PX4's simulator was off by at worst, with GPS."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +44,7 @@ def too_low(profile: VehicleProfile) -> str:
     """
     return (
         "flown to so low above what is below, and the height of a vehicle with GPS may be off by"
-        f" {HEIGHT_ERROR_M:g} m; write {least_above_m(profile):g} m or more"
+        f" {WORST_HEIGHT_M:g} m; write {least_above_m(profile):g} m or more"
     )
 
 
@@ -56,7 +54,7 @@ def least_above_m(profile: VehicleProfile) -> float:
     >>> least_above_m(VehicleProfile())
     1.5
     """
-    return round(HEIGHT_ERROR_M + profile.margin_m, 2)
+    return round(WORST_HEIGHT_M + profile.margin_m, 2)
 
 
 def low_places(planner: Planner) -> tuple[LowPlace, ...]:

@@ -24,13 +24,12 @@ import math
 from dataclasses import dataclass, replace
 
 from companion.geometry import GlobalOrigin, Ned, NorthEast, distance, horizontal_distance
+from companion.motion.position_error import EXACT_M
 
 SETTLING_S = 10.0
 """Time over which the standing vehicle's position is averaged."""
 SETTLED_M = 0.05
 """A vehicle this near to where it should stand moves no frame."""
-EXACT_M = 0.1
-"""A position that is as good as this is not averaged."""
 MOVED_M = 1.0
 """A jump from the mean: the vehicle was carried there, and the averaging begins anew."""
 

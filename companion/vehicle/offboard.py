@@ -154,7 +154,7 @@ class MavlinkVehicle:
             service.step(moment)
         for message in messages:
             self._take(message)
-        self.scans = self._ranging.scans(now_s)
+        self.scans = self._ranging.scans(now_s, self._telemetry.accuracy_m)
         return self._readings
 
     def foresee(self, messages: list[Message]) -> list[Reading]:

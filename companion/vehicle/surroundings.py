@@ -14,11 +14,10 @@ from dataclasses import replace
 
 from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
-from companion.motion.position_error import greatest_error_m
+from companion.motion.position_error import EXACT_M, greatest_error_m
 from companion.motion.range_scan import RangeScan
 from companion.motion.sensed_map import SensedMap
 from companion.motion.wall_alignment import GREATEST_TURN_RAD, WallAlignment
-from companion.vehicle.mission_frame import EXACT_M
 from companion.vehicle.telemetry import Telemetry
 
 SHARE = 0.3
@@ -46,12 +45,9 @@ class Surroundings:
 
     def take(self, scans: Iterable[RangeScan]) -> bool:
         """Takes scans in, in order; true if a cell has become occupied or free."""
-        state = self._telemetry.state
-        up_m = -state.position[2] if state else 0.0
         placed_by = self._telemetry.frame.origin
         changes = [
-            self._map.integrate(self._aligned(replace(self._moved(scan, placed_by), up_m=up_m)))
-            for scan in scans
+            self._map.integrate(self._aligned(self._moved(scan, placed_by))) for scan in scans
         ]
         return any(changes)
 
@@ -69,7 +65,7 @@ class Surroundings:
         if accuracy_m <= EXACT_M:
             return scan
         greatest_m = greatest_error_m(accuracy_m)
-        turned = replace(scan, first_rad=scan.first_rad + self._turn_rad)
+        turned = replace(scan, yaw_rad=scan.yaw_rad + self._turn_rad)
         off = self._walls.displacement(turned, greatest_m)
         self._telemetry.move((SHARE * off.north_m, SHARE * off.east_m), greatest_m)
         turn_rad = self._turn_rad + off.turn_rad

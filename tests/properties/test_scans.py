@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from random import Random
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,11 +21,31 @@ from companion.geometry import NorthEast
 from companion.motion.grid import OccupancyGrid
 from companion.motion.range_scan import REACH_M, RangeScan
 from companion.motion.sensed_map import SensedMap
+from sitl.flight.physics import STANDING_M
 from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
 
 FAST = drawn(25)
 EDGE, CELL_M = 60, 0.1
 Bools = npt.NDArray[np.bool_]
+
+
+class Lean(NamedTuple):
+    """How a vehicle hangs in the air.
+
+    Attributes:
+        up_m: its height above the ground.
+        error_m: by what it is taken to be higher.
+    """
+
+    up_m: float = 1.0
+    error_m: float = 0.0
+    roll_rad: float = 0.0
+    pitch_rad: float = 0.0
+
+
+LEVEL = Lean()
+TILT = st.floats(-0.6, 0.6)
+LEANS = st.builds(Lean, st.floats(0.0, 3.0), st.floats(-1.0, 1.0), TILT, TILT)
 
 
 @st.composite
@@ -52,30 +73,34 @@ def world(occupied: Bools) -> OccupancyGrid:
     return OccupancyGrid(occupied, CELL_M, (0.0, 0.0))
 
 
-def scan_of(lidar: Lidar, position: NorthEast, yaw_rad: float) -> RangeScan:
+def scan_of(lidar: Lidar, position: NorthEast, yaw_rad: float, lean: Lean = LEVEL) -> RangeScan:
     """As it comes off the wire: whole centimetres."""
-    heard_m = np.rint(100 * lidar.scan(position, yaw_rad)) / 100
-    return RangeScan(0.0, position, heard_m, yaw_rad, STEP_RAD, lidar.spec.range_m)
+    tilt_rad = lean.roll_rad, lean.pitch_rad
+    seen_m = lidar.scan(position, yaw_rad, lean.up_m + STANDING_M, tilt_rad)
+    taken_up_m = lean.up_m + lean.error_m
+    about = lidar.spec.range_m, taken_up_m, yaw_rad, tilt_rad, max(lean.error_m, 0.0)
+    return RangeScan(0.0, position, np.rint(100 * seen_m) / 100, 0.0, STEP_RAD, *about)
 
 
 def a_lidar(occupied: Bools, noise_m: float = 0.0) -> Lidar:
     return Lidar(LidarSpec(noise_m=noise_m), world(occupied), Random(1))
 
 
-def seen_from(occupied: Bools, told: Bools, seed: int, noise_m: float = 0.0) -> SensedMap:
+def seen_from(occupied: Bools, told: Bools, seed: int, lean: Lean = LEVEL) -> SensedMap:
     """The map after four scans from each of some positions, at all headings."""
-    lidar, known = a_lidar(occupied, noise_m), SensedMap(world(told))
+    lidar, known = a_lidar(occupied), SensedMap(world(told))
     for i, position in enumerate(free_positions(occupied, 6, seed)):
         for yaw_rad in (0.0, 0.02, 0.04, 0.06):
             for _ in range(2):
-                known.integrate(scan_of(lidar, position, i + yaw_rad))
+                known.integrate(scan_of(lidar, position, i + yaw_rad, lean))
     return known
 
 
 @FAST
-@given(boxes(), st.integers(0, 99))
-def test_nothing_is_marked_two_cells_from_anything(occupied: Bools, seed: int) -> None:
-    known = seen_from(occupied, np.zeros_like(occupied), seed)
+@given(boxes(), st.integers(0, 99), LEANS)
+def test_nothing_is_marked_two_cells_from_anything(occupied: Bools, seed: int, lean: Lean) -> None:
+    """However the vehicle leans, however low it is, with a height that is off by a metre."""
+    known = seen_from(occupied, np.zeros_like(occupied), seed, lean)
     padded = np.pad(occupied, 2, constant_values=True)
     away = ndimage.distance_transform_edt(~padded)[2:-2, 2:-2]
     assert away[known.grid.occupied].max(initial=0.0) < 2
@@ -104,18 +129,20 @@ def test_every_face_that_two_scans_have_met_is_found(occupied: Bools, seed: int)
 
 
 @FAST
-@given(boxes(), st.integers(0, 99), st.sampled_from([0.0, 0.02]))
-def test_a_map_that_is_true_is_left_as_it_is(occupied: Bools, seed: int, noise_m: float) -> None:
+@given(boxes(), st.integers(0, 99), st.sampled_from([0.0, 0.02]), LEANS)
+def test_a_map_that_is_true_is_left_as_it_is(
+    occupied: Bools, seed: int, noise_m: float, lean: Lean
+) -> None:
     """Noise of 2 cm, a position that is off by 5 cm, a heading by 2 degrees: no cell changes."""
     lidar, known = a_lidar(occupied, noise_m), SensedMap(world(occupied))
     for north, east in 4 * free_positions(occupied, 5, seed):
-        scan = scan_of(lidar, (north, east), 0.7)
+        scan = scan_of(lidar, (north, east), 0.7, lean)
         is_near = scan.distances_m < 2.0  # where 2 degrees are 7 cm
         known.integrate(
             replace(
                 scan,
                 position=(north + 0.03, east - 0.04),
-                first_rad=0.735,
+                yaw_rad=0.735,
                 distances_m=np.where(is_near, scan.distances_m, np.nan),
             )
         )

@@ -13,8 +13,7 @@ from companion.acting.flight import Flight
 from companion.flight_events.landing import DockMayBeMissed
 from companion.mission.model import Mission
 from companion.mission.steps import Charge, Land
-from companion.motion.position_error import greatest_error_m
-from companion.vehicle.mission_frame import EXACT_M
+from companion.motion.position_error import EXACT_M, greatest_error_m
 from companion.vehicle.port import Outcome, Progress
 
 

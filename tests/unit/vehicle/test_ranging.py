@@ -23,10 +23,11 @@ def obstacle_distance(
     offset_deg: float = 0.0,
     frame: int = BODY,
     whole_step_deg: int = 0,
+    range_cm: int = 1200,
 ) -> bytes:
     padded = [*distances_cm, *[UNKNOWN] * (72 - len(distances_cm))]
     message: Any = dialect.MAVLink_obstacle_distance_message(
-        round(time_s * 1e6), 0, padded, whole_step_deg, 5, 1200, step_deg, offset_deg, frame
+        round(time_s * 1e6), 0, padded, whole_step_deg, 5, range_cm, step_deg, offset_deg, frame
     )
     return SCANNER.pack(message)
 
@@ -46,17 +47,19 @@ def test_a_scan_that_turns_with_the_vehicle(meeting: Meeting) -> None:
     assert scan.position == pytest.approx((1.0, 2.0))
     np.testing.assert_equal(scan.distances_m[:5], [1.5, 12.0, math.inf, math.nan, 0.0])
     assert len(scan.distances_m) == 72
-    assert scan.first_rad == pytest.approx(math.pi / 2 + 0.3)
+    assert (scan.first_rad, scan.yaw_rad) == pytest.approx((math.pi / 2, 0.3))
     assert scan.step_rad == pytest.approx(math.radians(5))
     assert scan.range_m == 12.0
     meeting.tick()
     assert meeting.vehicle.scans == []
 
 
-def test_a_scan_that_is_fixed_to_north(meeting: Meeting) -> None:
-    meeting.autopilot.yaw_rad = 0.3
+def test_a_scan_that_is_fixed_to_north_is_level(meeting: Meeting) -> None:
+    meeting.tick()
+    meeting.is_quiet = True
+    meeting.tick(*at(10.0, 4.0, 0.3, meeting.autopilot.codec, (0.1, -0.2)))
     scan = heard(meeting, obstacle_distance([100] * 72, frame=NORTH))
-    assert scan.first_rad == 0.0
+    assert (scan.first_rad, scan.yaw_rad, scan.tilt_rad) == (0.0, 0.0, (0.0, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -81,6 +84,7 @@ def test_the_exact_step_counts_and_no_beam_comes_twice(
         obstacle_distance([100], step_deg=360.5),
         obstacle_distance([100], step_deg=-1e30),
         obstacle_distance([100], offset_deg=math.inf),
+        obstacle_distance([100], range_cm=0),
     ],
 )
 def test_what_is_not_understood_is_no_scan(datagram: bytes, meeting: Meeting) -> None:
@@ -103,11 +107,18 @@ def test_no_scan_is_placed_before_the_place_is_known() -> None:
     assert meeting.vehicle.scans == []
 
 
-def at(time_s: float, north_m: float, yaw_rad: float, codec: MavlinkCodec) -> list[bytes]:
+def at(
+    time_s: float,
+    north_m: float,
+    yaw_rad: float,
+    codec: MavlinkCodec,
+    tilt_rad: tuple[float, float] = (0.0, 0.0),
+    up_m: float = 2.0,
+) -> list[bytes]:
     boot_ms = round(1000 * time_s)
     messages = (
-        dialect.MAVLink_attitude_message(boot_ms, 0, 0, yaw_rad, 0, 0, 0),
-        dialect.MAVLink_local_position_ned_message(boot_ms, north_m, 0, -2, 2, 0, 0),
+        dialect.MAVLink_attitude_message(boot_ms, *tilt_rad, yaw_rad, 0, 0, 0),
+        dialect.MAVLink_local_position_ned_message(boot_ms, north_m, 0, -up_m, 2, 0, 0),
     )
     return [codec.pack(message) for message in messages]
 
@@ -127,8 +138,52 @@ def test_position_and_heading_are_those_of_the_time_of_the_scan(
     )
     passed_s = measured_s - 10.0
     assert scan.position[0] == pytest.approx(4.0 + 2 * passed_s, abs=1e-5)
-    turned_rad = math.remainder(scan.first_rad - (math.pi - 0.02 + passed_s), 2 * math.pi)
+    turned_rad = math.remainder(scan.yaw_rad - (math.pi - 0.02 + passed_s), 2 * math.pi)
     assert turned_rad == pytest.approx(0.0, abs=1e-5)
+
+
+def test_tilt_and_height_are_those_of_the_time_of_the_scan(meeting: Meeting) -> None:
+    meeting.tick()
+    meeting.is_quiet = True
+    autopilot = meeting.autopilot.codec
+    meeting.tick(*at(10.0, 4.0, 0.0, autopilot, (0.1, -0.2), 1.0))
+    scan = heard(
+        meeting,
+        obstacle_distance([100] * 72, time_s=10.02),
+        *at(10.05, 4.1, 0.0, autopilot, (0.2, 0.3), 2.0),
+    )
+    assert scan.tilt_rad == pytest.approx((0.14, 0.0), abs=1e-6)
+    assert scan.up_m == pytest.approx(1.4)
+
+
+@pytest.mark.parametrize("tilt_rad", [(math.nan, 0.0), (0.0, math.inf)])
+def test_an_attitude_that_is_not_known_places_no_scan(
+    tilt_rad: tuple[float, float], meeting: Meeting
+) -> None:
+    """The last one that was known does."""
+    meeting.tick()
+    meeting.is_quiet = True
+    autopilot = meeting.autopilot.codec
+    meeting.tick(*at(10.0, 4.0, 0.1, autopilot, (0.1, 0.2)))
+    scan = heard(
+        meeting,
+        *at(10.05, 4.1, 0.5, autopilot, tilt_rad),
+        obstacle_distance([100] * 72, time_s=10.04),
+    )
+    assert (*scan.tilt_rad, scan.yaw_rad) == pytest.approx((0.1, 0.2, 0.1), abs=0.001)
+
+
+@pytest.mark.parametrize(("roll_deg", "is_used"), [(55, True), (65, False), (180, False)])
+def test_a_vehicle_that_has_fallen_over_sees_nothing(
+    roll_deg: float, is_used: bool, meeting: Meeting
+) -> None:
+    meeting.tick()
+    meeting.is_quiet = True
+    autopilot = meeting.autopilot.codec
+    tilt_rad = (math.radians(roll_deg), 0.0)
+    meeting.tick(*at(10.0, 4.0, 0.1, autopilot), *at(10.05, 4.0, 0.1, autopilot, tilt_rad))
+    meeting.tick(obstacle_distance([100] * 72, time_s=10.05))
+    assert bool(meeting.vehicle.scans) is is_used
 
 
 def test_a_scanner_with_a_clock_of_its_own_measured_at_the_last_position(meeting: Meeting) -> None:
@@ -137,7 +192,7 @@ def test_a_scanner_with_a_clock_of_its_own_measured_at_the_last_position(meeting
     meeting.tick(*at(10.0, 4.0, 0.1, meeting.autopilot.codec))
     last = at(10.05, 4.1, 0.2, meeting.autopilot.codec)
     scan = heard(meeting, *last, obstacle_distance([100] * 72, time_s=1.7e9))
-    assert scan.position[0] == pytest.approx(4.1) and scan.first_rad == pytest.approx(0.2)
+    assert scan.position[0] == pytest.approx(4.1) and scan.yaw_rad == pytest.approx(0.2)
 
 
 def test_a_scan_that_has_overtaken_its_positions_waits_for_them(meeting: Meeting) -> None:
@@ -149,7 +204,7 @@ def test_a_scan_that_has_overtaken_its_positions_waits_for_them(meeting: Meeting
     meeting.tick(*at(10.1, 4.2, 0.2, autopilot))
     assert meeting.vehicle.scans == []
     scan = heard(meeting, *at(10.3, 4.6, 0.6, autopilot))
-    assert scan.position[0] == pytest.approx(4.4) and scan.first_rad == pytest.approx(0.4)
+    assert scan.position[0] == pytest.approx(4.4) and scan.yaw_rad == pytest.approx(0.4)
 
 
 def test_an_old_scan_is_placed_where_the_vehicle_was(meeting: Meeting) -> None:
@@ -158,4 +213,4 @@ def test_an_old_scan_is_placed_where_the_vehicle_was(meeting: Meeting) -> None:
     for time_s, north_m, yaw_rad in ((10.0, 4.0, 0.0), (10.1, 4.2, 0.0), (10.2, 4.3, 0.3)):
         meeting.tick(*at(time_s, north_m, yaw_rad, meeting.autopilot.codec))
     scan = heard(meeting, obstacle_distance([100] * 72, time_s=10.05))
-    assert scan.position[0] == pytest.approx(4.1) and scan.first_rad == pytest.approx(0.0)
+    assert scan.position[0] == pytest.approx(4.1) and scan.yaw_rad == pytest.approx(0.0)
