@@ -211,7 +211,7 @@ class Run:
             readings += self._found.look(now_s, self._detections, *zeros)
         if not self.sortie.has_ended:  # the end is the last of its record
             self._tell_of_others(messages)
-        self._sight.take(self.vehicle.scans)
+        self._sight.take(self.vehicle.scans, self.vehicle.state)
         if self._surroundings.take(self.vehicle.scans):
             self.flight.routes.see(self._surroundings.grid)
         state = self.vehicle.state

@@ -141,7 +141,7 @@ def test_a_way_that_opens_again_is_believed_in_and_the_task_goes_on(
     surveillance: Mission, tmp_path: Path
 ) -> None:
     """On the way home, without a plan, the vehicle sees that nothing stands there any more."""
-    goes = "  - {at_s: 31, obstacle: {name: crate, present: false}}"
+    goes = "  - {at_s: 30, obstacle: {name: crate, present: false}}"
     hasty = replace(surveillance, patience_s=0.0)
     flown = Flown(hasty, tmp_path, a_crate(ACROSS, True), f"{appears(HALFWAY)}\n{goes}")
     assert flown.is_unhurt

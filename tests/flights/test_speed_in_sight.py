@@ -31,16 +31,19 @@ DATA: dict[str, Any] = meadow.DATA | {
 }
 
 
-def flight(*boxes: Box, up: Air = clear, **limits: Any) -> Lockstep:
-    """To A, 70 m away, over a field with boxes that no map shows."""
+def flight(
+    *boxes: Box, up: Air = clear, low: bool = False, about: Any = None, **limits: Any
+) -> Lockstep:
+    """To A, 70 m away, over a field with boxes that no map shows; low is 2 m above it."""
     bounds = {"speed_mps": QUICK_MPS, "up_m": [1, 10], "fence": FIELD} | limits
-    mission = meadow.load_mission(DATA | {"limits": bounds})
+    places = {name: place | ({"up_m": 2} if low else {}) for name, place in DATA["places"].items()}
+    mission = meadow.load_mission(DATA | {"limits": bounds, "places": places})
     world = {
         "version": 1,
         "map": {"east_m": [-30, 120], "north_m": [-30, 30]},
         "lidar": {},
         "obstacles": [{"name": f"box{i}", "box": box} for i, box in enumerate(boxes)],
-    }
+    } | (about or {})
     return Lockstep(mission, world_of(mission, world), up=up, has_station=True)
 
 
@@ -56,6 +59,22 @@ def test_it_stops_or_goes_round(box: Box) -> None:
     assert flown.simulation.collisions == 0
     assert fastest_told_mps(flown) == pytest.approx(IN_SIGHT_MPS, rel=0.01)
     assert flown.exit_code == (0 if box is PILLAR else 3)
+
+
+def test_a_vehicle_that_leans_and_sees_less_flies_no_faster_than_that() -> None:
+    """With the drag of PX4's own vehicle it leans by 30 degrees into a wind of 4 m/s."""
+    wind = {"east_mps": -4, "turbulence_mps": 0.4}
+    flown = flight(ACROSS, low=True, about={"airframe": "px4_sih", "wander": {}, "wind": wind})
+    flown.until_the_end()
+    assert flown.simulation.collisions == 0 and flown.exit_code == 3
+    told = flown.of(SpeedLimitedBySight)
+    assert told[0].sight_m == 8.0 and min(each.sight_m for each in told) < 4.0
+
+
+def test_a_vehicle_that_leans_for_a_moment_alone_is_not_slowed() -> None:
+    flown = flight(low=True).until_the_end()
+    assert flown.exit_code == 0
+    assert flown.of(SpeedLimitedBySight) == [SpeedLimitedBySight(4.57, QUICK_MPS, 8.0)]
 
 
 def test_the_same_mission_that_may_fly_beyond_sight_hits_it() -> None:

@@ -50,17 +50,23 @@ def test_the_lidar_looks_over_what_ends_below_it(
     assert scan[len(scan) // 2] == pytest.approx(south_m)
 
 
-def scanned(known: SensedMap, truth: OccupancyGrid, up_m: float) -> None:
-    distances_m = Lidar(LidarSpec(), truth, Random(0)).scan((0.0, 0.0), 0.0, up_m)
+def scanned(
+    known: SensedMap, truth: OccupancyGrid, up_m: float, tilt_rad: tuple[float, float] = (0.0, 0.0)
+) -> None:
+    distances_m = Lidar(LidarSpec(), truth, Random(0)).scan((0.0, 0.0), 0.0, up_m + 0.1, tilt_rad)
+    about = 12.0, up_m, 0.0, tilt_rad
     for _ in range(30):
-        known.integrate(RangeScan(0.0, (0.0, 0.0), distances_m, 0.0, STEP_RAD, 12.0, up_m))
+        known.integrate(RangeScan(0.0, (0.0, 0.0), distances_m, 0.0, STEP_RAD, *about))
 
 
-@pytest.mark.parametrize("up_m", [0.5, 1.5, 1.99, 2.5, 4.0])
-def test_what_is_seen_of_a_low_wall_changes_nothing(up_m: float) -> None:
-    """Neither does it grow, nor do beams over it wear it away."""
+@pytest.mark.parametrize("tilt_rad", [(0.0, 0.0), (0.0, -0.4), (0.0, 0.4), (-0.3, 0.2)])
+@pytest.mark.parametrize("up_m", [0.5, 1.5, 1.85, 2.5, 4.0])
+def test_what_is_seen_of_a_low_wall_changes_nothing(
+    up_m: float, tilt_rad: tuple[float, float]
+) -> None:
+    """Neither does it grow, nor do beams over it, or onto it, wear it away or add to it."""
     known = SensedMap(GRID)
-    scanned(known, GRID, up_m)
+    scanned(known, GRID, up_m, tilt_rad)
     assert known.grid is GRID
 
 
