@@ -291,7 +291,8 @@ class Simulation:
         state = self._truth = self._true_state()
         self._vehicle.state = self._frame.seen(self._estimator.step(state, state.time_s))
         self._autopilot.health.position_age_s = self._estimator.time_since_fix_s
-        self._sensors.step(state, self._estimator.gps, self._estimator.fix_error)
+        fix = self._estimator.gps, self._estimator.fix_error
+        self._sensors.step(state, *fix, self._physics.ground_up_m)
         self._world.step(state)
         for reboot in self._world.take_reboots():
             self._reboot(reboot)

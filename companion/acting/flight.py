@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from companion.acting.docks import AnyDock, Dock
 from companion.acting.function_port import FunctionPort, NoFunctions
+from companion.acting.ground_guard import GroundGuard
 from companion.acting.journal import CommandIntended, CommandSettled, Journal, NoJournal
 from companion.acting.symbols import Symbols
 from companion.acting.wall_guard import WallGuard
@@ -108,10 +109,12 @@ class Flight:
     _stop_begin_s: float = field(default=0.0, init=False)
     _streamed_s: float = field(default=0.0, init=False)
     _walls: WallGuard = field(init=False)
+    _ground: GroundGuard = field(init=False)
 
     def __post_init__(self) -> None:
-        """The guard knows the flight's own routes."""
+        """The guards know the flight's own routes."""
         self._walls = WallGuard(self.routes, self.profile)
+        self._ground = GroundGuard(self.routes, self.profile, self.limits.up_m[1])
 
     def elapsed_s(self, since_s: float) -> float:
         """Time since a step before; no more than two ticks, so that nothing jumps after a stall."""
@@ -295,6 +298,10 @@ class Flight:
             self.report(near)
         if position != sample.position:
             setpoint = replace(setpoint, position=position)
+        if not is_landing:
+            setpoint, low = self._ground.kept_off(setpoint, self.vehicle.state)
+            if low is not None:
+                self.report(low)
         self.vehicle.fly(setpoint, is_for_task, is_landing)
 
     def _turned(self, heading_rad: float | None) -> float:

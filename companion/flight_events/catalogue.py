@@ -83,6 +83,7 @@ from companion.flight_events.reports import (
 from companion.flight_events.skills import (
     ClearanceChanged,
     FunctionsAwaited,
+    GroundNear,
     LowPlacesFlown,
     OutcomeUnknown,
     PhotoTaken,
@@ -153,6 +154,7 @@ EVENTS: tuple[type[FlightEvent], ...] = (
     PlaceFunctionFailed,
     RouteBlocked,
     WallNear,
+    GroundNear,
     ClearanceChanged,
     LowPlacesFlown,
     SpeedLimitedBySight,

@@ -155,6 +155,20 @@ class WallNear(FlightEvent):
 
 
 @dataclass(frozen=True, slots=True)
+class GroundNear(FlightEvent):
+    """The vehicle is nearer to what is below it than it may be, by a range finder."""
+
+    kind = "ground"
+    template = (
+        "{below_m:.2f} m above what is below the vehicle, by its range finder, and {up_m:.2f} m up "
+        "by its altitude: it is sent up"
+    )
+
+    below_m: Annotated[float, Doc("from the vehicle down to what is below it, by a range finder")]
+    up_m: Annotated[float, Doc("its altitude above home")]
+
+
+@dataclass(frozen=True, slots=True)
 class SpeedLimitedBySight(FlightEvent):
     """The vehicle flies no faster than it can stop within what its range finder sees."""
 

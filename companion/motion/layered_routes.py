@@ -137,6 +137,10 @@ class LayeredRoutes:
         """What routes keep from obstacles, where there is room."""
         return self._clearance_m + self._added_m
 
+    def top_m(self, position: NorthEast, radius_m: float) -> float:
+        """How high above home the map has something below a vehicle; 0 is the ground."""
+        return self._grid.ground_m(position, radius_m)[1]
+
     def plane(self, up_m: float) -> RouteMap | None:
         """The routes at an altitude, or at the next lower one; None before the first is asked."""
         layer = self._layer(up_m)

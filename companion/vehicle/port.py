@@ -72,6 +72,8 @@ class VehicleState:
         battery_low_since_s: since when the charge is low, or worse, by the autopilot's own word;
             inf while it is not.
         power_w: what the battery gives, by voltage and current; None while one is not known.
+        below_m: from the vehicle down to what is below it, by a range finder; inf where nothing is
+            within its range, None while none is heard.
     """
 
     stamp_s: float
@@ -96,6 +98,7 @@ class VehicleState:
     battery_s: float = math.inf
     battery_low_since_s: float = math.inf
     power_w: float | None = None
+    below_m: float | None = None
 
     def is_mode_known(self, now_s: float) -> bool:
         """Whether the mode is that of a recent heartbeat."""

@@ -24,6 +24,7 @@ from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.origin_watch import OriginWatch
 from companion.vehicle.port import FrameLocation, Mode, VehicleState
 from companion.vehicle.position_watch import PositionWatch
+from companion.vehicle.range_below import RangeBelow
 from companion.vehicle.velocity_bias import STILL, VelocityBias
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
@@ -66,6 +67,7 @@ class Telemetry:
         self._battery = BatteryGauge()
         self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
         self._position_watch = PositionWatch()
+        self._range_below = RangeBelow()
         self._thrust_mps2: NorthEast = (0.0, 0.0)
         self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
 
@@ -127,6 +129,7 @@ class Telemetry:
             battery_s=battery.percent_s,
             battery_low_since_s=battery.low_since_s,
             power_w=battery.power_w,
+            below_m=self._range_below.at(stamp_s),
         )
 
     def stand_at(self, place: Ned) -> None:
@@ -267,6 +270,9 @@ class Telemetry:
             self.accuracy_m = message.pos_horiz_accuracy
             self._position_watch.take(now_s, self.accuracy_m)
 
+    def _on_range(self, now_s: float, message: Message) -> None:
+        self._range_below.take(now_s, message, self._tilt_rad)
+
     def _on_time(self, now_s: float, message: Message) -> None:
         self.clock.take(now_s, message)
 
@@ -315,6 +321,7 @@ _HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
     "EXTENDED_SYS_STATE": Telemetry._on_landed,
     "BATTERY_STATUS": Telemetry._on_battery,
     "ESTIMATOR_STATUS": Telemetry._on_estimator,
+    "DISTANCE_SENSOR": Telemetry._on_range,
     "TIMESYNC": Telemetry._on_time,
     **dict.fromkeys(SPOKEN, Telemetry._on_words),
 }

@@ -1,9 +1,9 @@
-"""GPS, inertial unit and barometer, with noise, at their own rates.
+"""GPS, inertial unit, barometer, and a range finder that looks down, at their own rates.
 
 In: the true state each step, and the quality of GPS. Out: the newest sample of each sensor, held
 until its next is due as a driver's topic holds it. They are for the messages that show raw sensors
-(HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE); nothing is flown by them. Inertial unit and barometer
-are sampled only when somebody looks.
+(HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE, DISTANCE_SENSOR); no estimate is made of them. Inertial
+unit and barometer are sampled only when somebody looks; the range finder, too, which is exact.
 
 Noise is white: that of PX4's simulated sensors (SensorGpsSim, SensorBaroSim, the IMU of its iris
 model: a density times the root of the rate). The wandering part of GPS is the estimator's
@@ -137,6 +137,7 @@ class Sensors:
         noise: SensorNoise = SensorNoise(),
     ) -> None:
         self._origin, self._noise, self._truth = origin, noise, state
+        self._ground_up_m = 0.0
         self._gps_gauss, self._imu_gauss, self._barometer_gauss = (
             random.Random(f"{sensor} {seed}").gauss for sensor in ("gps", "imu", "barometer")
         )
@@ -145,18 +146,33 @@ class Sensors:
         self._gps_s = state.time_s
         self.step(state, GpsQuality(), (0.0, 0.0))
 
-    def step(self, truth: FlightState, gps: GpsQuality, fix_error: tuple[float, float]) -> None:
+    def step(
+        self,
+        truth: FlightState,
+        gps: GpsQuality,
+        fix_error: tuple[float, float],
+        ground_up_m: float = 0.0,
+    ) -> None:
         """Takes the state, and a report of the receiver if it is due.
 
         Args:
             truth: the true state now.
             gps: the quality of GPS.
             fix_error: north and east, the slowly wandering part.
+            ground_up_m: how high above home the ground, or a roof, is below the vehicle.
         """
-        self._truth = truth
+        self._truth, self._ground_up_m = truth, ground_up_m
         if truth.time_s + EARLY_S >= self._gps_s:
             self._gps_s += 1 / GPS_HZ
             self.gps = self._sample_gps(truth, gps, fix_error)
+
+    @property
+    def range_below_m(self) -> float:
+        """Along the vehicle's own axis to level ground below it; inf where it points elsewhere."""
+        _, x, y, _ = self._truth.attitude
+        upright = 1 - 2 * (x * x + y * y)
+        above_m = max(0.0, -self._truth.position[2] - self._ground_up_m)
+        return above_m / upright if upright > 0 else math.inf
 
     @property
     def imu(self) -> ImuSample:

@@ -88,6 +88,7 @@ from companion.flight_events.reports import (
 from companion.flight_events.skills import (
     ClearanceChanged,
     FunctionsAwaited,
+    GroundNear,
     LowPlacesFlown,
     OutcomeUnknown,
     PhotoTaken,
@@ -194,6 +195,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         WallNear(0.05),
         "0.05 m beside the vehicle to an obstacle, off its route: "
         "its setpoint is moved away from there",
+    ),
+    (
+        GroundNear(0.31, 2.0),
+        "0.31 m above what is below the vehicle, by its range finder, and 2.00 m up by its "
+        "altitude: it is sent up",
     ),
     (
         ClearanceChanged(1.2, 0.254),

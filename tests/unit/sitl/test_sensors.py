@@ -138,3 +138,19 @@ def test_who_looks_later_sees_a_sample_of_then() -> None:
     assert sensors.imu is later
     sensors.step(at(7.02), GOOD, (0.0, 0.0))
     assert sensors.imu.time_s == 7.02
+
+
+@pytest.mark.parametrize(("tilt_rad", "ground_up_m"), [(0.0, 0.0), (0.3, 0.0), (0.3, 5.0)])
+def test_a_range_finder_looks_along_the_vehicle_s_axis_at_what_is_below(
+    tilt_rad: float, ground_up_m: float
+) -> None:
+    sensors = Sensors(PLACE, 1, at(0.0))
+    attitude = (math.cos(tilt_rad / 2), math.sin(tilt_rad / 2), 0.0, 0.0)
+    sensors.step(at(1.0)._replace(attitude=attitude), GOOD, (0.0, 0.0), ground_up_m)
+    assert sensors.range_below_m == pytest.approx((12.0 - ground_up_m) / math.cos(tilt_rad))
+
+
+def test_it_sees_nothing_where_it_looks_up() -> None:
+    sensors = Sensors(PLACE, 1, at(0.0))
+    sensors.step(at(1.0)._replace(attitude=(0.0, 1.0, 0.0, 0.0)), GOOD, (0.0, 0.0))
+    assert sensors.range_below_m == math.inf
