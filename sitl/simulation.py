@@ -98,10 +98,8 @@ class Simulation:
             physics.battery,
             self._estimator,
         )
-        lidar_noise = Random(f"lidar {seed}")
-        self._world = World(
-            scenario, grid, physics, self._estimator, self._autopilot, lidar_noise, seed
-        )
+        about = self._estimator, self._autopilot, Random(f"lidar {seed}"), seed
+        self._world = World(scenario, grid, physics, *about)
         self.event_log = self._world.event_log
         self._on_board = components_on_board(system, self._world, scenario, self._vehicle)
         addresses = [(system, AUTOPILOT), *(each.address for each in self._on_board)]
