@@ -443,8 +443,9 @@ def test_beyond_the_end_of_an_edge_the_margin_is_round(point: tuple[float, float
     """A notch of the fence ends at (0, 0), in the middle of the room."""
     notched = ((9.0, -9.0), (9.0, 9.0), (-9.0, 9.0), (-9.0, 0.5), (0.0, 0.0), (-9.0, -0.5))
     fence = (*notched, (-9.0, -9.0))
-    if point[0] < 0 or abs(math.hypot(*point) - 2.0) < 1e-9:
-        return  # beside the notch
+    north, east = point
+    if north < abs(east) * 0.5 / 9.0 or abs(math.hypot(*point) - 2.0) < 1e-9:
+        return  # beside the notch, whose sides are not parallel
     envelope = replace(ENVELOPE, fence=fence, fence_margin_m=2.0)
     found = verdict(
         replace(GOOD, position=(*point, -2.0)), heard(position=(*point, -2.0)), envelope
