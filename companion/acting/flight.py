@@ -183,7 +183,7 @@ class Flight:
         """
         told, stop, t_s = self._setpoint, self._stop, self.stopping_s
         within_m = LAG_SHARE * self.profile.carrot_m
-        if told is None or distance(told.position, state.position) >= within_m:
+        if told is None or distance(self.sent(told.position), state.position) >= within_m:
             here = self._not_above_band(state.position)
             own = Sample(here, state.velocity, AT_REST, is_finished=False)
             return Departure(own, stop, t_s)
@@ -243,6 +243,11 @@ class Flight:
         self._stop, self._stop_begin_s = stop, self._streamed_s - time_s
         self.brake()
 
+    def sent(self, position: Ned) -> Ned:
+        """Where a position is truly sent to: higher, where the ground is nearer than it may be."""
+        north, east, down = position
+        return (north, east, down - self._ground.lift_m)
+
     def forget_setpoint(self) -> None:
         """Holds from now on where the vehicle is, not where its last setpoint was."""
         self._setpoint = self._stop = None
@@ -298,10 +303,9 @@ class Flight:
             self.report(near)
         if position != sample.position:
             setpoint = replace(setpoint, position=position)
-        if not is_landing:
-            setpoint, low = self._ground.kept_off(setpoint, self.vehicle.state)
-            if low is not None:
-                self.report(low)
+        setpoint, low = self._ground.kept_off(setpoint, self.vehicle.state, is_landing)
+        if low is not None:
+            self.report(low)
         self.vehicle.fly(setpoint, is_for_task, is_landing)
 
     def _turned(self, heading_rad: float | None) -> float:

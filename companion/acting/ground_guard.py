@@ -3,8 +3,9 @@
 An altitude may be off: PX4 v1.15 on its own simulator sank to the ground within 15 s at a height
 that it took for level. So what is below the vehicle is kept as far away as routes keep what is
 beside it, though no further than half of the height that is flown; a setpoint that would lead
-nearer is lifted, as far as the altitude band has room. The way down to a marker is not
-touched, nor are modes of the autopilot (take-off, landing, hold): those are its own.
+nearer is lifted, as far as the altitude band has room, and what is flown goes on so much higher.
+The way down to a marker is not touched, nor are modes of the autopilot (take-off, landing, hold):
+those are its own. While the range finder is silent, a setpoint that was lifted stays so.
 """
 
 from __future__ import annotations
@@ -34,28 +35,47 @@ class GroundGuard:
         routes: know what the map has below.
         profile: of the vehicle.
         highest_m: the upper end of the altitude band.
+
+    Attributes:
+        lift_m: how much higher the last setpoint was sent.
     """
 
     def __init__(self, routes: LayeredRoutes, profile: VehicleProfile, highest_m: float) -> None:
         self._routes, self._profile, self._highest_m = routes, profile, highest_m
-        self._is_low = False
+        self._is_low, self.lift_m = False, 0.0
 
     def kept_off(
-        self, told: Setpoint, state: VehicleState | None
+        self, told: Setpoint, state: VehicleState | None, is_landing: bool = False
     ) -> tuple[Setpoint, GroundNear | None]:
-        """What is sent in place of a setpoint; and what is told, once each time that it is low."""
-        was_low, self._is_low = self._is_low, False
-        if state is None or state.mode is not Mode.OFFBOARD or state.below_m is None:
+        """What is sent in place of a setpoint; and what is told, once each time that it is low.
+
+        Args:
+            told: the setpoint.
+            state: of the vehicle.
+            is_landing: it is of the way down to a marker, or up from there.
+        """
+        was_low, lifted_m = self._is_low, self.lift_m
+        self._is_low, self.lift_m = False, 0.0
+        if state is None or state.mode is not Mode.OFFBOARD or is_landing:
             return told, None
+        by_m = lifted_m if state.below_m is None else self._needed_m(told, state, was_low)
+        if by_m <= 0:
+            return told, None
+        self._is_low, sent = True, self._lifted(told, state, by_m)
+        self.lift_m = told.position[2] - sent.position[2]
+        if was_low or state.below_m is None:
+            return sent, None
+        return sent, GroundNear(round(state.below_m, 2), round(-state.position[2], 2))
+
+    def _needed_m(self, told: Setpoint, state: VehicleState, was_low: bool) -> float:
+        """By how much a setpoint has to be higher; 0 where it leads clear of what is below."""
+        assert state.below_m is not None
         up_m, told_up_m = -state.position[2], -told.position[2]
         top_m = self._routes.top_m(state.position[:2], self._profile.radius_m)
         asked_m = min(self._profile.clearance_m, SHARE * (told_up_m - top_m))
         missing_m = asked_m - (state.below_m + told_up_m - up_m)
-        self._is_low = missing_m > (-CLEAR_AGAIN_M if was_low else 0.0)
-        if not self._is_low:
-            return told, None
-        news = GroundNear(round(state.below_m, 2), round(up_m, 2))
-        return self._lifted(told, state, missing_m + RISE_M), None if was_low else news
+        is_low = missing_m > (-CLEAR_AGAIN_M if was_low else 0.0)
+        return missing_m + RISE_M if is_low else 0.0
 
     def _lifted(self, told: Setpoint, state: VehicleState, by_m: float) -> Setpoint:
         """A setpoint that is higher, within the band and the vehicle's carrot."""

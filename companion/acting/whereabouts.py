@@ -67,9 +67,10 @@ class Whereabouts:
             return None
         margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
         north, east, down = state.position
+        there = flight.sent(place.position)
         if flight.progress.is_descending:
-            down = place.position[2]  # it comes down to its marker
-        if place.region.away_m(place.position, (north, east, down)) <= margin_m:
+            down = there[2]  # it comes down to its marker
+        if place.region.away_m(there, (north, east, down)) <= margin_m:
             return None
         return PlaceLost(place.name, round(distance(place.position, state.position), 1))
 

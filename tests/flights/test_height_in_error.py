@@ -7,7 +7,7 @@ from lockstep import Lockstep
 from shipped import MISSIONS
 
 from companion.acting.ground_guard import GroundGuard
-from companion.flight_events.skills import GroundNear
+from companion.flight_events.skills import GroundNear, SkillFailed
 from companion.flight_events.sortie import TaskSatisfied, VehicleCrashed
 from companion.mission.loader import load_mission
 from companion.vehicle.port import Mode
@@ -28,9 +28,9 @@ def lowest_m(flight: Lockstep) -> float:
     return lowest
 
 
-def flight(seed: int) -> Lockstep:
+def flight(seed: int, differs: str = WANDER) -> Lockstep:
     text = (MISSIONS / "surveillance.sim.yaml").read_text(encoding="utf-8")
-    text = text.replace("map: maps/", f"map: {MISSIONS}/maps/") + WANDER
+    text = text.replace("map: maps/", f"map: {MISSIONS}/maps/") + differs
     mission = load_mission(MISSIONS / "surveillance.yaml")
     return Lockstep(mission, read_scenario(text), seed=seed)
 
@@ -45,8 +45,17 @@ def test_it_stays_off_the_ground_and_does_its_task(seed: int) -> None:
     assert flown.of(GroundNear) or seed != FAR_OFF
 
 
+def test_an_altitude_that_stays_off_by_what_the_band_leaves_stops_no_task() -> None:
+    """1.7 m off from the first leg on: the places at 2 m are visited 1.1 m above the ground."""
+    flown = flight(1, "happens:\n  - {at_s: 12.0, estimate: {up_m: 1.7}}\n")
+    assert 0.5 <= lowest_m(flown) < 1.2
+    assert flown.of(TaskSatisfied)
+    assert not [event for event in flown.of(SkillFailed) if event.action.startswith("move(")]
+    assert len(flown.of(GroundNear)) == 1
+
+
 def test_without_a_range_finder_it_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(GroundGuard, "kept_off", lambda _, told, __: (told, None))
+    monkeypatch.setattr(GroundGuard, "kept_off", lambda _, told, *__: (told, None))
     flown = flight(FAR_OFF)
     assert lowest_m(flown) < 0.1
     assert not flown.of(TaskSatisfied)

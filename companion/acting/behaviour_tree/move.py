@@ -159,7 +159,7 @@ class MoveCommand(Leaf):
             return self._stop_and_fail(f"not there after {self._timeout_s:.0f} s")
         self._flown_s = self._time_s
         sample = self._sample()
-        gap_m = distance(sample.position, state.position)
+        gap_m = distance(flight.sent(sample.position), state.position)
         is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
         if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:

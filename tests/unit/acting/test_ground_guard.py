@@ -91,6 +91,19 @@ def test_what_is_not_known_or_far_enough_lifts_nothing(state: VehicleState | Non
     assert guard().kept_off(told(), state) == (told(), None)
 
 
+def test_while_the_range_finder_is_silent_what_was_lifted_stays_so() -> None:
+    kept = guard()
+    lifted, _ = kept.kept_off(told(), flying(ASKED_M - 0.1))
+    assert kept.kept_off(told(), flying(None)) == (lifted, None)
+    assert kept.kept_off(told(), flying(ASKED_M - 0.1))[1] is None, "it was told"
+    assert kept.kept_off(told(), flying(None, mode=Mode.LOITER)) == (told(), None)
+    assert kept.kept_off(told(), flying(None)) == (told(), None), "the autopilot flew meanwhile"
+
+
+def test_the_way_down_to_a_marker_is_not_lifted() -> None:
+    assert guard().kept_off(told(), flying(0.1), is_landing=True) == (told(), None)
+
+
 def test_low_flights_and_flights_over_low_walls_are_as_the_mission_wants_them() -> None:
     low: Ned = (3.0, 3.0, -0.8)
     assert guard().kept_off(told(low), flying(0.45, low)) == (told(low), None)
