@@ -72,7 +72,7 @@ class Whereabouts:
             down = there[2]  # it comes down to its marker
         if place.region.away_m(there, (north, east, down)) <= margin_m:
             return None
-        return PlaceLost(place.name, round(distance(place.position, state.position), 1))
+        return PlaceLost(place.name, round(distance(there, state.position), 1))
 
     def _lose(self, lost: PlaceLost) -> PlaceLost:
         """The vehicle is between places; what was done at the place is interrupted."""

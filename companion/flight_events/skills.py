@@ -161,7 +161,7 @@ class GroundNear(FlightEvent):
     kind = "ground"
     template = (
         "{below_m:.2f} m above what is below the vehicle, by its range finder, and {up_m:.2f} m up "
-        "by its altitude: it is sent up"
+        "by its altitude: it is sent up, as far as limits.up_m allows"
     )
 
     below_m: Annotated[float, Doc("from the vehicle down to what is below it, by a range finder")]

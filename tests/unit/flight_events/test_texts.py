@@ -199,7 +199,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (
         GroundNear(0.31, 2.0),
         "0.31 m above what is below the vehicle, by its range finder, and 2.00 m up by its "
-        "altitude: it is sent up",
+        "altitude: it is sent up, as far as limits.up_m allows",
     ),
     (
         ClearanceChanged(1.2, 0.254),
