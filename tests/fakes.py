@@ -346,6 +346,8 @@ class FakeVehicle:
             "GF_ACTION": 2.0,
             "COM_RCL_EXCEPT": 0.0,
             "RTL_RETURN_ALT": 30.0,
+            "GF_MAX_HOR_DIST": 0.0,
+            "GF_MAX_VER_DIST": 0.0,
         }
         self._now_s = self._since_s = 0.0
 

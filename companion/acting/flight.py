@@ -161,6 +161,14 @@ class Flight:
         return self._setpoint
 
     @property
+    def nears_wall(self) -> bool:
+        """Whether the vehicle swings towards a wall, from where it is told to be."""
+        told, state = self._setpoint, self.vehicle.state
+        if told is None or state is None:
+            return False
+        return self._walls.is_neared(told.position, state)
+
+    @property
     def stop(self) -> Stop | None:
         """How it brakes along the path that was flown before; None if it does not."""
         return self._stop

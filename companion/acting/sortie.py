@@ -26,6 +26,7 @@ from companion.acting.flown_task import FlownTask
 from companion.acting.frame_watch import FrameWatch
 from companion.acting.gate_watch import GateWatch
 from companion.acting.journal import PhaseBegun
+from companion.acting.landing_wait import LandingWait
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.preflight.ground_checks import GroundChecks
@@ -91,7 +92,7 @@ class Sortie:
         self._crash: Crash | None = None
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
         self._control = Control(flight, may_yield, resumes, resumption)
-        self._limit = LimitWatch(limit, flight)
+        self._limit, self._landing_wait = LimitWatch(limit, flight), LandingWait(flight)
         self._flown = FlownTask(flight, executive, mission, self._limit)
         self._resumption = resumption
         self._after_offboard = SortieEvent.TASK_GOES_ON
@@ -202,10 +203,10 @@ class Sortie:
         """Lands a vehicle that has hit something and still flies; lets go of any other."""
         self._crash = crash
         self._flight.report(VehicleCrashed(str(crash)))
-        if crash is not Crash.IMPACT:
+        if crash is Crash.IMPACT:
+            self._land(Aborted(str(crash)), SortieEvent.HIT)
+        else:
             self._give_up(Aborted(str(crash)))
-            return
-        self._land(Aborted(str(crash)), SortieEvent.HIT)
 
     def _land(self, failure: Aborted, event: SortieEvent) -> None:
         """Holds and lands, if it does not already."""
@@ -217,10 +218,10 @@ class Sortie:
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends."""
         is_taken = self.phase in UNDER_TASK and self._flight.vehicle.takeover is not None
-        if not (is_taken and self._control.may_yield and state.is_armed) or state.is_landed:
+        if is_taken and self._control.may_yield and state.is_armed and not state.is_landed:
+            self._yield(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
+        else:
             self._give_up(loss)
-            return
-        self._yield(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
 
     def _is_waited_for(self, state: VehicleState) -> bool:
         """Whether nothing is heard of it in the air; a landing by plan goes on without us."""
@@ -287,7 +288,8 @@ class Sortie:
             self._on(SortieEvent.CHECKED)
 
     def _pursue_goal(self, state: VehicleState) -> None:
-        if self.phase is Phase.ARMING and not self._flight.journal.is_kept:
+        is_held = self.phase is Phase.LANDING and self._landing_wait.tick() is Progress.RUNNING
+        if is_held or (self.phase is Phase.ARMING and not self._flight.journal.is_kept):
             return
         if self.phase is Phase.OFFBOARD:
             self._flight.hold_here()  # it may still rise
@@ -328,8 +330,7 @@ class Sortie:
         journal.note(now_s, PhaseBegun(self.phase))
         if self.phase in (Phase.RETURNING, Phase.HOLDING, Phase.LANDING):
             flown = self._flown
-            about = ending_begun(self.failure, flown.called_to, flown.is_satisfied)
-            journal.note(now_s, about)
+            journal.note(now_s, ending_begun(self.failure, flown.called_to, flown.is_satisfied))
 
     def _give_up(self, failure: CompanionError) -> None:
         self.failure = failure

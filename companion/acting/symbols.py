@@ -33,7 +33,7 @@ SAME_M = 0.2
 """Waypoints nearer to each other are the same."""
 ASKED_AT_ONCE = 8
 """So many waypoints are asked about in one call of a user's test, after the first one."""
-_CANDIDATE_US = 60
+_CANDIDATE_US, _ROOM_US = 60, 30
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,8 +196,20 @@ class Symbols:
         if advice is not None:
             yield from advice.suggested(place)
         for source, suggest in AT_LAST.items():
-            for waypoint in suggest(place, value):
+            for waypoint in self._roomiest_first(suggest(place, value)):
                 yield waypoint, source
+
+    def _roomiest_first(self, waypoints: Iterator[Ned]) -> Sequence[Ned]:
+        """Those first that keep from obstacles what routes do where there is room."""
+        routes, kept_m = self._routes, self._routes.kept_m
+
+        def room_m(waypoint: Ned) -> float:
+            spent(_ROOM_US)
+            plane = routes.plane(-waypoint[2])
+            away_m = plane.obstacles.clearance_m(waypoint[:2]) if plane is not None else kept_m
+            return min(kept_m, away_m)
+
+        return sorted(waypoints, key=room_m, reverse=True)
 
     def follow_map(self, start: Ned, now_s: float) -> list[str]:
         """Choose anew where the map has taken a waypoint away, or the way to it; what moved."""

@@ -27,6 +27,12 @@ TOLD_M = 0.3
 """A setpoint that is moved by less, as for a vehicle that falls behind a little, is not told of."""
 
 
+NEARER_M = 0.2
+"""A vehicle that is nearer to a wall than its setpoint by less is taken to be where it is told."""
+SOON_S = 1.0
+"""How far ahead its own motion is looked at: in about that time an autopilot stops it."""
+
+
 class WallGuard:
     """Of one flight.
 
@@ -52,6 +58,21 @@ class WallGuard:
         if not self._is_near and math.dist(sent, told.position) < TOLD_M:
             return sent, None
         return sent, self._news(plane.obstacles, state)
+
+    def is_neared(self, told: Ned, state: VehicleState) -> bool:
+        """Whether a vehicle is nearer to a wall than its setpoint, or will be if it goes on so.
+
+        Far from all walls it is not: further than routes keep, by as much as it is off its
+        setpoint, which is how far it swings.
+        """
+        plane = self._routes.plane(-told[2])
+        if plane is None:
+            return False
+        (north, east, _), (v_north, v_east, _) = state.position, state.velocity
+        off_m = math.dist((north, east), told[:2])
+        asked_m = min(self._routes.kept_m + off_m, plane.obstacles.clearance_m(told[:2])) - NEARER_M
+        soon = (north + SOON_S * v_north, east + SOON_S * v_east)
+        return any(plane.obstacles.is_within(at, asked_m) for at in ((north, east), soon))
 
     def _moved(self, plane: RouteMap, position: Ned, by: NorthEast) -> Ned:
         """The setpoint, moved as far as fences and zones leave it, and walls the vehicle's body.

@@ -8,6 +8,9 @@ sets well by default, where they were changed: its fence, and the loss of the pi
 A return climbs first, to RTL_RETURN_ALT above home: 30 m by default, whatever is above the vehicle.
 Where the offboard loss or the fence makes it return, that must not be above the mission's ceiling.
 
+Besides the fence that can be uploaded PX4 has a cylinder about home, of a radius and a height.
+Where the mission may be flown beyond it, the autopilot would end the flight there.
+
 Where plans know of energy, what they leave lies above the charge at which the autopilot acts.
 
 Source: PX4 v1.16, parameter reference (COM_*, GF_*, RTL_*).
@@ -18,6 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 IN_OFFBOARD = 4
 """The bit of COM_RCL_EXCEPT that stands for OFFBOARD."""
@@ -67,12 +71,28 @@ RETURN = 3.0
 RETURNING = ("COM_OBL_RC_ACT", "GF_ACTION")
 """What may make the vehicle return because of the companion."""
 
-PARAMETERS = (*(requirement.parameter for requirement in REQUIREMENTS), RETURN_ALTITUDE)
+FENCE_RADIUS, FENCE_HEIGHT = "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"
+HEADROOM_M = 0.5
+"""So far above its ceiling a vehicle may climb for a moment."""
+
+PARAMETERS = (
+    *(requirement.parameter for requirement in REQUIREMENTS),
+    RETURN_ALTITUDE,
+    FENCE_RADIUS,
+    FENCE_HEIGHT,
+)
 """What has to be asked for."""
 
 CRITICAL_CHARGE = "BAT_CRIT_THR"
 CHARGE_MARGIN = 0.02
 """So much more than what the autopilot acts at a reserve has to be: a gauge has whole percents."""
+
+
+class FlownWithin(NamedTuple):
+    """What a mission is flown in: how far above home, and how far away from it over the ground."""
+
+    ceiling_m: float
+    away_m: float
 
 
 def parameters_of(reserve: float | None) -> tuple[str, ...]:
@@ -85,24 +105,22 @@ def parameters_of(reserve: float | None) -> tuple[str, ...]:
 
 
 def weaknesses(
-    values: Mapping[str, float | None], ceiling_m: float, reserve: float | None = None
+    values: Mapping[str, float | None], flown: FlownWithin, reserve: float | None = None
 ) -> list[str]:
     """What is too weak, a line each with what to do.
 
     Args:
         values: of `parameters_of`; None is one that was not answered.
-        ceiling_m: above home; the mission stays below.
+        flown: in what the mission stays.
         reserve: the charge, 0 to 1, that plans leave; None where they know of none.
     """
-    lines = _return_above(values, ceiling_m)
+    lines = _return_above(values, flown.ceiling_m) + _fenced_in(values, flown)
     if reserve is not None:
         lines += _acts_before(values[CRITICAL_CHARGE], reserve)
     for requirement in REQUIREMENTS:
         value = values[requirement.parameter]
-        if value is None:
-            lines.append(f"{requirement.parameter} was not answered; {requirement.advice}")
-        elif not requirement.is_strong(value):
-            lines.append(f"{requirement.parameter} is {value:g}; {requirement.advice}")
+        if value is None or not requirement.is_strong(value):
+            lines.append(f"{requirement.parameter} {_is_now(value)}; {requirement.advice}")
     return lines
 
 
@@ -111,21 +129,47 @@ def _return_above(values: Mapping[str, float | None], ceiling_m: float) -> list[
     height_m, why = values[RETURN_ALTITUDE], [p for p in RETURNING if values[p] == RETURN]
     if not why or (height_m is not None and height_m <= ceiling_m):
         return []
-    is_now = "was not answered" if height_m is None else f"is {height_m:g}"
     return [
-        f"{RETURN_ALTITUDE} {is_now}; set {ceiling_m:g} or less: {' and '.join(why)} 3 returns, "
-        f"and climbs so high first, where the mission stays below {ceiling_m:g} m"
+        f"{RETURN_ALTITUDE} {_is_now(height_m)}; set {ceiling_m:g} or less: {' and '.join(why)} 3 "
+        f"returns, and climbs so high first, where the mission stays below {ceiling_m:g} m"
     ]
+
+
+def _fenced_in(values: Mapping[str, float | None], flown: FlownWithin) -> list[str]:
+    """That the autopilot's own cylinder about home ends within the mission's limits, if it does."""
+    above_m = flown.ceiling_m + HEADROOM_M
+    asked = (
+        (FENCE_RADIUS, flown.away_m, f"is flown up to {flown.away_m:.1f} m away (limits.fence)"),
+        (FENCE_HEIGHT, above_m, f"may climb to {flown.ceiling_m:g} m (limits.up_m)"),
+    )
+    return [
+        f"{parameter} {_is_now(values[parameter])}; set 0 (no limit) or {_rounded_up(least_m):g} "
+        f"or more: so far from home the autopilot ends a flight, and the mission {does}"
+        for parameter, least_m, does in asked
+        if not _allows(values[parameter], least_m)
+    ]
+
+
+def _allows(limit_m: float | None, needed_m: float) -> bool:
+    return limit_m is not None and (limit_m <= 0.0 or limit_m >= needed_m)
+
+
+def _rounded_up(distance_m: float) -> float:
+    """To half a metre."""
+    return math.ceil(2 * distance_m) / 2
+
+
+def _is_now(value: float | None) -> str:
+    return "was not answered" if value is None else f"is {value:g}"
 
 
 def _acts_before(critical: float | None, reserve: float) -> list[str]:
     """That the autopilot would end a flight that plans still go on with, if it would."""
     if critical is not None and reserve >= critical + CHARGE_MARGIN:
         return []
-    is_now = "was not answered" if critical is None else f"is {critical:g}"
     least = math.ceil(100 * ((critical or 0.0) + CHARGE_MARGIN))
     return [
-        f"{CRITICAL_CHARGE} {is_now}: the autopilot ends the flight at this charge, and the "
-        f"mission's reserve is {100 * reserve:.0f} % of it; set battery: reserve so that it is "
+        f"{CRITICAL_CHARGE} {_is_now(critical)}: the autopilot ends the flight at this charge, and "
+        f"the mission's reserve is {100 * reserve:.0f} % of it; set battery: reserve so that it is "
         f"{least} % or more, or the parameter lower"
     ]

@@ -260,6 +260,23 @@ def test_a_return_above_the_missions_ceiling_is_not_flown_with(
     assert start((low, grid)).until_reported(PhaseEntered, phase=Phase.TAKE_OFF).armings == 1
 
 
+@pytest.mark.parametrize(
+    ("parameter", "narrow", "wide"),
+    [("GF_MAX_HOR_DIST", 20.0, 30.0), ("GF_MAX_VER_DIST", 4.0, 4.5)],
+)
+def test_an_own_fence_of_the_autopilot_that_is_narrower_than_the_mission_is_not_flown_with(
+    parameter: str, narrow: float, wide: float, start: Start, short_hall: World
+) -> None:
+    """It would hold the vehicle in the middle of its task."""
+    scenario, grid = short_hall
+    flight = start((replace(scenario, parameters={parameter: narrow}), grid)).until_the_end()
+    ended = flight.one(RunFailed, exit_code=Aborted.exit_code)
+    assert f"{parameter} is {narrow:g}; set 0 (no limit) or" in ended.reason
+    assert flight.commands == []
+    roomy = replace(scenario, parameters={parameter: wide})
+    assert start((roomy, grid)).until_reported(PhaseEntered, phase=Phase.TAKE_OFF).armings == 1
+
+
 def test_a_vehicle_that_is_armed_already_is_left_alone(start: Start) -> None:
     flight = start(has_station=True)
     flight.is_companion_alive = False

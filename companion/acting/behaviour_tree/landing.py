@@ -14,6 +14,7 @@ from py_trees.common import Status
 
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
+from companion.acting.landing_wait import LandingWait
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     BatteryCharged,
@@ -80,6 +81,16 @@ class LandVehicle(ReachGoals):
     does = LeafType.LAND
 
     goals = (Goal.LANDED,)
+
+    def initialise(self) -> None:
+        """First it comes to rest."""
+        super().initialise()
+        self._wait = LandingWait(self._flight)
+
+    def update(self) -> Status:
+        """SUCCESS on the ground."""
+        is_held = self._wait.tick() is Progress.RUNNING
+        return Status.RUNNING if is_held else super().update()
 
     def reached(self) -> FlightEvent:
         """The last setpoint is outdated: the vehicle will hold where it takes off."""

@@ -5,10 +5,12 @@
 
 from __future__ import annotations
 
+import math
+
 from companion.acting.authority import FRESH_S
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import WeakFailsafeAccepted
-from companion.vehicle.failsafes import parameters_of, weaknesses
+from companion.vehicle.failsafes import FlownWithin, parameters_of, weaknesses
 from companion.vehicle.port import Failed, Outcome, Progress
 
 ANSWER_TIMEOUT_S = 10.0
@@ -45,10 +47,17 @@ class FailsafeCheck:
         is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
         if None in values.values() and not is_late:
             return Progress.RUNNING
-        weak = weaknesses(values, self._flight.limits.up_m[1], self._reserve)
+        weak = weaknesses(values, self._flown_within(), self._reserve)
         if weak and not self._accepts_weak:
             lines = "\n    ".join(weak)
             return Failed(f"the autopilot's failsafes are weak, so it is not armed\n    {lines}")
         for line in weak:
             self._flight.report(WeakFailsafeAccepted(line))
         return Progress.DONE
+
+    def _flown_within(self) -> FlownWithin:
+        """As far as the mission's limits reach from where the vehicle stands, its home."""
+        state, limits = self._flight.vehicle.state, self._flight.limits
+        home = (0.0, 0.0) if state is None else state.position[:2]
+        away_m = max((math.dist(home, corner) for corner in limits.fence), default=0.0)
+        return FlownWithin(limits.up_m[1], away_m)

@@ -79,6 +79,20 @@ def test_an_obstacle_in_the_place_moves_its_waypoint_within_the_region() -> None
     assert route is not None and tuple(route.waypoints[-1]) == value.position
 
 
+@pytest.mark.parametrize("added_m", [0.0, 0.3, 0.6, 2.0])
+def test_the_waypoint_keeps_what_routes_keep_where_the_region_has_the_room(added_m: float) -> None:
+    symbols, routes = world((5.0, 0.0))
+    routes.add_clearance(added_m)
+    assert grounded(symbols, 3.0)
+    chosen, value = symbols["A"].position, Value(WIDE.position, "", 0.0)
+    rooms = [min(routes.kept_m, grid((5.0, 0.0)).clearance_m(p[:2])) for p in around(WIDE, value)]
+    assert grid((5.0, 0.0)).clearance_m(chosen[:2]) >= max(rooms)
+    if added_m <= 0.6:
+        assert max(rooms) == routes.kept_m
+        nearest = [distance(p, WIDE.position) for p in around(WIDE, value)][rooms.index(max(rooms))]
+        assert distance(chosen, WIDE.position) == nearest
+
+
 def test_after_a_failure_another_waypoint_is_taken_and_the_first_one_again_later() -> None:
     symbols, _ = world()
     symbols.refuse("A", 1.0)

@@ -1,0 +1,37 @@
+"""Waits to hand the vehicle over to the autopilot's landing while it swings towards a wall.
+
+A landing of the autopilot's own begins where the vehicle is, with the speed that it has, and no
+setpoint keeps it off walls any more (`wall_guard.py`). So where the vehicle is nearer to a wall
+than its setpoint, or will be in a second, it is held for a while longer.
+"""
+
+from __future__ import annotations
+
+from companion.acting.flight import Flight
+from companion.vehicle.port import Mode, Progress
+
+LONGEST_S = 10.0
+"""A vehicle that comes to no rest in that time lands as it is."""
+
+
+class LandingWait:
+    """Of one landing.
+
+    Args:
+        flight: the flight, which comes to rest where it is to land.
+    """
+
+    def __init__(self, flight: Flight) -> None:
+        self._flight = flight
+        self._since_s: float | None = None
+
+    def tick(self) -> Progress:
+        """Holds the vehicle; DONE when it may land, or when it is not ours to hold any more."""
+        flight, state = self._flight, self._flight.vehicle.state
+        if state is None or state.mode is not Mode.OFFBOARD:
+            return Progress.DONE
+        flight.hold()
+        if self._since_s is None:
+            self._since_s = flight.now_s
+        is_over = flight.now_s - self._since_s >= LONGEST_S or not flight.nears_wall
+        return Progress.DONE if is_over else Progress.RUNNING
