@@ -35,8 +35,9 @@ UNSEEN_S = 3.0
 to the autopilot's failsafe, and one to stop."""
 
 TWO_KEYS = "hold, then continue, gives it back"
-STREAMED = (Phase.TASK, Phase.PAUSED, Phase.RETURNING)
-"""Phases in which setpoints are streamed for the task, so that the autopilot notices their loss."""
+STREAMED = (Phase.TASK, Phase.PAUSED, Phase.RETURNING, Phase.LANDING)
+"""Phases in which setpoints are streamed, so that the autopilot notices their loss: also where a
+vehicle is held before it lands."""
 
 GOES_ON_WITH = {
     Phase.ARMING: SortieEvent.TASK_GOES_ON,

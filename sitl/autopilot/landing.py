@@ -2,7 +2,7 @@
 
 Modelled on PX4's land detector (user guide, "Land Detector Configuration"). The evidence is for
 how long the vehicle has rested on the ground, or has been off it; a vehicle whose setpoint is a
-climb does not rest.
+climb does not rest. One that is not armed rests wherever it is, as in PX4.
 
     state           rest of CONTACT_S   rest of LANDED_S   no rest          off it for AIRBORNE_S
     LANDED                                                 LIFTING_OFF      IN_AIR
@@ -79,7 +79,12 @@ class LandDetector:
         return _HAS_CONTACT[self.state]
 
     def update(
-        self, state: FlightState, is_climbing: bool, max_vertical_mps: float, dt_s: float
+        self,
+        state: FlightState,
+        is_climbing: bool,
+        max_vertical_mps: float,
+        dt_s: float,
+        is_armed: bool = True,
     ) -> None:
         """Takes one more state.
 
@@ -88,10 +93,12 @@ class LandDetector:
             is_climbing: the setpoint is a climb.
             max_vertical_mps: faster is no rest (LNDMC_Z_VEL_MAX).
             dt_s: time since the state before.
+            is_armed: the motors may turn.
         """
-        if state.is_on_ground:
+        if state.is_on_ground or not is_armed:
             self._airborne_s = 0.0
-            is_resting = not is_climbing and abs(state.velocity[2]) <= max_vertical_mps
+            is_still = not is_climbing and abs(state.velocity[2]) <= max_vertical_mps
+            is_resting = is_still or not is_armed
             self._rest_s = self._rest_s + dt_s if is_resting else 0.0
             contact = _CONTACT if self._rest_s >= CONTACT_S else _NO_REST
             evidence = _REST if self._rest_s >= LANDED_S else contact

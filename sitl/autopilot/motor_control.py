@@ -78,8 +78,9 @@ class MotorControl:
             state: the newest, `dt_s` after the one before.
             dt_s: time between two calls.
         """
-        parameters = self._parameters
-        self.land_detector.update(state, self._is_climbing, parameters["LNDMC_Z_VEL_MAX"], dt_s)
+        parameters, is_armed = self._parameters, self.setpoint is not None
+        most_mps = parameters["LNDMC_Z_VEL_MAX"]
+        self.land_detector.update(state, self._is_climbing, most_mps, dt_s, is_armed)
         is_spinning_up = state.time_s - self._armed_s < parameters["COM_SPOOLUP_TIME"]
         if self.setpoint is None:
             return STOPPED

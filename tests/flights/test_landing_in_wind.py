@@ -9,6 +9,7 @@ from test_leaning import low, windy
 
 from companion.acting.landing_wait import LandingWait
 from companion.api.simulating import world_of
+from companion.flight_events.sortie import ControlTakenBack, Phase, PhaseEntered
 from companion.mission.loader import load_mission
 from companion.vehicle.port import Progress
 from sitl.flight.estimate import Wander
@@ -17,34 +18,47 @@ LOW_M, WIND_MPS = 1.0, 5.0
 RADIUS_M = 0.35
 
 
-class Landed(Lockstep):
+class Landing(Lockstep):
     """Return_home at 1 m, with PX4's drag and a position that wanders, in wind.
 
     Attributes:
         least_m: the least room beside the vehicle while it lands.
     """
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, *, resumes: bool = False) -> None:
         mission = load_mission(MISSIONS / "return_home.yaml")
         world = windy(world_of(mission), WIND_MPS, airframe="px4_sih", wander=Wander(0.25, 0.3))
-        super().__init__(low(mission, LOW_M), world, seed=seed)
-        true_map, self.least_m = self.simulation.true_map, 9.0
-        assert true_map is not None
-        while not self.companion.has_ended:
-            self.tick()
-            if self.simulation.mode == "AUTO.LAND":
-                here = self.simulation.flight.position[:2]
-                self.least_m = min(self.least_m, true_map.clearance_m(here) - RADIUS_M)
+        super().__init__(low(mission, LOW_M), world, seed=seed, resumes=resumes)
+        self.least_m = 9.0
+
+    def tick(self) -> None:
+        super().tick()
+        true_map = self.simulation.true_map
+        if self.simulation.mode == "AUTO.LAND" and true_map is not None:
+            here = self.simulation.flight.position[:2]
+            self.least_m = min(self.least_m, true_map.clearance_m(here) - RADIUS_M)
 
 
 @pytest.mark.parametrize(
     "seed", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (0, 2, 3, 4))]
 )
 def test_it_keeps_half_a_metre_from_walls(seed: int) -> None:
-    flown = Landed(seed)
+    flown = Landing(seed).until_the_end()
     assert flown.exit_code == 0 and flown.least_m > 0.5
 
 
 def test_handed_over_at_once_it_comes_to_a_wall(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(LandingWait, "tick", lambda _: Progress.DONE)
-    assert Landed(1).least_m < 0.2
+    assert Landing(1).until_the_end().least_m < 0.2
+
+
+def test_killed_while_it_is_held_it_lands_when_it_is_started_again() -> None:
+    flight = Landing(1, resumes=True)
+    flight.until_reported(PhaseEntered, phase=Phase.LANDING).run(1.5)
+    assert flight.simulation.mode == "OFFBOARD"
+    flight.kill()
+    flight.run(2.5)
+    flight.restart()
+    flight.until_the_end()
+    assert flight.exit_code == 0 and flight.simulation.collisions == 0
+    assert flight.one(ControlTakenBack) and not flight.simulation.is_armed

@@ -54,6 +54,15 @@ def test_a_climb_and_a_fast_descent_are_no_rest(moves: bool) -> None:
     assert detector.state is IN_AIR
 
 
+def test_one_that_is_not_armed_has_landed_wherever_it_is() -> None:
+    """PX4's MulticopterLandDetector: a wreck that hangs on a roof is not waited for."""
+    detector, falling = LandDetector(), FLYING._replace(velocity=(0.0, 0.0, 5.0))
+    after(detector, falling, 1.0)
+    for _ in range(round(LANDED_S / DT_S) + 1):
+        detector.update(falling, False, 0.25, DT_S, is_armed=False)
+    assert detector.state is LANDED
+
+
 @given(st.lists(st.tuples(st.booleans(), st.booleans(), st.sampled_from([0.0, 1.0])), max_size=80))
 def test_flags_and_states_agree(steps: list[tuple[bool, bool, float]]) -> None:
     """Landed is left after AIRBORNE_S off the ground, and reached after LANDED_S of rest."""
