@@ -6,10 +6,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from companion.acting.authority import FRESH_S
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import WeakFailsafeAccepted
+from companion.geometry import NorthEast
 from companion.vehicle.failsafes import FlownWithin, parameters_of, weaknesses
 from companion.vehicle.port import Failed, Outcome, Progress
 
@@ -24,10 +26,17 @@ class FailsafeCheck:
         flight: whose autopilot is asked.
         accepts_weak: weak failsafes are reported, and no failure.
         reserve: the charge, 0 to 1, that plans leave; None where they know of none.
+        homes: where else the vehicle may be armed, which moves a PX4's home there.
     """
 
-    def __init__(self, flight: Flight, accepts_weak: bool, reserve: float | None = None) -> None:
-        self._reserve = reserve
+    def __init__(
+        self,
+        flight: Flight,
+        accepts_weak: bool,
+        reserve: float | None = None,
+        homes: Sequence[NorthEast] = (),
+    ) -> None:
+        self._reserve, self._homes = reserve, homes
         self._flight = flight
         self._accepts_weak = accepts_weak
         self._asked_s: float | None = None
@@ -56,8 +65,8 @@ class FailsafeCheck:
         return Progress.DONE
 
     def _flown_within(self) -> FlownWithin:
-        """As far as the mission's limits reach from where the vehicle stands, its home."""
+        """As far as the mission's limits reach from where the vehicle is armed."""
         state, limits = self._flight.vehicle.state, self._flight.limits
-        home = (0.0, 0.0) if state is None else state.position[:2]
-        away_m = max((math.dist(home, corner) for corner in limits.fence), default=0.0)
-        return FlownWithin(limits.up_m[1], away_m)
+        homes = [*self._homes, (0.0, 0.0) if state is None else state.position[:2]]
+        away_m = (math.dist(home, corner) for home in homes for corner in limits.fence)
+        return FlownWithin(limits.up_m[1], max(away_m, default=0.0))

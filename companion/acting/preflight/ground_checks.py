@@ -16,7 +16,9 @@ from companion.acting.preflight.gauge_check import GaugeCheck
 from companion.acting.preflight.kept_fence import KeptFenceCheck
 from companion.acting.preflight.rally_check import RallyJudge
 from companion.acting.preflight.upload_check import UploadCheck
+from companion.geometry import NorthEast
 from companion.mission.model import Mission
+from companion.mission.steps import TakeOff
 from companion.vehicle.port import Failed, Outcome, Progress
 
 
@@ -36,7 +38,8 @@ class GroundChecks:
         self._flight, self._mission = flight, mission
         energy = executive.planner.energy
         reserve = None if energy is None else energy.model.charge(energy.model.reserve)
-        failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes, reserve)
+        homes = _other_homes(mission)
+        failsafes = FailsafeCheck(flight, terms.accepts_weak_failsafes, reserve, homes)
         fence = FenceJudge(flight, terms.fence, tuple(mission.places.values()))
         kept = KeptFenceCheck(flight, executive, fence, mission.home.name)
         rally = RallyJudge(flight, terms.rally_points, mission)
@@ -56,3 +59,11 @@ class GroundChecks:
             return outcome
         del self._checks[0]
         return Progress.RUNNING
+
+
+def _other_homes(mission: Mission) -> tuple[NorthEast, ...]:
+    """Where the vehicle may take off again, besides where it begins."""
+    steps = (step for skill in mission.skills.values() for step in skill.execute)
+    if not any(isinstance(step, TakeOff) for step in steps):
+        return ()
+    return tuple(place.position[:2] for place in mission.places.values())
