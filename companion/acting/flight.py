@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -29,6 +30,8 @@ from companion.vehicle_profile import VehicleProfile
 
 TICK_S = 0.05
 """Period of ticks, setpoints and everything else that the companion does: 20 Hz."""
+HELD_M = 0.5
+"""Nearer to its setpoint a vehicle is held there, and does not have it moved to where it is."""
 LAG_SHARE = 0.6
 """Of the gate's carrot: distance behind its setpoint at which the vehicle counts as behind."""
 
@@ -291,9 +294,19 @@ class Flight:
         return (north, east, highest_down) if down < highest_down and is_near else position
 
     def hold_here(self) -> None:
-        """Stays where the vehicle is now, wherever its last setpoint was."""
+        """Stays over where the vehicle is, at the height that it comes to; for one that may climb.
+
+        Once held there it stays there: a setpoint that went with the vehicle would leave it to the
+        wind. One that has gone further, as in the hands of a pilot, is held where it is then.
+        """
+        told, state = self._setpoint, self.vehicle.state
         self.forget_setpoint()
-        self.hold()
+        if state is None or state.is_landed:
+            return
+        north, east, down = state.position
+        if told is not None and math.dist(told.position[:2], (north, east)) < HELD_M:
+            north, east, _ = told.position
+        self._stream(_rest_at(self._not_above_band((north, east, down))), None)
 
     def _stream(
         self,

@@ -10,7 +10,7 @@ from rig import Rig
 from synthetic import mission
 
 from companion.acting.behaviour_tree.move import MoveCommand
-from companion.acting.flight import LAG_SHARE, Flight
+from companion.acting.flight import HELD_M, LAG_SHARE, Flight
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import ControlRegained, StopRequested
 
@@ -78,3 +78,25 @@ def test_it_begins_with_the_vehicles_own_motion_where_that_is_another_one() -> N
     assert speed_mps(flight) == 0.0
     vehicle.state = None
     assert flight.departure is None
+
+
+def test_a_vehicle_that_drifts_is_held_where_it_was_and_rises_meanwhile() -> None:
+    """Before the task begins, for as long as an autopilot takes to say that it is in OFFBOARD."""
+    rig = Rig(mission("F at(A)"))
+    rig.vehicle.change(position=(0.0, 0.0, -1.0))
+    rig.flight.hold_here()
+    for number in range(1, 5):
+        rig.vehicle.change(position=(0.1 * number, 0.0, -1.0 - 0.1 * number))
+        rig.flight.hold_here()
+        assert rig.vehicle.setpoint is not None
+        assert rig.vehicle.setpoint.position == (0.0, 0.0, -1.0 - 0.1 * number)
+
+
+def test_one_that_has_been_taken_further_is_held_where_it_is() -> None:
+    rig = Rig(mission("F at(A)"))
+    rig.vehicle.change(position=(0.0, 0.0, -2.0))
+    rig.flight.hold_here()
+    rig.vehicle.change(position=(HELD_M + 0.01, 0.0, -2.0))
+    rig.flight.hold_here()
+    assert rig.vehicle.setpoint is not None
+    assert rig.vehicle.setpoint.position == (HELD_M + 0.01, 0.0, -2.0)
