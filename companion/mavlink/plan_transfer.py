@@ -10,7 +10,8 @@ a state machine: messages and time in, messages out. It is bounded, and no answe
 3. Writing: the autopilot asks for the items, and again where one is lost. Where its acknowledgement
    is lost the item that it has asked for last is sent again; so PX4 acknowledges again.
 4. An autopilot that is busy with somebody else answers MISSION_ACK with an error: it is asked anew,
-   from the beginning. So it is where it gives up a transfer.
+   from the beginning. So it is where it gives up a transfer. One that is busy with this very
+   upload, as where MISSION_COUNT came twice, asks for the rest of it: what it has asked for counts.
 5. SILENT_S without an answer of this transfer, or LONGEST_S in all, is a failure. So is a refusal.
 
     asking       answered                    -> reading, or writing
@@ -224,7 +225,6 @@ class PlanTransfer:
                 self.state = TransferState.DONE
         elif result in _BUSY:
             self.state, self._next_s = TransferState.ASKING, now_s + ASK_AGAIN_S
-            self._asked.clear()
             if not self._is_writing:
                 self.items.clear()
         else:

@@ -30,13 +30,17 @@ LINK = LinkName.OFFBOARD
 
 
 class Peer:
-    """The simulator's side of the protocol, over a link that loses a share each way."""
+    """The simulator's side of the protocol, over a link that loses a share each way.
 
-    def __init__(self, share: float = 0.0, seed: int = 0) -> None:
+    Shaken, each message comes up to 0.2 s late, so that they overtake each other, and every second one twice.
+    """
+
+    def __init__(self, share: float = 0.0, seed: int = 0, is_shaken: bool = False) -> None:
         self.service = MissionService(lambda kind, items, current: None, lambda: 0)
         self.now_s = 0.0
         self.sent = 0
-        self._share, self._random = share, Random(seed)
+        self._share, self._random, self._is_shaken = share, Random(seed), is_shaken
+        self._late: dict[bool, list[tuple[float, Any]]] = {True: [], False: []}
 
     def says(self, message: Any, by: tuple[int, int] = OWN) -> list[Any]:
         message._header = dialect.MAVLink_header(0, srcSystem=by[0], srcComponent=by[1])
@@ -49,13 +53,20 @@ class Peer:
             leaving = [m for c in coming for m in transfer.take(self.now_s, c)]
             leaving += transfer.due(self.now_s)
             self.sent += len(leaving)
-            answers = [answer for m in self._through(leaving) for answer in self.says(m)]
+            answers = [answer for m in self._through(leaving, True) for answer in self.says(m)]
             answers += [message for _, message in self.service.due(self.now_s)]
-            coming = self._through(answers)
+            coming = self._through(answers, False)
         return transfer
 
-    def _through(self, messages: list[Any]) -> list[Any]:
-        return [m for m in messages if self._random.random() >= self._share]
+    def _through(self, messages: list[Any], is_up: bool) -> list[Any]:
+        through = [m for m in messages if self._random.random() >= self._share]
+        if not self._is_shaken:
+            return through
+        twice = [m for m in through if self._random.random() < 0.5]
+        late = self._late[is_up]
+        late += [(self.now_s + self._random.uniform(0.0, 0.2), m) for m in through + twice]
+        self._late[is_up] = [(s, m) for s, m in late if s > self.now_s]
+        return [m for s, m in sorted(late, key=lambda each: each[0]) if s <= self.now_s]
 
     def write(self) -> PlanTransfer:
         return self.fly(PlanTransfer(self.now_s, AUTOPILOT, OWN, FENCE, ITEMS))
@@ -75,6 +86,18 @@ def test_what_is_written_is_read_back(share: float, within_s: float, seed: int) 
     assert back.items == ITEMS
     assert written_s <= within_s and peer.now_s - written_s <= within_s
     assert peer.sent <= 400
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1])
+@pytest.mark.parametrize("seed", [*range(20), 166, 325, 360])
+def test_so_it_is_where_messages_overtake_each_other_and_come_twice(
+    share: float, seed: int
+) -> None:
+    """A second MISSION_COUNT meets an autopilot that is busy with the first: that says ERROR."""
+    peer = Peer(share, seed, is_shaken=True)
+    assert peer.write().state is TransferState.DONE
+    back = peer.read()
+    assert (back.state, back.items) == (TransferState.DONE, ITEMS)
 
 
 def test_an_autopilot_without_a_plan_has_an_empty_one() -> None:
@@ -144,6 +167,16 @@ def test_an_upload_is_done_when_all_was_asked_for() -> None:
     answers(transfer, accepted, ask[0], accepted)
     assert transfer.state is TransferState.WRITING
     answers(transfer, ask[1], accepted)
+    assert transfer.state is TransferState.DONE
+
+
+def test_one_that_is_busy_with_this_very_upload_goes_on_with_it() -> None:
+    """As where MISSION_COUNT came twice."""
+    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS[:3])
+    ask = [dialect.MAVLink_mission_request_int_message(*OWN, seq, FENCE) for seq in range(3)]
+    busy = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ERROR, FENCE)
+    accepted = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ACCEPTED, FENCE)
+    answers(transfer, ask[0], ask[1], busy, ask[1], ask[2], accepted)
     assert transfer.state is TransferState.DONE
 
 
