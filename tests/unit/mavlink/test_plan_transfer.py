@@ -32,7 +32,7 @@ LINK = LinkName.OFFBOARD
 class Peer:
     """The simulator's side of the protocol, over a link that loses a share each way.
 
-    Shaken, each message comes up to 0.2 s late, so that they overtake each other, and every second one twice.
+    Shaken, each message comes up to 0.2 s late, so that they overtake each other; half come twice.
     """
 
     def __init__(self, share: float = 0.0, seed: int = 0, is_shaken: bool = False) -> None:
