@@ -148,12 +148,7 @@ class PlanTransfer:
 
     def due(self, now_s: float) -> list[Message]:
         """What has to be said now, where no answer has come."""
-        if not self.is_under_way:
-            return []
-        if now_s - self._heard_s > SILENT_S or now_s - self._start_s > LONGEST_S:
-            self._fail(f"no answer in {now_s - self._heard_s:.0f} s")
-            return []
-        if now_s < self._next_s:
+        if not self.is_under_way or self._is_out_of_time(now_s) or now_s < self._next_s:
             return []
         self._next_s = now_s + (
             ASK_AGAIN_S if self.state is TransferState.ASKING else 2 * ITEM_AGAIN_S
@@ -166,6 +161,13 @@ class PlanTransfer:
         if self._is_writing:
             return [dialect.MAVLink_mission_count_message(*self._target, self._count, self._kind)]
         return [dialect.MAVLink_mission_request_list_message(*self._target, self._kind)]
+
+    def _is_out_of_time(self, now_s: float) -> bool:
+        if (silent_s := now_s - self._heard_s) > SILENT_S:
+            self._fail(f"no answer in {silent_s:.0f} s")
+        elif now_s - self._start_s > LONGEST_S:
+            self._fail(f"not done in {LONGEST_S:.0f} s")
+        return not self.is_under_way
 
     # -- reading -------------------------------------------------------------------------------
 
@@ -224,6 +226,7 @@ class PlanTransfer:
             if self._is_writing and len(self._asked) == self._count:
                 self.state = TransferState.DONE
         elif result in _BUSY:
+            self._heard_s = now_s
             self.state, self._next_s = TransferState.ASKING, now_s + ASK_AGAIN_S
             if not self._is_writing:
                 self.items.clear()

@@ -121,6 +121,16 @@ def test_one_that_is_busy_is_asked_again() -> None:
     assert 5.0 < peer.now_s < 8.0
 
 
+def test_one_that_is_busy_for_a_minute_is_asked_no_longer() -> None:
+    """To be busy is an answer, so that is no silence."""
+    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS)
+    busy = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ERROR, FENCE)
+    for tick in range(round((LONGEST_S + 1) / TICK_S)):
+        transfer.due(tick * TICK_S)
+        transfer.take(tick * TICK_S, busy)
+    assert transfer.failure is not None and transfer.failure.reason == "not done in 60 s"
+
+
 def test_a_download_is_ended_so_that_an_upload_can_begin() -> None:
     """An empty one, too: PX4 is busy with it until it is acknowledged, or for five seconds."""
     peer = Peer()
