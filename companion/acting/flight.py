@@ -164,12 +164,12 @@ class Flight:
         return self._setpoint
 
     @property
-    def nears_wall(self) -> bool:
+    def approaches_wall(self) -> bool:
         """Whether the vehicle swings towards a wall, from where it is told to be."""
         told, state = self._setpoint, self.vehicle.state
         if told is None or state is None:
             return False
-        return self._walls.is_neared(told.position, state)
+        return self._walls.is_approached(told.position, state)
 
     @property
     def stop(self) -> Stop | None:

@@ -24,14 +24,18 @@ class LandingWait:
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
         self._since_s: float | None = None
+        self._is_over = False
 
     def tick(self) -> Progress:
-        """Holds the vehicle; DONE when it may land, or when it is not ours to hold any more."""
+        """Holds the vehicle; DONE from when it may land, or is not ours to hold any more."""
+        self._is_over = self._is_over or self._may_land()
+        return Progress.DONE if self._is_over else Progress.RUNNING
+
+    def _may_land(self) -> bool:
         flight, state = self._flight, self._flight.vehicle.state
         if state is None or state.mode is not Mode.OFFBOARD:
-            return Progress.DONE
+            return True
         flight.hold()
         if self._since_s is None:
             self._since_s = flight.now_s
-        is_over = flight.now_s - self._since_s >= LONGEST_S or not flight.nears_wall
-        return Progress.DONE if is_over else Progress.RUNNING
+        return flight.now_s - self._since_s >= LONGEST_S or not flight.approaches_wall

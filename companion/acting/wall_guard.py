@@ -25,8 +25,6 @@ SHARES = (1.0, 0.75, 0.5, 0.25)
 """Of what a setpoint is moved by: the first is taken that leads into nothing else."""
 TOLD_M = 0.3
 """A setpoint that is moved by less, as for a vehicle that falls behind a little, is not told of."""
-
-
 NEARER_M = 0.2
 """A vehicle that is nearer to a wall than its setpoint by less is taken to be where it is told."""
 SOON_S = 1.0
@@ -59,7 +57,7 @@ class WallGuard:
             return sent, None
         return sent, self._news(plane.obstacles, state)
 
-    def is_neared(self, told: Ned, state: VehicleState) -> bool:
+    def is_approached(self, told: Ned, state: VehicleState) -> bool:
         """Whether a vehicle is nearer to a wall than its setpoint, or will be if it goes on so.
 
         Far from all walls it is not: further than routes keep, by as much as it is off its

@@ -82,6 +82,16 @@ def test_who_is_not_ours_to_hold_is_not_waited_for() -> None:
     assert LandingWait(rig.flight).tick() is Progress.DONE
 
 
+def test_what_has_been_handed_over_is_not_held_again() -> None:
+    """Also not on the ground, where a PX4 without motors is in OFFBOARD again."""
+    rig = beside_a_wall()
+    wait = LandingWait(rig.flight)
+    assert wait.tick() is Progress.DONE
+    rig.vehicle.change(position=BESIDE)
+    sent = len(rig.vehicle.flown)
+    assert wait.tick() is Progress.DONE and len(rig.vehicle.flown) == sent
+
+
 def test_a_skill_that_lands_waits_too_each_time_anew() -> None:
     rig = beside_a_wall()
     land = LandVehicle(rig.flight, "land")
