@@ -2,16 +2,20 @@
 
 A landing of the autopilot's own begins where the vehicle is, with the speed that it has, and no
 setpoint keeps it off walls any more (`wall_guard.py`). So where the vehicle is nearer to a wall
-than its setpoint, or will be in a second, it is held for a while longer.
+than its setpoint, or will be in a second, it is held until it has not been so for a second.
 """
 
 from __future__ import annotations
+
+import math
 
 from companion.acting.flight import Flight
 from companion.vehicle.port import Mode, Progress
 
 LONGEST_S = 10.0
 """A vehicle that comes to no rest in that time lands as it is."""
+STEADY_S = 1.0
+"""One that has swung towards a wall is off it for so long: more than the middle of a swing."""
 
 
 class LandingWait:
@@ -24,6 +28,7 @@ class LandingWait:
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
         self._since_s: float | None = None
+        self._approached_s = -math.inf
         self._is_over = False
 
     def tick(self) -> Progress:
@@ -36,6 +41,9 @@ class LandingWait:
         if state is None or state.mode is not Mode.OFFBOARD:
             return True
         flight.hold()
+        now_s = flight.now_s
         if self._since_s is None:
-            self._since_s = flight.now_s
-        return flight.now_s - self._since_s >= LONGEST_S or not flight.approaches_wall
+            self._since_s = now_s
+        if flight.approaches_wall:
+            self._approached_s = now_s
+        return now_s - self._since_s >= LONGEST_S or now_s - self._approached_s >= STEADY_S

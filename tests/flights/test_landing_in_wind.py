@@ -43,13 +43,13 @@ class Landing(Lockstep):
     "seed", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (0, 2, 3, 4))]
 )
 def test_it_keeps_half_a_metre_from_walls(seed: int) -> None:
-    flown = Landing(seed).until_the_end()
+    flown = Landing(seed).until_the_end(400.0)
     assert flown.exit_code == 0 and flown.least_m > 0.5
 
 
 def test_handed_over_at_once_it_comes_to_a_wall(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(LandingWait, "tick", lambda _: Progress.DONE)
-    assert Landing(1).until_the_end().least_m < 0.2
+    assert Landing(1).until_the_end(400.0).least_m < 0.2
 
 
 def test_killed_while_it_is_held_it_lands_when_it_is_started_again() -> None:
@@ -59,6 +59,6 @@ def test_killed_while_it_is_held_it_lands_when_it_is_started_again() -> None:
     flight.kill()
     flight.run(2.5)
     flight.restart()
-    flight.until_the_end()
+    flight.until_the_end(400.0)
     assert flight.exit_code == 0 and flight.simulation.collisions == 0
     assert flight.one(ControlTakenBack) and not flight.simulation.is_armed

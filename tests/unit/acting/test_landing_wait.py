@@ -12,7 +12,7 @@ from synthetic import mission
 
 from companion.acting.behaviour_tree.landing import LandVehicle
 from companion.acting.flight import TICK_S
-from companion.acting.landing_wait import LONGEST_S, LandingWait
+from companion.acting.landing_wait import LONGEST_S, STEADY_S, LandingWait
 from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
 from companion.motion.trajectory import Sample
@@ -102,5 +102,8 @@ def test_a_skill_that_lands_waits_too_each_time_anew() -> None:
         land.tick_once()
         assert land.status is Status.RUNNING and rig.vehicle.pursued == []
         rig.vehicle.change(position=(0.0, 0.0, -2.0))
+        land.tick_once()
+        assert land.status is Status.RUNNING and rig.vehicle.pursued == []  # the middle of a swing
+        rig.flight.now_s += STEADY_S
         land.tick_once()
         assert land.status is Status.SUCCESS and rig.vehicle.pursued == [Goal.LANDED]
