@@ -1,6 +1,7 @@
-"""Routes keep more from obstacles where the position is less good; heights of places do not.
+"""Routes keep more from obstacles where the position is less good, or the vehicle off its way.
 
-So it is told once which places are flown to lower than such a vehicle's height is certain.
+Heights of places do not. So it is told once which places are flown to lower than the height of a
+vehicle is certain whose position is not exact.
 """
 
 from __future__ import annotations
@@ -8,9 +9,13 @@ from __future__ import annotations
 from companion.acting.flight import Flight
 from companion.flight_events.skills import ClearanceChanged, LowPlacesFlown
 from companion.motion.position_error import WORST_HEIGHT_M, AddedClearance
+from companion.motion.tracking_error import LOOK_S, TrackingError
 from companion.planning.low_places import least_above_m, low_places
 from companion.planning.planner import Planner
-from companion.vehicle.port import VehicleState
+from companion.vehicle.port import Mode, VehicleState
+
+JUMP_SHARE = 2.0
+"""Setpoints that are so many times as far apart as they can be flown do not make a way."""
 
 
 class KeptClearance:
@@ -24,17 +29,29 @@ class KeptClearance:
     def __init__(self, flight: Flight, planner: Planner) -> None:
         self._flight = flight
         self._added = AddedClearance(flight.profile.deviation_m)
+        self._tracking = TrackingError(JUMP_SHARE * LOOK_S * flight.limits.speed_mps)
         self._low = low_places(planner)
 
     def follow(self, state: VehicleState) -> None:
-        """Takes how good the position is; once a tick."""
-        if not self._added.follow(state.accuracy_m):
+        """Takes how good the position is, and where the vehicle flies; once a tick."""
+        off_m = self._off_m(state)
+        if not self._added.follow(state.accuracy_m, off_m):
             return
         self._flight.routes.add_clearance(self._added.metres)
-        clearance_m = round(self._flight.profile.clearance_m + self._added.metres, 3)
-        self._flight.report(ClearanceChanged(clearance_m, round(state.accuracy_m, 3)))
+        kept_m = self._flight.profile.clearance_m + self._added.metres
+        rounded = (round(metres, 3) for metres in (kept_m, state.accuracy_m, off_m))
+        self._flight.report(ClearanceChanged(*rounded))
         if self._low and self._added.metres:
             least_m = least_above_m(self._flight.profile)
             names = tuple(place.name for place in self._low)
             self._flight.report(LowPlacesFlown(names, least_m, WORST_HEIGHT_M))
             self._low = ()
+
+    def _off_m(self, state: VehicleState) -> float:
+        """How far the vehicle was off the way of its setpoints at most, while it is told one."""
+        told = self._flight.setpoint
+        if told is None or state.mode is not Mode.OFFBOARD or state.is_landed:
+            self._tracking.pause()
+        else:
+            self._tracking.follow(self._flight.now_s, told.position[:2], state.position[:2])
+        return self._tracking.off_m

@@ -185,16 +185,20 @@ class SpeedLimitedBySight(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ClearanceChanged(FlightEvent):
-    """Routes keep more from obstacles, or less, as the position is good for less, or more."""
+    """Routes keep more from obstacles, or less.
+
+    So they do as the position is good for less, or more, and as the vehicle keeps to its way.
+    """
 
     kind = "clearance"
     template = (
         "routes keep {clearance_m:.1f} m from obstacles where there is room: "
-        "the position is good for {accuracy_m:.2f} m"
+        "the position is good for {accuracy_m:.2f} m, the vehicle up to {off_m:.2f} m off its way"
     )
 
     clearance_m: Annotated[float, Doc("that routes keep from obstacles, where there is room")]
     accuracy_m: Annotated[float, Doc("standard deviation of the position, by the autopilot")]
+    off_m: Annotated[float, Doc("how far the vehicle was off its way at most")] = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,9 @@
 
 The vehicle may be off from where its autopilot takes it to be. So routes keep more than the least
 clearance, where the map has room for that; a passage that is too narrow is flown at the next lower
-one. Levels are a step of what is added apart; at which one a place is flown to, way_choice.py says.
+one, in its middle (`voronoi.py`), and only the passage. Where that leads nowhere, or round a corner
+that is not worth it, all of the way keeps no more than the level's clearance. Levels are a step of
+what is added apart; at which one a place is flown to, way_choice.py says.
 
 A place may itself stand nearer to an obstacle than a level asks for, and so may the vehicle. Around
 each a disc is open in which routes keep as much as the place, or the vehicle, does.
@@ -13,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +30,7 @@ from companion.motion.grid_graph import Cell
 from companion.motion.position_error import STEP_M
 from companion.motion.region_edges import RegionEdges
 from companion.motion.regions import Regions
+from companion.motion.voronoi import passages
 
 _MAX_STARTS = 1000  # of which the cell is kept
 _OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
@@ -51,16 +55,24 @@ class Room:
     goals: Mapping[str, Ned]
 
 
-class Obstacles(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Obstacles:
     """What routes keep away from.
 
     Attributes:
         grid: on which all of it is occupied, keep-out zones as well.
         walls: (rows, cols) what is solid of it.
+        narrowest_m: width of the narrowest passage that is flown through.
     """
 
     grid: OccupancyGrid
     walls: npt.NDArray[np.bool_]
+    narrowest_m: float
+
+    @cached_property
+    def passages(self) -> npt.NDArray[np.bool_]:
+        """(rows, cols) the cells in the middle of a passage."""
+        return passages(self.grid, self.narrowest_m)
 
 
 class WayEntry(NamedTuple):
@@ -83,16 +95,27 @@ class ClearanceLevel:
     Places whose goal has changed are seen to when somebody looks: candidates for a goal that lie
     behind walls are many, and tried at the least clearance first.
 
+    Attributes:
+        clearance_m: of this level.
+
     Args:
         room: what all levels share.
         obstacles: as they are known now.
-        clearance_m: of this level.
+        clearance_m: see above.
+        outside_m: what is kept outside passages; None for no more than in them.
     """
 
-    def __init__(self, room: Room, obstacles: Obstacles, clearance_m: float) -> None:
+    def __init__(
+        self,
+        room: Room,
+        obstacles: Obstacles,
+        clearance_m: float,
+        outside_m: float | None = None,
+    ) -> None:
         self._room = room
         self._obstacles = obstacles
-        self._clearance_m = clearance_m
+        self.clearance_m = clearance_m
+        self._outside_m = clearance_m if outside_m is None else outside_m
         self._aimed: set[str] = set()
         self._space: FreeSpace | None = None  # until somebody looks
         self._plain: dict[NorthEast, Cell | None] = {}
@@ -152,15 +175,17 @@ class ClearanceLevel:
         if not self._aimed:
             return
         aimed, self._aimed = self._aimed, set()
-        if self._clearance_m > self._room.least_m:  # another disc is open
+        if self._outside_m > self._room.least_m:  # another disc is open
             self._take_free_space()
         if self._maps is not None:
             for place in sorted(aimed):
                 self._maps.aim(place, self.space.point(self._room.goals[place]))
 
-    def above(self, added_m: float) -> ClearanceLevel:
-        """A level of a greater clearance on the same map."""
-        return ClearanceLevel(self._room, self._obstacles, self._clearance_m + added_m)
+    def above(self, added_m: float, outside_m: float | None = None) -> ClearanceLevel:
+        """A level of a greater clearance on the same map; more may be added outside passages."""
+        least_m = self.clearance_m
+        more_m = None if outside_m is None else least_m + outside_m
+        return ClearanceLevel(self._room, self._obstacles, least_m + added_m, more_m)
 
     def around(self, *positions: NorthEast) -> FreeSpace:
         """The free cells with open discs around some positions."""
@@ -230,16 +255,19 @@ class ClearanceLevel:
         return self._plain[start]
 
     def _free_space(self) -> FreeSpace:
-        is_inside = self._room.is_inside
-        free = (self._grid.distance_m >= self._clearance_m) & ~self._grid.occupied & is_inside
+        away_m = self._grid.distance_m
+        free = away_m >= self._outside_m
+        if self._outside_m > self.clearance_m:
+            free |= self._obstacles.passages & (away_m >= self.clearance_m)
+        free &= ~self._grid.occupied & self._room.is_inside
         opened = self._opened([goal[:2] for goal in self._room.goals.values()])
         if opened is not None:
             free |= opened
         return self._made(free)
 
     def _made(self, free: npt.NDArray[np.bool_]) -> FreeSpace:
-        grid, walls = self._obstacles
-        return FreeSpace(grid, free, self._room.is_inside, self._clearance_m, walls)
+        walls = self._obstacles.walls
+        return FreeSpace(self._grid, free, self._room.is_inside, self.clearance_m, walls)
 
     def _opened(self, positions: Iterable[NorthEast]) -> npt.NDArray[np.bool_] | None:
         """(rows, cols) open discs around those positions that need one; None without any."""
@@ -247,9 +275,9 @@ class ClearanceLevel:
         for position in positions:
             row, col = cell = grid.cell(position)
             own_m = float(grid.distance_m[cell]) if grid.contains(*cell) else 0.0
-            if not self._room.least_m <= own_m < self._clearance_m:
+            if not self._room.least_m <= own_m < self._outside_m:
                 continue
-            reach = math.ceil(_OPEN_SHARE * (self._clearance_m - own_m) / grid.cell_m)
+            reach = math.ceil(_OPEN_SHARE * (self._outside_m - own_m) / grid.cell_m)
             box = np.s_[
                 max(row - reach, 0) : row + reach + 1, max(col - reach, 0) : col + reach + 1
             ]
@@ -262,7 +290,19 @@ class ClearanceLevel:
         return opened & self._room.is_inside if opened is not None else None
 
 
-def levels_above(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
-    """The levels at which routes keep up to so much more than the least, the highest first."""
+def levels_from(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
+    """The levels at which routes keep up to so much more than the least, the highest first.
+
+    Of each clearance there are two: all that is added is kept outside passages, or no more than in
+    them. The last one is the least itself.
+    """
+    levels: list[ClearanceLevel] = []
     count = round(added_m / STEP_M)
-    return [least.above(added_m * i / count) for i in range(count, 0, -1)]
+    for i in range(count, 0, -1):
+        added_here_m = added_m * i / count
+        if levels:
+            levels.append(least.above(added_here_m, added_m))
+        levels.append(least.above(added_here_m))
+    if levels:
+        levels.append(least.above(0.0, added_m))
+    return [*levels, least]

@@ -7,7 +7,7 @@ said that it began, and the velocity is as wrong as the position, which takes th
 route (on a PX4: 0.3 m/s, 0.25 m). These make up for that root. Three deviations are reckoned with.
 
 The error adds to the vehicle's own deviation from its route, on which it does not depend, as the
-root of the squares.
+root of the squares. That is what the profile says, or what is seen in flight (`tracking_error.py`).
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ def height_error_m(accuracy_m: float) -> float:
 class AddedClearance:
     """What routes keep from obstacles beside the clearance of the vehicle's profile.
 
-    It follows the accuracy in steps, and lags behind by half a step more, so that an accuracy
-    between two steps does not change all routes again and again.
+    It follows both errors in steps, and lags behind by half a step more, so that an error between
+    two steps does not change all routes again and again.
 
     Attributes:
         metres: now.
@@ -63,14 +63,21 @@ class AddedClearance:
         self.metres = 0.0
         self._deviation_m = deviation_m
 
-    def follow(self, accuracy_m: float) -> bool:
-        """Takes the accuracy of the position; true if that changes what is added.
+    def follow(self, accuracy_m: float, off_m: float = 0.0) -> bool:
+        """Takes how good the position is; true if that changes what is added.
+
+        Args:
+            accuracy_m: of the position.
+            off_m: how far the vehicle is seen to be off its route.
 
         >>> added = AddedClearance(0.15)
         >>> added.follow(0.05), added.follow(0.25), added.metres
         (False, True, 0.6)
+        >>> added.follow(0.25, 0.9), added.metres
+        (True, 1.0)
         """
-        both_m = math.hypot(self._deviation_m, greatest_error_m(accuracy_m))
+        seen_m = max(self._deviation_m, min(off_m, MOST_M))
+        both_m = math.hypot(seen_m, greatest_error_m(accuracy_m))
         wanted_m = both_m - self._deviation_m
         if abs(wanted_m - self.metres) <= STEP_M:
             return False

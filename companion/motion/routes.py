@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.blends import Blend
-from companion.motion.clearance_level import ClearanceLevel, Obstacles, Room, levels_above
+from companion.motion.clearance_level import ClearanceLevel, Obstacles, Room, levels_from
 from companion.motion.free_space import FreeSpace, points_of
 from companion.motion.grid import OccupancyGrid, cells_inside
 from companion.motion.line_of_sight import Points
@@ -123,7 +123,8 @@ class RouteMap:
 
     def _obstacles(self, grid: OccupancyGrid) -> Obstacles:
         walls, zones = grid.occupied, self._zones
-        return Obstacles(grid if zones is None else grid.with_occupied(walls | zones), walls)
+        grid = grid if zones is None else grid.with_occupied(walls | zones)
+        return Obstacles(grid, walls, 2 * self._room.least_m)
 
     @property
     def _usable(self) -> npt.NDArray[np.bool_]:
@@ -147,7 +148,7 @@ class RouteMap:
 
     def add_clearance(self, added_m: float) -> None:
         """Routes keep so much more from obstacles, where the map has the room."""
-        self._levels = [*levels_above(self._least, added_m), self._least]
+        self._levels = levels_from(self._least, added_m)
         self.version += 1
 
     def find(self, max_cells: int) -> bool:

@@ -26,6 +26,7 @@ from companion.motion.path import Path
 from companion.motion.region import Disc
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, RouteMap
+from companion.motion.voronoi import passages
 from companion.motion.way_choice import DETOUR, ENOUGH_SHARE
 
 FAST = drawn(60)
@@ -124,6 +125,25 @@ def test_added_clearance_is_kept_where_there_is_room_and_closes_no_way(
         for a, b in pairwise(wide.waypoints[:, :2]):
             for point in np.linspace(a, b, 20):
                 assert grid.clearance_m((point[0], point[1])) >= kept_m - 1e-6
+
+
+@FAST
+@given(grids(edge=40, boxes=6), st.floats(2.0, 6.0), st.floats(0.5, 8.0))
+def test_the_middles_of_passages_connect_what_its_free_cells_connect(
+    grid: OccupancyGrid, least: float, added: float
+) -> None:
+    """Of two parts with all the clearance, wherever the way between them has less."""
+    away, full = grid.distance_m / grid.cell_m, least + added
+    middles, is_wide = passages(grid, 2 * least * grid.cell_m), ~grid.occupied & (away >= full)
+    wide, count = ndimage.label(is_wide)
+    first = [tuple(np.argwhere(wide == part)[0]) for part in range(1, count + 1)]
+    for clearance in np.linspace(least, full, 4):
+        is_free = ~grid.occupied & (away >= clearance)
+        everywhere = ndimage.label(is_free)[0]
+        in_passages = ndimage.label(is_wide | (middles & is_free))[0]
+        for a, b in pairwise(first):
+            is_same = everywhere[a] == everywhere[b]
+            assert (in_passages[a] == in_passages[b]) == is_same
 
 
 @FAST

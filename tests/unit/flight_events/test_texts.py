@@ -202,8 +202,9 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "altitude: it is sent up, as far as limits.up_m allows",
     ),
     (
-        ClearanceChanged(1.2, 0.254),
-        "routes keep 1.2 m from obstacles where there is room: the position is good for 0.25 m",
+        ClearanceChanged(1.2, 0.254, 0.31),
+        "routes keep 1.2 m from obstacles where there is room: the position is good for 0.25 m, "
+        "the vehicle up to 0.31 m off its way",
     ),
     (
         LowPlacesFlown(("A", "Pond"), 1.5, 1.4),

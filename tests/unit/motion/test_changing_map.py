@@ -142,7 +142,7 @@ def test_levels_that_no_route_needs_cost_nothing_when_the_map_changes(
     counted = ClearanceLevel._free_space
 
     def counting(level: ClearanceLevel) -> FreeSpace:
-        made.append(level._clearance_m)
+        made.append(level.clearance_m)
         return counted(level)
 
     monkeypatch.setattr(ClearanceLevel, "_free_space", counting)

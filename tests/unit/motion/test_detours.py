@@ -79,6 +79,19 @@ def test_a_narrow_gap_is_flown_through_where_nothing_else_leads_there() -> None:
     assert length_m < 9.0 and clearance_m >= 0.7 - 1e-6
 
 
+def test_a_narrow_gap_does_not_let_the_rest_of_the_way_be_near_to_walls() -> None:
+    """A box stands on the straight way to a gap of 1.4 m, 6 m before it."""
+    occupied = hall(1.4, end_m=0.0).occupied.copy()
+    occupied[145:200, 30:40] = True
+    grid = OccupancyGrid(occupied, CELL_M, (0.0, 0.0))
+    route = routes_in(grid).route((15.05, 2.05, -2.0), PLACE)
+    assert route is not None
+    legs = zip(route.waypoints, route.waypoints[1:], strict=False)
+    points = np.vstack([np.linspace(*leg, 200) for leg in legs])
+    before = [(p[0], p[1]) for p in points if 3.4 < p[1] < 8.5]
+    assert min(grid.clearance_m(point) for point in before) >= LEAST_M + ADDED_M - 1e-6
+
+
 def test_a_way_that_is_hardly_longer_keeps_it_all() -> None:
     """Between a gap of 2.4 m and a wide one, to both of which it is about 1.2 m aside."""
     occupied = hall(2.4).occupied.copy()

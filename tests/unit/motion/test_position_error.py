@@ -29,5 +29,14 @@ def test_the_clearance_follows_in_steps_and_lags_behind() -> None:
     assert added.follow(0.02) and added.metres == 0.0
 
 
+def test_what_the_vehicle_is_seen_to_be_off_counts_where_that_is_more() -> None:
+    added = AddedClearance(0.4)
+    assert not added.follow(0.0, 0.45) and added.metres == 0.0
+    assert added.follow(0.0, 0.9) and added.metres == pytest.approx(0.5)
+    assert added.follow(0.25, 0.9) and added.metres == pytest.approx(0.8)  # 0.75 and 0.9 are 1.17
+    assert added.follow(0.0, 9.0) and added.metres == pytest.approx(MOST_M - 0.4)
+    assert added.follow(0.0, 0.2) and added.metres == 0.0
+
+
 def test_a_position_that_is_lost_asks_for_no_more_than_that() -> None:
     assert greatest_error_m(100.0) == MOST_M

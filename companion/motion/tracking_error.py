@@ -1,0 +1,80 @@
+"""How far a vehicle flies off the way that it is told.
+
+A vehicle that only lags behind its setpoint is still on its way, so what counts is the distance to
+where its setpoints have led in the last seconds, in the plane. What it was off by at most is kept
+for a while: it swings, and gusts come back.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from itertools import pairwise
+
+from companion.geometry import NorthEast
+
+LOOK_S = 0.25
+"""Between two looks; a vehicle that swings does so for seconds."""
+WAY_S = 3.0
+"""For so long a setpoint counts as way: no vehicle lags further behind."""
+KEPT_S = 60.0
+"""For so long the most is kept."""
+
+
+class TrackingError:
+    """Of one vehicle.
+
+    Args:
+        jump_m: setpoints that are further apart are no way.
+    """
+
+    def __init__(self, jump_m: float) -> None:
+        self._jump_m = jump_m
+        self._way: deque[tuple[float, NorthEast]] = deque()
+        self._most: deque[tuple[float, float]] = deque()  # time and metres, the most first
+        self._look_s = -math.inf
+
+    @property
+    def off_m(self) -> float:
+        """How far it was off at most."""
+        return self._most[0][1] if self._most else 0.0
+
+    def pause(self) -> None:
+        """It is not told where to be."""
+        self._way.clear()
+
+    def follow(self, now_s: float, told: NorthEast, here: NorthEast) -> None:
+        """Takes where it is told to be, and where it is; once a tick."""
+        if now_s - self._look_s < LOOK_S:
+            return
+        self._look_s = now_s
+        while self._way and self._way[0][0] < now_s - WAY_S:
+            self._way.popleft()
+        if self._way and math.dist(self._way[-1][1], told) > self._jump_m:
+            self._way.clear()
+        self._way.append((now_s, told))
+        points = [point for _, point in self._way]
+        legs = pairwise(points) if len(points) > 1 else [(told, told)]
+        self._keep(now_s, min(_away_m(here, *leg) for leg in legs))
+
+    def _keep(self, now_s: float, off_m: float) -> None:
+        """A greatest of the last while, as a queue in which each is less than the one before."""
+        most = self._most
+        while most and most[0][0] < now_s - KEPT_S:
+            most.popleft()
+        while most and most[-1][1] <= off_m:
+            most.pop()
+        most.append((now_s, off_m))
+
+
+def _away_m(point: NorthEast, begin: NorthEast, end: NorthEast) -> float:
+    """Distance from a point to a straight leg.
+
+    >>> _away_m((1.0, 1.0), (0.0, 0.0), (4.0, 0.0)), _away_m((7.0, 4.0), (0.0, 0.0), (4.0, 0.0))
+    (1.0, 5.0)
+    """
+    north, east = end[0] - begin[0], end[1] - begin[1]
+    length_2 = north * north + east * east
+    along = (point[0] - begin[0]) * north + (point[1] - begin[1]) * east
+    share = min(1.0, max(0.0, along / length_2)) if length_2 else 0.0
+    return math.dist(point, (begin[0] + share * north, begin[1] + share * east))

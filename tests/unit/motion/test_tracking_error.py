@@ -1,0 +1,72 @@
+"""How far a vehicle is off its way: across it, past its end, and for how long that counts."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from companion.motion.tracking_error import KEPT_S, WAY_S, TrackingError
+
+TICK_S = 0.05
+JUMP_M = 1.0
+
+
+def flown(
+    error: TrackingError, begin_s: float, seconds: float, across_m: float, behind_m: float = 0.0
+) -> None:
+    """Goes on along the north axis at 1 m/s."""
+    for i in range(round(seconds / TICK_S)):
+        now_s = begin_s + TICK_S * i
+        error.follow(now_s, (now_s, 0.0), (now_s - behind_m, across_m))
+
+
+def test_one_that_lags_behind_is_on_its_way() -> None:
+    error = TrackingError(JUMP_M)
+    flown(error, 10.0, WAY_S, 0.0)
+    flown(error, 10.0 + WAY_S, 20.0, 0.0, behind_m=0.9 * WAY_S)
+    assert error.off_m == pytest.approx(0.0)
+
+
+def test_what_counts_is_across_the_way_and_round_its_corners() -> None:
+    error = TrackingError(JUMP_M)
+    flown(error, 0.0, 10.0, 0.3, behind_m=1.0)
+    assert error.off_m == pytest.approx(math.hypot(0.3, 1.0))  # as it began, before its first point
+    error = TrackingError(JUMP_M)
+    flown(error, 0.0, 10.0, -0.3)
+    assert error.off_m == pytest.approx(0.3)
+
+
+def test_one_that_swings_past_its_end_is_off_by_all_of_that() -> None:
+    error = TrackingError(JUMP_M)
+    flown(error, 0.0, 10.0, 0.0)
+    for i in range(400):
+        now_s = 10.0 + TICK_S * i
+        error.follow(now_s, (10.0, 0.0), (10.0 + 0.9 * math.sin(now_s), 0.0))
+    assert error.off_m == pytest.approx(0.9, abs=0.02)
+
+
+def test_the_most_counts_for_a_while_and_the_next_most_after_it() -> None:
+    error = TrackingError(JUMP_M)
+    flown(error, 0.0, 1.0, 0.8)
+    flown(error, 1.0, 9.0, 0.0)
+    flown(error, 10.0, 1.0, 0.5)
+    flown(error, 11.0, KEPT_S - 12.0, 0.1)
+    assert error.off_m == pytest.approx(0.8)
+    flown(error, KEPT_S - 1.0, 5.0, 0.1)
+    assert error.off_m == pytest.approx(0.5)
+    flown(error, KEPT_S + 4.0, 10.0, 0.1)
+    assert error.off_m == pytest.approx(0.1)
+
+
+def test_setpoints_that_jump_and_a_pause_make_no_way() -> None:
+    """The way from the one to the other is flown by nobody."""
+    error = TrackingError(JUMP_M)
+    flown(error, 0.0, 1.0, 0.0)
+    for i in range(20):
+        error.follow(1.0 + TICK_S * i, (20.0, 5.0), (20.0, 5.0))
+    assert error.off_m == pytest.approx(0.0)
+    error.pause()
+    error.follow(3.0, (20.5, 5.0), (20.5, 5.0))
+    error.follow(4.0, (20.5, 5.0), (20.2, 5.0))
+    assert error.off_m == pytest.approx(0.3)
