@@ -49,9 +49,10 @@ class KeptClearance:
 
     def _off_m(self, state: VehicleState) -> float:
         """How far the vehicle was off the way of its setpoints at most, while it is told one."""
-        told = self._flight.setpoint
-        if told is None or state.mode is not Mode.OFFBOARD or state.is_landed:
-            self._tracking.pause()
+        told, now_s = self._flight.setpoint, self._flight.now_s
+        is_flown = state.mode is Mode.OFFBOARD and not state.is_landed
+        if told is None or not is_flown or now_s - state.stamp_s > LOOK_S:
+            self._tracking.pause(now_s)
         else:
-            self._tracking.follow(self._flight.now_s, told.position[:2], state.position[:2])
+            self._tracking.follow(now_s, told.position[:2], state.position[:2])
         return self._tracking.off_m

@@ -39,6 +39,7 @@ _WANTED = _CONTINUAL | {
     dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
     dialect.MAVLINK_MSG_ID_BATTERY_STATUS,
     dialect.MAVLINK_MSG_ID_ESTIMATOR_STATUS,
+    dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
 }
 SETPOINT_OLD_S = 1.0
 """Age from which on a setpoint is not shown: nothing is streamed any more."""
@@ -122,8 +123,8 @@ class Watcher:
         """Takes the frames of one tick."""
         for frame in choose(frames, _WANTED, _CONTINUAL):
             self._take(now_s, message_of(frame))
-        scans = self._ranging.scans(now_s, self._telemetry.accuracy_m)
-        self._surroundings.take(scans)
+        accuracy_m, below_m = self._telemetry.accuracy_m, self._telemetry.below_m(now_s)
+        self._surroundings.take(self._ranging.scans(now_s, accuracy_m, below_m))
 
     def _take(self, now_s: float, message: Message) -> None:
         system, component = source(message)

@@ -37,13 +37,28 @@ def greatest_error_m(accuracy_m: float) -> float:
     return min(SIGMAS * accuracy_m, MOST_M)
 
 
-def height_error_m(accuracy_m: float) -> float:
-    """How far the vehicle may be below the height that it is taken to have.
+def height_error_m(accuracy_m: float, up_m: float, below_m: float | None) -> float:
+    """How far the vehicle may be below the height that it is taken to have, above what is below.
 
-    >>> height_error_m(0.05), height_error_m(0.25)
+    Where the position is not exact and a range finder looks down, that is what it says: what it
+    sees may be the ground, or stand on it.
+
+    Args:
+        accuracy_m: of the position.
+        up_m: the height that it is taken to have.
+        below_m: the distance to what is below it; None where that is not measured, and inf where
+            nothing is within reach.
+
+    >>> height_error_m(0.05, 2.0, 1.0), height_error_m(0.25, 2.0, None)
     (0.3, 1.0)
+    >>> [round(height_error_m(0.25, 2.0, below_m), 2) for below_m in (2.1, 1.6, 0.8, math.inf)]
+    [0.3, 0.7, 1.5, 1.0]
     """
-    return EXACT_HEIGHT_M if accuracy_m <= EXACT_M else GPS_HEIGHT_M
+    if accuracy_m <= EXACT_M:
+        return EXACT_HEIGHT_M
+    if below_m is None or math.isinf(below_m):
+        return GPS_HEIGHT_M
+    return max(up_m - below_m, 0.0) + EXACT_HEIGHT_M
 
 
 class AddedClearance:

@@ -16,7 +16,8 @@ from companion.geometry import NorthEast
 LOOK_S = 0.25
 """Between two looks; a vehicle that swings does so for seconds."""
 WAY_S = 3.0
-"""For so long a setpoint counts as way: no vehicle lags further behind."""
+"""For so long a setpoint counts as way: no vehicle lags further behind. And so long it may take one
+that others have moved to come back to its way."""
 KEPT_S = 60.0
 """For so long the most is kept."""
 
@@ -32,16 +33,17 @@ class TrackingError:
         self._jump_m = jump_m
         self._way: deque[tuple[float, NorthEast]] = deque()
         self._most: deque[tuple[float, float]] = deque()  # time and metres, the most first
-        self._look_s = -math.inf
+        self._look_s = self._paused_s = -math.inf
 
     @property
     def off_m(self) -> float:
         """How far it was off at most."""
         return self._most[0][1] if self._most else 0.0
 
-    def pause(self) -> None:
-        """It is not told where to be."""
+    def pause(self, now_s: float) -> None:
+        """It is not told where to be, or nothing is known of where it is."""
         self._way.clear()
+        self._paused_s = now_s
 
     def follow(self, now_s: float, told: NorthEast, here: NorthEast) -> None:
         """Takes where it is told to be, and where it is; once a tick."""
@@ -53,6 +55,8 @@ class TrackingError:
         if self._way and math.dist(self._way[-1][1], told) > self._jump_m:
             self._way.clear()
         self._way.append((now_s, told))
+        if now_s - self._paused_s < WAY_S:
+            return
         points = [point for _, point in self._way]
         legs = pairwise(points) if len(points) > 1 else [(told, told)]
         self._keep(now_s, min(_away_m(here, *leg) for leg in legs))

@@ -154,7 +154,8 @@ class MavlinkVehicle:
             service.step(moment)
         for message in messages:
             self._take(message)
-        self.scans = self._ranging.scans(now_s, self._telemetry.accuracy_m)
+        accuracy_m, below_m = self._telemetry.accuracy_m, self._telemetry.below_m(now_s)
+        self.scans = self._ranging.scans(now_s, accuracy_m, below_m)
         return self._readings
 
     def foresee(self, messages: list[Message]) -> list[Reading]:

@@ -71,12 +71,13 @@ class Ranging:
         """An OBSTACLE_DISTANCE."""
         self._waiting.append(message)
 
-    def scans(self, now_s: float, accuracy_m: float) -> list[RangeScan]:
+    def scans(self, now_s: float, accuracy_m: float, below_m: float | None) -> list[RangeScan]:
         """The scans that can be placed by now, in the mission's frame.
 
         Args:
             now_s: the time of the companion, which they are stamped with.
             accuracy_m: of the position.
+            below_m: the distance to what is below the vehicle, as `height_error_m` takes it.
         """
         found: list[RangeScan] = []
         for _ in range(len(self._waiting)):
@@ -85,7 +86,8 @@ class Ranging:
             if self._is_ahead(boot_s):
                 self._waiting.append(message)
             elif pose := self._pose(boot_s):
-                scan = range_scan(message, now_s, pose, height_error_m(accuracy_m))
+                height_off_m = height_error_m(accuracy_m, -pose.position[2], below_m)
+                scan = range_scan(message, now_s, pose, height_off_m)
                 found += [scan] if scan else []
         return found
 

@@ -129,8 +129,12 @@ class Telemetry:
             battery_s=battery.percent_s,
             battery_low_since_s=battery.low_since_s,
             power_w=battery.power_w,
-            below_m=self._range_below.at(stamp_s),
+            below_m=self.below_m(stamp_s),
         )
+
+    def below_m(self, now_s: float) -> float | None:
+        """The distance to what is below the vehicle, as far as that is known (`range_below.py`)."""
+        return self._range_below.at(now_s)
 
     def stand_at(self, place: Ned) -> None:
         """The vehicle stands at a place, before its first sortie: the frame is laid so."""

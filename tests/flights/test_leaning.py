@@ -39,8 +39,9 @@ def windy(world: World, wind_mps: float, **about: Any) -> World:
         (0.8, 0.0, {}),
         (0.8, 8.0, {}),
         (2.0, 4.0, {"airframe": "px4_sih", "wander": Wander(0.25, 0.3, 0.3)}),
+        (1.0, 4.0, {"airframe": "px4_sih", "wander": Wander(0.25, 0.3, 0.8)}),
     ],
-    ids=["calm", "windy", "PX4's drag and errors"],
+    ids=["calm", "windy", "PX4's drag and errors", "lower, and a height that is less exact"],
 )
 def test_in_wind_and_low_above_the_ground_no_way_is_blocked(
     up_m: float, wind_mps: float, about: dict[str, Any], surveillance: Mission, short_hall: World

@@ -66,7 +66,9 @@ def test_setpoints_that_jump_and_a_pause_make_no_way() -> None:
     for i in range(20):
         error.follow(1.0 + TICK_S * i, (20.0, 5.0), (20.0, 5.0))
     assert error.off_m == pytest.approx(0.0)
-    error.pause()
-    error.follow(3.0, (20.5, 5.0), (20.5, 5.0))
-    error.follow(4.0, (20.5, 5.0), (20.2, 5.0))
+    error.pause(2.0)
+    for i in range(60):
+        error.follow(2.0 + TICK_S * i, (20.5, 5.0), (20.0 + i / 120, 6.0 - i / 60))
+    assert error.off_m == pytest.approx(0.0)
+    error.follow(2.0 + WAY_S + 0.25, (20.5, 5.0), (20.2, 5.0))
     assert error.off_m == pytest.approx(0.3)

@@ -10,7 +10,9 @@ import pytest
 from autopilot import ENVELOPE, Meeting, in_offboard
 
 from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.motion.position_error import EXACT_HEIGHT_M, GPS_HEIGHT_M
 from companion.motion.range_scan import RangeScan
+from companion.vehicle.range_below import DOWN, FRESH_S
 
 SCANNER = MavlinkCodec(1, 196)
 BODY, NORTH, UNKNOWN = dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_GLOBAL, 65535
@@ -154,6 +156,27 @@ def test_tilt_and_height_are_those_of_the_time_of_the_scan(meeting: Meeting) -> 
     )
     assert scan.tilt_rad == pytest.approx((0.14, 0.0), abs=1e-6)
     assert scan.up_m == pytest.approx(1.4)
+
+
+def test_a_height_that_a_range_finder_confirms_is_taken_for_exact(meeting: Meeting) -> None:
+    """By GPS 2 m may be 1 m; so long as what is below is 1.9 m away it is not."""
+    codec = meeting.autopilot.codec
+    meeting.tick()
+    meeting.is_quiet = True
+    meeting.tick(*at(10.0, 4.0, 0.0, codec))
+    good_for_25_cm = dialect.MAVLink_estimator_status_message(0, 0, *[0.0] * 6, 0.25, 0.5)
+    reads_190_cm = dialect.MAVLink_distance_sensor_message(0, 20, 1200, 190, 0, 0, DOWN, 0)
+    gps, below = codec.pack(good_for_25_cm), codec.pack(reads_190_cm)
+
+    def height_error_m(*datagrams: bytes) -> float:
+        scan = obstacle_distance([100] * 72, time_s=10.0)
+        return heard(meeting, scan, *datagrams).height_error_m
+
+    assert height_error_m(gps) == GPS_HEIGHT_M
+    assert height_error_m(below) == GPS_HEIGHT_M, "a single echo is none"
+    assert height_error_m(below) == pytest.approx(0.1 + EXACT_HEIGHT_M)
+    meeting.run(2 * FRESH_S)
+    assert height_error_m() == GPS_HEIGHT_M
 
 
 @pytest.mark.parametrize("tilt_rad", [(math.nan, 0.0), (0.0, math.inf)])
