@@ -102,8 +102,7 @@ class Simulation:
         self._world = World(scenario, grid, physics, *about)
         self.event_log = self._world.event_log
         self._on_board = components_on_board(system, self._world, scenario, self._vehicle)
-        addresses = [(system, AUTOPILOT), *(each.address for each in self._on_board)]
-        self._local = frozenset(addresses)
+        self._local = frozenset([(system, AUTOPILOT), *(each.address for each in self._on_board)])
         self._refusals = scenario.arming_refusals
         self._links = links
         self._start_autopilot()
@@ -160,11 +159,12 @@ class Simulation:
 
     @property
     def setpoint_gap_m(self) -> float | None:
-        """How far in front of the vehicle its setpoint is; None outside OFFBOARD."""
-        setpoint, here = self._autopilot.setpoint, self._vehicle.state.position
-        if setpoint is None or None in setpoint.position or self.mode != "OFFBOARD":
+        """How far in front of the vehicle its setpoint is; None where none is flown."""
+        is_flown = self.mode == "OFFBOARD" and self._frame.is_told(self._truth.time_s)
+        setpoint = self._autopilot.setpoint if is_flown else None
+        if setpoint is None or None in setpoint.position:
             return None
-        return math.dist(cast(Ned, setpoint.position), here)
+        return math.dist(cast(Ned, setpoint.position), self._vehicle.state.position)
 
     @property
     def is_damaged(self) -> bool:
@@ -245,7 +245,8 @@ class Simulation:
         vehicle, before = self._vehicle, self._vehicle.state.position
         here = origin.to_local(*self._frame.origin.to_global(before))
         by = (here[0] - before[0], here[1] - before[1], here[2] - before[2])
-        self._frame.origin = vehicle.origin = origin
+        self._frame.lay(origin, self._truth.time_s)
+        vehicle.origin = origin
         vehicle.state = vehicle.state._replace(position=here)
         autopilot = reframed(self._autopilot, vehicle.state, self._airframe.gains, by)
         self._autopilot = vehicle.autopilot = self._world.autopilot = autopilot

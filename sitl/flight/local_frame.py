@@ -8,8 +8,13 @@ longitude. Directions are not turned: velocity and heading are those at the vehi
 
 from __future__ import annotations
 
+import math
+
 from companion.geometry import GlobalOrigin, Ned
 from sitl.flight.physics import FlightState
+
+TOLD_S = 0.5
+"""After that a companion has heard of another origin, and its setpoints count from there."""
 
 
 class LocalFrame:
@@ -26,6 +31,15 @@ class LocalFrame:
     def __init__(self, home: GlobalOrigin, origin: GlobalOrigin) -> None:
         self._home = home
         self.origin = home if origin == home else origin
+        self._laid_s = -math.inf
+
+    def lay(self, origin: GlobalOrigin, now_s: float) -> None:
+        """The autopilot counts from another origin from now on."""
+        self.origin, self._laid_s = origin, now_s
+
+    def is_told(self, now_s: float) -> bool:
+        """Whether setpoints count from the present origin."""
+        return now_s - self._laid_s >= TOLD_S
 
     def local(self, position: Ned) -> Ned:
         """A position of the world, as the autopilot tells it."""

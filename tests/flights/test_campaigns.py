@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pytest
 from offered import TEMPLATE, install_template, installed_in
+from shipped import MISSIONS
 from varied import DEADLY, RUNS, ThisProcess, fly_but_die, short_kit, table_by
 
-from companion.api.simulating import varied_world_of
+from companion.api.simulating import varied_world_of, world_of
 from companion.app import Companion
-from companion.campaigns import worker
+from companion.campaigns import measuring, worker
 from companion.campaigns.kit import Kit
 from companion.campaigns.outcomes import FlownRow, Outcome
 from companion.campaigns.processes import LocalProcesses, accepted
@@ -73,6 +74,16 @@ def test_a_worker_of_another_kind_is_refused() -> None:
     assert isinstance(answer, WorkerRefused) and answer.line.startswith("fingerprint: ")
     with pytest.raises(CompanionError, match="would fly other rows"):
         accepted(answer)
+
+
+def test_a_setpoint_that_counts_from_the_origin_before_is_not_far_away() -> None:
+    """The autopilot is told another origin, 2.6 km away, while one is on its way."""
+    mission = load_mission(MISSIONS / "field.yaml")
+    scenario = (MISSIONS / "field.sim.yaml").read_text(encoding="utf-8")
+    assert "at_s: 40" in scenario
+    world = world_of(mission, scenario.replace("at_s: 40", "at_s: 20.03"))
+    flown = measuring.fly(mission, world, Row(0, 0), 22.0)
+    assert flown.margins.carrot_m is not None and flown.margins.carrot_m > 0.0
 
 
 def test_of_a_flight_that_was_flown_nothing_stays() -> None:
