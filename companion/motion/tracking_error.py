@@ -1,8 +1,9 @@
 """How far a vehicle flies off the way that it is told.
 
 A vehicle that only lags behind its setpoint is still on its way, so what counts is the distance to
-where its setpoints have led in the last seconds, in the plane. What it was off by at most is kept
-for a while: it swings, and gusts come back.
+where its setpoints have led in the last seconds, in the plane. What it was off by at most counts
+for this period and the next: it swings, and gusts come back. It is told in steps, as routes are
+found anew for each.
 """
 
 from __future__ import annotations
@@ -18,8 +19,10 @@ LOOK_S = 0.25
 WAY_S = 3.0
 """For so long a setpoint counts as way: no vehicle lags further behind. And so long it may take one
 that others have moved to come back to its way."""
-KEPT_S = 60.0
-"""For so long the most is kept."""
+PERIOD_S = 60.0
+"""The most counts for so long at least, and twice as long at most."""
+STEP_M = 0.2
+"""It is told to a multiple of that."""
 
 
 class TrackingError:
@@ -32,13 +35,14 @@ class TrackingError:
     def __init__(self, jump_m: float) -> None:
         self._jump_m = jump_m
         self._way: deque[tuple[float, NorthEast]] = deque()
-        self._most: deque[tuple[float, float]] = deque()  # time and metres, the most first
+        self._most_m = self._before_m = 0.0  # of this period, and of the one before
+        self._begin_s: float | None = None
         self._look_s = self._paused_s = -math.inf
 
     @property
     def off_m(self) -> float:
-        """How far it was off at most."""
-        return self._most[0][1] if self._most else 0.0
+        """How far it was off at most, to a step."""
+        return round(STEP_M * round(max(self._most_m, self._before_m) / STEP_M), 9)
 
     def pause(self, now_s: float) -> None:
         """It is not told where to be, or nothing is known of where it is."""
@@ -59,16 +63,9 @@ class TrackingError:
             return
         points = [point for _, point in self._way]
         legs = pairwise(points) if len(points) > 1 else [(told, told)]
-        self._keep(now_s, min(_away_m(here, *leg) for leg in legs))
-
-    def _keep(self, now_s: float, off_m: float) -> None:
-        """A greatest of the last while, as a queue in which each is less than the one before."""
-        most = self._most
-        while most and most[0][0] < now_s - KEPT_S:
-            most.popleft()
-        while most and most[-1][1] <= off_m:
-            most.pop()
-        most.append((now_s, off_m))
+        if self._begin_s is None or now_s >= self._begin_s + PERIOD_S:
+            self._begin_s, self._before_m, self._most_m = now_s, self._most_m, 0.0
+        self._most_m = max(self._most_m, min(_away_m(here, *leg) for leg in legs))
 
 
 def _away_m(point: NorthEast, begin: NorthEast, end: NorthEast) -> float:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from companion.motion.tracking_error import KEPT_S, WAY_S, TrackingError
+from companion.motion.tracking_error import PERIOD_S, WAY_S, TrackingError
 
 TICK_S = 0.05
 JUMP_M = 1.0
@@ -28,13 +28,20 @@ def test_one_that_lags_behind_is_on_its_way() -> None:
     assert error.off_m == pytest.approx(0.0)
 
 
-def test_what_counts_is_across_the_way_and_round_its_corners() -> None:
+def test_what_counts_is_across_the_way_and_round_its_ends() -> None:
     error = TrackingError(JUMP_M)
-    flown(error, 0.0, 10.0, 0.3, behind_m=1.0)
-    assert error.off_m == pytest.approx(math.hypot(0.3, 1.0))  # as it began, before its first point
-    error = TrackingError(JUMP_M)
-    flown(error, 0.0, 10.0, -0.3)
-    assert error.off_m == pytest.approx(0.3)
+    flown(error, 0.0, 10.0, -0.4)
+    assert error.off_m == pytest.approx(0.4)
+    flown(error, 10.0, 10.0, 0.6, behind_m=1.0)
+    assert error.off_m == pytest.approx(0.6)
+
+
+def test_it_is_told_in_steps() -> None:
+    error, told = TrackingError(JUMP_M), set[float]()
+    for i in range(100):
+        flown(error, 0.5 * i, 0.5, i / 100)
+        told.add(error.off_m)
+    assert sorted(told) == pytest.approx([0.0, 0.2, 0.4, 0.6, 0.8, 1.0])
 
 
 def test_one_that_swings_past_its_end_is_off_by_all_of_that() -> None:
@@ -42,21 +49,21 @@ def test_one_that_swings_past_its_end_is_off_by_all_of_that() -> None:
     flown(error, 0.0, 10.0, 0.0)
     for i in range(400):
         now_s = 10.0 + TICK_S * i
-        error.follow(now_s, (10.0, 0.0), (10.0 + 0.9 * math.sin(now_s), 0.0))
-    assert error.off_m == pytest.approx(0.9, abs=0.02)
+        error.follow(now_s, (10.0, 0.0), (10.0 + 0.8 * math.sin(now_s), 0.0))
+    assert error.off_m == pytest.approx(0.8)
 
 
 def test_the_most_counts_for_a_while_and_the_next_most_after_it() -> None:
     error = TrackingError(JUMP_M)
     flown(error, 0.0, 1.0, 0.8)
-    flown(error, 1.0, 9.0, 0.0)
-    flown(error, 10.0, 1.0, 0.5)
-    flown(error, 11.0, KEPT_S - 12.0, 0.1)
+    flown(error, 1.0, PERIOD_S - 1.0, 0.0)
+    flown(error, PERIOD_S, 1.0, 0.4)
+    flown(error, PERIOD_S + 1.0, PERIOD_S - 2.0, 0.0)
     assert error.off_m == pytest.approx(0.8)
-    flown(error, KEPT_S - 1.0, 5.0, 0.1)
-    assert error.off_m == pytest.approx(0.5)
-    flown(error, KEPT_S + 4.0, 10.0, 0.1)
-    assert error.off_m == pytest.approx(0.1)
+    flown(error, 2 * PERIOD_S, 5.0, 0.0)
+    assert error.off_m == pytest.approx(0.4)
+    flown(error, 3 * PERIOD_S, 5.0, 0.0)
+    assert error.off_m == pytest.approx(0.0)
 
 
 def test_setpoints_that_jump_and_a_pause_make_no_way() -> None:
@@ -70,5 +77,5 @@ def test_setpoints_that_jump_and_a_pause_make_no_way() -> None:
     for i in range(60):
         error.follow(2.0 + TICK_S * i, (20.5, 5.0), (20.0 + i / 120, 6.0 - i / 60))
     assert error.off_m == pytest.approx(0.0)
-    error.follow(2.0 + WAY_S + 0.25, (20.5, 5.0), (20.2, 5.0))
-    assert error.off_m == pytest.approx(0.3)
+    error.follow(2.0 + WAY_S + 0.25, (20.5, 5.0), (20.1, 5.0))
+    assert error.off_m == pytest.approx(0.4)
