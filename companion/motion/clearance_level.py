@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.cost_to_go import CostToGo
-from companion.motion.distance_maps import DistanceMaps
+from companion.motion.distance_maps import LOOK_SHARE, DistanceMaps
 from companion.motion.free_space import FreeSpace
 from companion.motion.grid import OccupancyGrid
 from companion.motion.grid_graph import Cell
@@ -120,11 +120,17 @@ class ClearanceLevel:
         self._space: FreeSpace | None = None  # until somebody looks
         self._plain: dict[NorthEast, Cell | None] = {}
         self._maps: DistanceMaps | None = None
+        self._around: tuple[tuple[NorthEast, ...], FreeSpace] | None = None  # asked for last
 
     @property
     def space(self) -> FreeSpace:
         """The free cells now."""
         return self.look()
+
+    @property
+    def _is_looked_at(self) -> bool:
+        """Whether the free cells are known as they are now."""
+        return self._space is not None and not self._aimed
 
     def look(self) -> FreeSpace:
         """Finds the free cells, if nobody has looked at them yet."""
@@ -156,7 +162,7 @@ class ClearanceLevel:
         return self._take_free_space()
 
     def _take_free_space(self) -> bool:
-        self._plain = {}
+        self._plain, self._around = {}, None
         if self._space is None:
             return False
         before, self._space = self._space, self._free_space()
@@ -188,11 +194,13 @@ class ClearanceLevel:
         return ClearanceLevel(self._room, self._obstacles, least_m + added_m, more_m)
 
     def around(self, *positions: NorthEast) -> FreeSpace:
-        """The free cells with open discs around some positions."""
-        opened = self._opened(positions)
-        if opened is None:
-            return self.space
-        return self._made(self.space.free | opened)
+        """The free cells with open discs around some positions; those asked for last are kept."""
+        space = self.space
+        if self._around is None or self._around[0] != positions:
+            opened = self._opened(positions)
+            made = space if opened is None else self._made(space.free | opened)
+            self._around = positions, made
+        return self._around[1]
 
     def repair(self, max_cells: int) -> bool:
         """Searches about `max_cells` cells for the places that were looked for at this clearance.
@@ -203,19 +211,27 @@ class ClearanceLevel:
 
     def search(self, start: NorthEast, place: str, max_cells: int) -> int:
         """Searches about `max_cells` cells for what `entry` asks for; about how many it took."""
+        used = 0
+        if not self._is_looked_at:
+            if max_cells <= 0:
+                return 0
+            used = int(LOOK_SHARE * self._grid.occupied.size)
         if not self.is_connected(start, place):
-            return 0
-        return self.maps.search(place, max_cells, self._plain_cell(start))
+            return used
+        return used + self.maps.search(place, max_cells - used, self._plain_cell(start))
 
     def is_known(self, start: NorthEast, place: str) -> bool:
         """Whether `entry` needs no search any more."""
+        if not self._is_looked_at:
+            return False
         is_known = self.maps.is_known(place, self._plain_cell(start))
         return is_known or not self.is_connected(start, place)
 
     def is_connected(self, start: NorthEast, place: str) -> bool:
         """Whether free cells lead from near a start to a place, whatever regions lie between."""
         goal = self._grid.cell(self._room.goals[place][:2])
-        return self.around(start).is_connected(start, goal)
+        is_plain = self.space.is_connected(start, goal)
+        return is_plain or self.around(start).is_connected(start, goal)
 
     def entry(self, start: NorthEast, place: str) -> WayEntry | None:
         """Where a way to a place enters the cells from which there is one; None without any."""

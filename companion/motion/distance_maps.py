@@ -21,7 +21,8 @@ from companion.slices import spent
 CELL_US = 0.4
 """What the search of a cell takes, about."""
 
-_LOOK_SHARE = 0.05  # of the time in which a cell is searched: what a look at each cell takes
+LOOK_SHARE = 0.05
+"""Of the time in which a cell is searched: what a look at each cell takes."""
 
 
 class DistanceMaps:
@@ -86,7 +87,7 @@ class DistanceMaps:
         used = 0
         if place not in self._present:
             self._present[place] = self._begun(place)
-            used = int(_LOOK_SHARE * self._free.size)
+            used = int(LOOK_SHARE * self._free.size)
         to_go = self._present[place]
         if to_go is not None:
             now = continued(to_go, max(1, max_cells - used), cell)
