@@ -312,13 +312,11 @@ def levels_from(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
     Of each clearance there are two: all that is added is kept outside passages, or no more than in
     them. The last one is the least itself.
     """
-    levels: list[ClearanceLevel] = []
     count = round(added_m / STEP_M)
-    for i in range(count, 0, -1):
-        added_here_m = added_m * i / count
-        if levels:
-            levels.append(least.above(added_here_m, added_m))
-        levels.append(least.above(added_here_m))
-    if levels:
-        levels.append(least.above(0.0, added_m))
-    return [*levels, least]
+    if not count:
+        return [least]
+    levels = [least.above(added_m)]
+    for i in range(count - 1, -1, -1):
+        kept_m = added_m * i / count
+        levels += [least.above(kept_m, added_m), least.above(kept_m) if i else least]
+    return levels
