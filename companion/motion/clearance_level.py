@@ -2,9 +2,10 @@
 
 The vehicle may be off from where its autopilot takes it to be. So routes keep more than the least
 clearance, where the map has room for that; a passage that is too narrow is flown at the next lower
-one, in its middle (`voronoi.py`), and only the passage. Where that leads nowhere, or round a corner
-that is not worth it, all of the way keeps no more than the level's clearance. Levels are a step of
-what is added apart; at which one a place is flown to, way_choice.py says.
+one, in its middle (`voronoi.py`), and only the passage: outside it the way keeps what is enough.
+Where that leads nowhere, or round a corner that is not worth it, all of the way keeps no more than
+the level's clearance. Levels are a step of what is added apart; at which one a place is flown to,
+way_choice.py says.
 
 A place may itself stand nearer to an obstacle than a level asks for, and so may the vehicle. Around
 each a disc is open in which routes keep as much as the place, or the vehicle, does.
@@ -31,6 +32,9 @@ from companion.motion.position_error import STEP_M
 from companion.motion.region_edges import RegionEdges
 from companion.motion.regions import Regions
 from companion.motion.voronoi import passages
+
+ENOUGH_SHARE = 2 / 3
+"""Of what is added; where all of it would be a longer way still (`way_choice.py`)."""
 
 _MAX_STARTS = 1000  # of which the cell is kept
 _OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
@@ -309,14 +313,15 @@ class ClearanceLevel:
 def levels_from(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
     """The levels at which routes keep up to so much more than the least, the highest first.
 
-    Of each clearance there are two: all that is added is kept outside passages, or no more than in
-    them. The last one is the least itself.
+    Below what is enough there are two of each clearance: outside passages what is enough is kept,
+    or no more than in them. The last one is the least itself.
     """
     count = round(added_m / STEP_M)
-    if not count:
-        return [least]
-    levels = [least.above(added_m)]
-    for i in range(count - 1, -1, -1):
-        kept_m = added_m * i / count
-        levels += [least.above(kept_m, added_m), least.above(kept_m) if i else least]
+    steps = [added_m * i / count for i in range(count, 0, -1)] if count else []
+    enough_m = min((step for step in steps if step >= ENOUGH_SHARE * added_m), default=0.0)
+    levels: list[ClearanceLevel] = []
+    for kept_m in [*steps, 0.0]:
+        if kept_m < enough_m:
+            levels.append(least.above(kept_m, enough_m))
+        levels.append(least.above(kept_m) if kept_m else least)
     return levels

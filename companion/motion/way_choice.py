@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from companion.geometry import NorthEast
-from companion.motion.clearance_level import ClearanceLevel, WayEntry
+from companion.motion.clearance_level import ENOUGH_SHARE, ClearanceLevel, WayEntry
 from companion.motion.grid import ROUNDING_M
 
 DETOUR = 1.1
 """A way so many times as long is flown for the sake of what is added to the clearance."""
-ENOUGH_SHARE = 2 / 3
-"""Of what is added; where all of it would be a longer way still."""
 
 
 @dataclass
