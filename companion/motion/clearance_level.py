@@ -26,7 +26,7 @@ from companion.geometry import Ned, NorthEast
 from companion.motion.cost_to_go import CostToGo
 from companion.motion.distance_maps import LOOK_SHARE, DistanceMaps
 from companion.motion.free_space import FreeSpace
-from companion.motion.grid import OccupancyGrid
+from companion.motion.grid import ROUNDING_M, OccupancyGrid
 from companion.motion.grid_graph import Cell
 from companion.motion.position_error import STEP_M
 from companion.motion.region_edges import RegionEdges
@@ -310,6 +310,15 @@ class ClearanceLevel:
         return opened & self._room.is_inside if opened is not None else None
 
 
+def is_enough(kept_m: float, added_m: float) -> bool:
+    """Whether so much of what is added is kept that no longer way is flown for the rest.
+
+    >>> is_enough(0.4, 0.6), is_enough(0.3, 0.6)
+    (True, False)
+    """
+    return kept_m >= ENOUGH_SHARE * added_m - ROUNDING_M
+
+
 def levels_from(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
     """The levels at which routes keep up to so much more than the least, the highest first.
 
@@ -318,7 +327,7 @@ def levels_from(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
     """
     count = round(added_m / STEP_M)
     steps = [added_m * i / count for i in range(count, 0, -1)] if count else []
-    enough_m = min((step for step in steps if step >= ENOUGH_SHARE * added_m), default=0.0)
+    enough_m = min((step for step in steps if is_enough(step, added_m)), default=0.0)
     levels: list[ClearanceLevel] = []
     for kept_m in [*steps, 0.0]:
         if kept_m < enough_m:

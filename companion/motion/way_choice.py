@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from companion.geometry import NorthEast
-from companion.motion.clearance_level import ENOUGH_SHARE, ClearanceLevel, WayEntry
-from companion.motion.grid import ROUNDING_M
+from companion.motion.clearance_level import ClearanceLevel, WayEntry, is_enough
 
 DETOUR = 1.1
 """A way so many times as long is flown for the sake of what is added to the clearance."""
@@ -66,9 +65,9 @@ def decisive_ways(
     is_direct = ways[0].length_m <= DETOUR * straight_m
     if is_direct or not levels[-1].is_connected(start, place):
         return
-    most_kept_m, least_kept_m = levels[0].clearance_m, levels[-1].clearance_m
-    enough_m = most_kept_m - (1 - ENOUGH_SHARE) * (most_kept_m - least_kept_m) - ROUNDING_M
-    *_, enough = (way for way in ways if way.level.clearance_m >= enough_m)
+    least_m = levels[-1].clearance_m
+    added_m = levels[0].clearance_m - least_m
+    *_, enough = (way for way in ways if is_enough(way.level.clearance_m - least_m, added_m))
     yield enough
     most_m = DETOUR * enough.length_m
     for way in ways:
