@@ -83,7 +83,8 @@ class AddedClearance:
 
         Args:
             accuracy_m: of the position.
-            off_m: how far the vehicle is seen to be off its route.
+            off_m: how far the vehicle is seen to be off its route; it counts where it is more than
+                its deviation by more than a step.
 
         >>> added = AddedClearance(0.15)
         >>> added.follow(0.05), added.follow(0.25), added.metres
@@ -91,7 +92,8 @@ class AddedClearance:
         >>> added.follow(0.25, 0.9), added.metres
         (True, 1.0)
         """
-        seen_m = max(self._deviation_m, min(off_m, MOST_M))
+        is_more = off_m > self._deviation_m + STEP_M
+        seen_m = min(off_m, MOST_M) if is_more else self._deviation_m
         both_m = math.hypot(seen_m, greatest_error_m(accuracy_m))
         wanted_m = both_m - self._deviation_m
         if abs(wanted_m - self.metres) <= STEP_M:

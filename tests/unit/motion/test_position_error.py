@@ -32,6 +32,8 @@ def test_the_clearance_follows_in_steps_and_lags_behind() -> None:
 def test_what_the_vehicle_is_seen_to_be_off_counts_where_that_is_more() -> None:
     added = AddedClearance(0.4)
     assert not added.follow(0.0, 0.45) and added.metres == 0.0
+    exact = AddedClearance(0.15)
+    assert not exact.follow(0.055, 0.2), "a tenth of a metre changes nothing"
     assert added.follow(0.0, 0.9) and added.metres == pytest.approx(0.5)
     assert added.follow(0.25, 0.9) and added.metres == pytest.approx(0.8)  # 0.75 and 0.9 are 1.17
     assert added.follow(0.0, 9.0) and added.metres == pytest.approx(MOST_M - 0.4)
