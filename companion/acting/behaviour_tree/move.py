@@ -34,7 +34,8 @@ wanders by about one of them. The place's own radius is the most."""
 ARRIVAL_MPS = 0.5
 """A vehicle that is faster than this still swings past, towards what stands behind the place."""
 ARRIVAL_TIMEOUT_S = 15.0
-"""How long it may take to come that near after the trajectory has ended, or to catch up."""
+"""How long it may take to come that near after the trajectory has ended, to catch up, or to come
+nearer to the place where it is taken off its way again and again."""
 FOLLOWS_SHARE, WAITS_SHARE = 0.4, 0.7
 """Of the gate's carrot: distances behind the trajectory from which on it is slowed, and at which it
 waits for the vehicle."""
@@ -90,7 +91,8 @@ class MoveCommand(Leaf):
         self._updated_s: float | None = None
         if state is not None:
             self._begin(state)
-        self._start_s = self._flight.now_s
+        self._start_s = self._nearer_s = self._flight.now_s
+        self._least_left_m = math.inf
 
     def _begin(self, state: VehicleState) -> None:
         """A new route; without one at this speed a stop that is under way goes on.
@@ -164,7 +166,7 @@ class MoveCommand(Leaf):
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
         if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:
             self._begin(state)
-            return Status.RUNNING
+            return self._stop_and_fail(self._stuck) if self._gets_nowhere() else Status.RUNNING
         following = _following(gap_m / flight.profile.carrot_m)
         sample, self._rate = sample.slower(following), self._rate * following
         is_at_end = sample.is_finished and not self._is_braking
@@ -176,8 +178,21 @@ class MoveCommand(Leaf):
         self._updated_s = flight.now_s
         self._in_time_s = self._in_time_s if is_behind else flight.now_s
         if flight.now_s - self._in_time_s > ARRIVAL_TIMEOUT_S:
-            return self._stop_and_fail(f"stuck on the way to {self._place}")
+            return self._stop_and_fail(self._stuck)
         return Status.RUNNING
+
+    @property
+    def _stuck(self) -> str:
+        return f"stuck on the way to {self._place}"
+
+    def _gets_nowhere(self) -> bool:
+        """Whether a vehicle that begins anew, off its way, has come no nearer for too long."""
+        if not isinstance(self._trajectory, Trajectory):
+            return False
+        left_m = self._trajectory.path.length_m
+        if left_m < self._least_left_m - ARRIVAL_M:
+            self._least_left_m, self._nearer_s = left_m, self._flight.now_s
+        return self._flight.now_s - self._nearer_s > ARRIVAL_TIMEOUT_S
 
     def terminate(self, new_status: Status) -> None:
         """Stays where it is when something above interrupts; notes a failure."""

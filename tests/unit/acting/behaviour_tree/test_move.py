@@ -111,6 +111,27 @@ def test_a_vehicle_that_came_to_rest_far_away_begins_again_from_there() -> None:
     assert run(rig, leaf) is Status.SUCCESS
 
 
+def test_a_vehicle_that_is_pushed_back_for_ever_is_stuck() -> None:
+    """It never lags behind for long: it begins anew from each place that it is pushed to."""
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(20):
+        tick(rig, leaf)
+    rig.vehicle.is_stuck = True
+
+    def pushed() -> Status:
+        assert rig.vehicle.state is not None
+        north, east, down = rig.vehicle.state.position
+        rig.vehicle.change(position=(north - 0.1 * TICK_S, east, down))
+        return tick(rig, leaf)
+
+    ticks = 0
+    while pushed() is Status.RUNNING:
+        ticks += 1
+    assert leaf.feedback_message == "stuck on the way to A"
+    assert ARRIVAL_TIMEOUT_S < ticks * TICK_S < 3 * ARRIVAL_TIMEOUT_S
+
+
 def test_a_vehicle_that_settles_beside_the_place_has_not_arrived() -> None:
     rig = a_rig()
     rig.vehicle.drift = (0.0, 0.5, 0.0)
