@@ -26,8 +26,7 @@ from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, L
 from companion.mission.payload_steps import Photo, PointGimbal
 from companion.mission.python_call import FORM as PYTHON
 from companion.mission.python_call import MAX_ARGUMENTS, PythonCall, parse_python
-
-FLOAT32_MAX = 3.4028234e38  # MAVLink carries command parameters as IEEE 754 single precision
+from companion.skills.authoring import FLOAT32_MAX
 
 _CALL = re.compile(
     r"""\s*(?P<verb>\w+)\s*\((?P<arguments>(?:[^()"']|"[^"]*"|'[^']*')*)\)\s*""", re.ASCII

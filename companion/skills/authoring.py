@@ -16,13 +16,17 @@ the vehicle but what is handed to it; a command to a payload is asked of the com
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 F = TypeVar("F", bound=Callable[..., Any])
 MARK = "__companion_kind__"
+FLOAT32_MAX = 3.4028234e38
+"""MAVLink carries the parameters of commands in IEEE 754 single precision."""
+MAX_PARAMETERS = 7
+"""Of COMMAND_LONG."""
 
 
 class FunctionKind(Enum):
@@ -94,6 +98,20 @@ class KnownVehicle:
     battery_percent: int | None = None
 
 
+def why_not_carried(parameters: Sequence[float]) -> str | None:
+    """Why no command carries these parameters; None if it does, NaN among them.
+
+    >>> why_not_carried((1.0, math.nan)), why_not_carried((1e39,))
+    (None, '1e+39 is no number of single precision, as commands have')
+    """
+    if len(parameters) > MAX_PARAMETERS:
+        return f"a command has {MAX_PARAMETERS} parameters at most"
+    too_large = (each for each in parameters if abs(each) > FLOAT32_MAX)
+    return next(
+        (f"{each:g} is no number of single precision, as commands have" for each in too_large), None
+    )
+
+
 class Interlocutor(Protocol):
     """What a call says to the companion, and asks of it."""
 
@@ -158,15 +176,17 @@ class FunctionRun:
         Args:
             component: a name of the mission's `components`, or a MAVLink component id.
             command: the name of a MAV_CMD that payloads take.
-            parameters: param1 to param7.
+            parameters: param1 to param7; what is left out is 0, and NaN is sent as it is.
 
         Raises:
+            ValueError: more than seven parameters, or one that no single-precision number holds.
             Failed: it was refused, or not done.
             Cancelled: the mission has left the skill.
         """
-        if len(parameters) > 7:
-            raise ValueError("a command has seven parameters at most")
-        self._companion.command(component, command, tuple(float(each) for each in parameters))
+        numbers = tuple(float(each) for each in parameters)
+        if why_not := why_not_carried(numbers):
+            raise ValueError(why_not)
+        self._companion.command(component, command, numbers)
 
     @property
     def is_cancelled(self) -> bool:

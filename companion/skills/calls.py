@@ -11,7 +11,13 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
-from companion.skills.authoring import FunctionKind, KnownPlace, KnownVehicle, WaypointEnu
+from companion.skills.authoring import (
+    FunctionKind,
+    KnownPlace,
+    KnownVehicle,
+    WaypointEnu,
+    why_not_carried,
+)
 from companion.skills.lines import Malformed
 
 Value: TypeAlias = "str | float | int | bool"
@@ -140,6 +146,8 @@ def answer_of(message: Mapping[str, Any]) -> Answer:
                 if not isinstance(component, str | int):
                     raise Malformed
                 parameters = tuple(float(each) for each in message["parameters"])
+                if why_not_carried(parameters):
+                    raise Malformed
                 return CommandAsked(component, _text(message["command"]), parameters)
             case "returned":
                 verdicts = tuple(each is True for each in message["verdicts"])

@@ -25,7 +25,9 @@ from companion.skills.calls import (
     Progressed,
     Returned,
     Value,
+    answer_of,
 )
+from companion.skills.lines import Malformed
 from companion.skills.runner import FunctionRunner
 
 pytestmark = pytest.mark.slow
@@ -65,6 +67,7 @@ def _floods(run):
 def _commands(run, component):
     run.command(component, "MAV_CMD_DO_GRIPPER", 1, 0)
     run.progress(1.0, "gripped")
+def _overflows(run): run.command(25, "MAV_CMD_DO_GRIPPER", 1e39)
 def _sees(run):
     place, vehicle = run.places["A"], run.vehicle
     assert (place.north_m, place.lat_deg, vehicle.up_m) == (6.0, 47.0, 2.0)
@@ -161,6 +164,10 @@ def until(holds: object, what: str) -> None:
             NotDone("its process was ended by SIGKILL, perhaps for want of memory"),
         ),
         (("no_such", 1), NotDone("KeyError: '_no_such'")),
+        (
+            ("overflows",),
+            NotDone("ValueError: 1e+39 is no number of single precision, as commands have"),
+        ),
     ],
 )
 def test_each_end_of_a_call_has_its_words(
@@ -366,3 +373,13 @@ def test_in_real_time_nothing_waits(
     functions.prepare([])
     functions.end_calls()
     functions.close()
+
+
+@pytest.mark.parametrize("parameters", [[1e39], [float("-inf")], [0.0] * 8])
+def test_a_process_that_asks_for_what_no_command_carries_is_not_believed(
+    parameters: list[float],
+) -> None:
+    """Whatever its process writes, also past `run.command`."""
+    asked = {"is": "command", "component": 25, "command": "MAV_CMD_DO_GRIPPER"}
+    with pytest.raises(Malformed):
+        answer_of({**asked, "parameters": parameters})
