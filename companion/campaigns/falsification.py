@@ -52,9 +52,11 @@ def minimise(
     Args:
         search: that found them.
         failures: the first few are taken.
-        engine_of: who flies the rows of a kit.
+        engine_of: who flies the rows of a kit; begun where there are failures.
         tell: each row that is flown for it.
     """
+    if not failures:
+        return ()
     kit = simplifiable(search.kit)
     with closing(engine_of(kit)) as engine:
         folder = search.folder / MINIMISED_FOLDER

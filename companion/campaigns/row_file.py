@@ -12,6 +12,7 @@ import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from companion.campaigns.outcomes import FlownRow
 from companion.errors import CompanionError, MissionError
@@ -54,14 +55,28 @@ class RowFile:
         except OSError as error:
             self._file.close()
             raise CompanionError(f"another campaign is writing to {folder}") from error
-        before, flown, whole = _read(self._path)
+        try:
+            self.rows = self._begin(folder, header)
+        except CompanionError:
+            self.close()
+            raise
+
+    def _begin(self, folder: Path, header: Mapping[str, str]) -> dict[int, FlownRow]:
+        """The rows of the same campaign; what was not written whole is dropped."""
+        before, entries, whole = _read(self._path)
+        if before is not None and before != dict(header):
+            raise _other_campaign(folder, before, header)
+        try:
+            flown = [FlownRow.of_json(entry) for entry in entries]
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise MissionError(
+                f"{self._path} holds something that is no row of a campaign ({error!r})",
+                hint="take another folder with --out",
+            ) from error
         self._file.truncate(whole)
-        self.rows = {each.row.index: each for each in flown}
         if before is None:
             self._write(dict(header))
-        elif before != dict(header):
-            self.close()
-            raise _other_campaign(folder, before, header)
+        return {each.row.index: each for each in flown}
 
     def add(self, flown: FlownRow) -> None:
         """Keeps a row.
@@ -108,24 +123,24 @@ def header_in(folder: Path, key: str) -> dict[str, str]:
     return header
 
 
-def _read(path: Path) -> tuple[dict[str, str] | None, list[FlownRow], int]:
-    """The header, the rows, and how many bytes of the file are whole lines."""
+def _read(path: Path) -> tuple[dict[str, str] | None, list[dict[str, Any]], int]:
+    """The header, the rows as they were written, and how many bytes are whole lines."""
     header: dict[str, str] | None = None
-    flown: list[FlownRow] = []
+    rows: list[dict[str, Any]] = []
     whole = 0
     for line in path.read_bytes().splitlines(keepends=True):
         try:
             entry = json.loads(line)
         except ValueError:
             break
-        if not line.endswith(b"\n"):
+        if not line.endswith(b"\n") or not isinstance(entry, dict):
             break
         whole += len(line)
         if header is None:
             header = entry
         else:
-            flown.append(FlownRow.of_json(entry))
-    return header, flown, whole
+            rows.append(entry)
+    return header, rows, whole
 
 
 def _other_campaign(

@@ -103,8 +103,8 @@ class FailureSearch:
         """A search from one point, until it has failed, or gets nowhere."""
         self._begun.append(start)
         bounds = np.array([[0.0, 1.0]] * self._dimensions)
-        about = {"population_size": GENERATION, "bounds": bounds}
-        cma = CMA(start, SIGMA, seed=self._seed % 2**32 + len(self._begun), **about)
+        seed = (self._seed + len(self._begun)) % 2**32
+        cma = CMA(start, SIGMA, bounds=bounds, population_size=GENERATION, seed=seed)
         best, waited = math.inf, 0
         while self._left > 0 and waited < PATIENCE and not cma.should_stop():
             asked = [cma.ask() for _ in range(GENERATION)]

@@ -111,3 +111,16 @@ def test_a_table_that_the_disk_has_no_room_for_leaves_the_one_before(tmp_path: P
     with room_for(10), pytest.raises(NotWritten, match=r"table\.csv cannot be written"):
         write_whole(path, "a longer table")
     assert [*tmp_path.iterdir()] == [path] and path.read_text() == "before"
+
+
+def test_rows_of_another_release_are_another_campaign(tmp_path: Path) -> None:
+    """Their fields are other ones, and nothing is lost of them."""
+    path = tmp_path / NAME
+    path.write_text('{"format": "0", "seed": "3"}\n{"row": {"index": 0}, "ended": "well"}\n')
+    before = path.read_bytes()
+    with pytest.raises(MissionError, match="holds another campaign: its format is 0"):
+        RowFile(tmp_path, HEADER)
+    path.write_text(before.decode().replace('"0"', '"1"', 1))
+    with pytest.raises(MissionError, match="no row of a campaign"):
+        RowFile(tmp_path, HEADER)
+    assert path.read_bytes() == before.replace(b'"0"', b'"1"', 1)

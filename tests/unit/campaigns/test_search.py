@@ -123,3 +123,9 @@ def test_a_failure_is_made_of_what_it_needs_alone() -> None:
     assert dict(other.row.values) == {"happens.0": False, "happens.1": False}
     assert [row.index for row in flights.rows] == list(range(len(flights.rows)))
     assert len(flights.rows) < 30
+
+
+def test_any_seed_is_one_of_the_search() -> None:
+    flights = Flights()
+    FailureSearch(FACTORS, 2**32 - 1, 2 * GENERATION).run(flights)
+    assert len(flights.rows) == 2 * GENERATION
