@@ -21,11 +21,15 @@ are those of `boot_clock.py`; answers to them are not looked at here.
 from __future__ import annotations
 
 import math
+from collections import deque
 
 from companion.mavlink.framing import Message, dialect, source
 
 LEAST_S = 0.02
 """Five times as often as PX4 asks."""
+KEPT = 8
+"""Questions that are known again: more than are answered within a tick, in which each is met once
+when it arrives, and once more with all that has arrived."""
 NANO = 1_000_000_000
 TIMESYNC = frozenset({dialect.MAVLINK_MSG_ID_TIMESYNC})
 
@@ -46,7 +50,7 @@ class TimeAnswers:
 
     def __init__(self) -> None:
         self.zero_s: float | None = None
-        self._asked: int | None = None
+        self._answered = deque[int](maxlen=KEPT)
         self._next_s = -math.inf
 
     def answer(self, now_s: float, autopilot: tuple[int, int], message: Message) -> Message | None:
@@ -58,8 +62,9 @@ class TimeAnswers:
             message: what was heard.
         """
         is_question = message.tc1 == 0 and source(message) == autopilot
-        if not is_question or message.ts1 == self._asked or now_s < self._next_s:
+        if not is_question or message.ts1 in self._answered or now_s < self._next_s:
             return None
-        self._asked, self._next_s = message.ts1, now_s + LEAST_S
+        self._answered.append(message.ts1)
+        self._next_s = now_s + LEAST_S
         shown = max(1, round(((self.zero_s or 0.0) + now_s) * NANO))  # 0 would be a question
         return dialect.MAVLink_timesync_message(shown, message.ts1)

@@ -46,6 +46,12 @@ def test_the_answer_has_our_time_and_the_question(wire: Wire) -> None:
     assert answers(wire, 2.5, question(77)) == [(round(102.5 * NANO), 77)]
 
 
+def test_two_questions_are_answered_once_each(wire: Wire) -> None:
+    """They are met once more with all that has arrived within the tick."""
+    assert len(answers(wire, 2.5, question(77))) == len(answers(wire, 2.53, question(78))) == 1
+    assert answers(wire, 2.56, question(77), question(78)) == []
+
+
 def test_nobody_is_answered_before_the_vehicle_was_heard() -> None:
     assert answers(Wire(), 2.5, question(77)) == []
 
