@@ -20,10 +20,20 @@ class FlightLimit:
         laps: of the task, over all its plans: each meets everything that is to be met again and
             again.
         duration_s: seconds since the vehicle was to arm.
+
+    Raises:
+        ValueError: a limit that is reached before the flight begins.
     """
 
     laps: int | None = None
     duration_s: float | None = None
+
+    def __post_init__(self) -> None:
+        """No flight ends before it begins."""
+        if self.laps is not None and self.laps < 1:
+            raise ValueError(f"{self.laps} laps is no limit of a flight; 1 or more")
+        if self.duration_s is not None and not self.duration_s > 0:
+            raise ValueError(f"{self.duration_s:g} s is no limit of a flight; more than 0")
 
     def reached(self, laps: int, flown_s: float) -> str | None:
         """The limit that is reached, in words; None if none is."""

@@ -71,18 +71,30 @@ def run(
         What happened; its trajectory is where the autopilot believed to be.
 
     Raises:
+        ValueError: an argument has no value of those above; nothing has been opened then.
         LinkError: the link, or the port for events, cannot be opened.
         LinkTimeout: no vehicle was heard in time.
     """
+    terms = ArmingTerms(
+        accepts_weak_failsafes,
+        fence=_policy("autopilot_fence", autopilot_fence),
+        rally_points=_policy("rally_points", rally_points),
+    )
+    limit = FlightLimit(laps, limit_s)
     with (
         closing(Link(parse_url(connect))) as link,
         reports_at(events) as reports,
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
-        about = mission, recorder, _terms(accepts_weak_failsafes, autopilot_fence, rally_points)
-        limit, memory = FlightLimit(laps, limit_s), _remembered_beside(folder)
-        companion = Companion(*about, limit=limit, memory=memory, functions=functions)
+        companion = Companion(
+            mission,
+            recorder,
+            terms,
+            limit=limit,
+            memory=_remembered_beside(folder),
+            functions=functions,
+        )
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return _result(mission, recorder, companion.failure, folder)
@@ -92,9 +104,10 @@ def _remembered_beside(folder: Path | str | None) -> FlightMemory | None:
     return flight_memory_in(Path(folder).parent) if folder is not None else None
 
 
-def _terms(accepts_weak_failsafes: bool, *policies: str) -> ArmingTerms:
-    """On which the vehicle is armed; policies in the order of its fields."""
-    return ArmingTerms(accepts_weak_failsafes, *map(UploadPolicy, policies))
+def _policy(argument: str, value: str) -> UploadPolicy:
+    if value not in [policy.value for policy in UploadPolicy]:
+        raise ValueError(f"{argument} is {value!r}, and can be {', '.join(UploadPolicy)}")
+    return UploadPolicy(value)
 
 
 def _result(

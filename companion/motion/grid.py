@@ -40,7 +40,7 @@ class LowWalls:
         return tuple(float(up_m) for up_m in np.unique(self.tops_m) if up_m > 0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OccupancyGrid:
     """Cells that are occupied.
 

@@ -84,3 +84,18 @@ def test_ctrl_c_lands_and_returns(vehicle: str) -> None:
 def test_no_vehicle_is_an_error() -> None:
     with pytest.raises(LinkError, match="no vehicle on"):
         run(load_mission(MISSION), f"udpin://127.0.0.1:{14540 + free_instance()}", timeout_s=0.2)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"autopilot_fence": "uplod"}, "autopilot_fence is 'uplod', and can be upload, keep"),
+        ({"rally_points": "all"}, "rally_points is 'all'"),
+        ({"laps": 0}, "0 laps is no limit"),
+        ({"limit_s": -1.0}, "-1 s is no limit"),
+    ],
+)
+def test_a_wrong_argument_opens_nothing(wrong: dict[str, Any], said: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=said):
+        run(load_mission(MISSION), folder=tmp_path / "run", **wrong)
+    assert not (tmp_path / "run").exists()
