@@ -11,7 +11,7 @@ from companion.planning.lasso import Conjunct
 
 def tell_late(flight: Flight) -> None:
     """Reports each bounded line whose clock has just run over."""
-    tell_overrun(flight, flight.task.run_clocks(flight.now_s))
+    tell_overrun(flight, flight.task.run_clocks(flight.now_s).over)
 
 
 def tell_overrun(flight: Flight, late: Iterable[Conjunct]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 from companion.ltl.bound_clock import BoundClock, is_true
 from companion.ltl.time_bounds import TimeBound
@@ -10,6 +11,27 @@ from companion.planning.lasso import Conjunct, Letter
 
 NO_CLOCKS: tuple[int | None, ...] = ()
 """What they show where no conjunct has a bound."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClocksRun:
+    """What has become of the clocks in a moment.
+
+    Attributes:
+        over: the conjuncts whose clock has run over just then.
+        have_begun: whether the word has, with it.
+    """
+
+    over: tuple[Conjunct, ...] = ()
+    have_begun: bool = False
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether it is news, and not time alone that has gone on."""
+        return self.have_begun or bool(self.over)
+
+
+NOTHING_OVER = ClocksRun()
 
 
 class BoundClocks:
@@ -59,10 +81,8 @@ class BoundClocks:
         event_ms = None if event_s is None else _ms(event_s)
         self._clocks = {i: clock.seeing(letter, event_ms) for i, clock in self._clocks.items()}
 
-    def run(self, now_s: float, unread: Letter | None) -> Sequence[Conjunct]:
-        """Time goes on; the conjuncts whose clock has just run over, [] where nothing changes.
-
-        With the first call the word begins.
+    def run(self, now_s: float, unread: Letter | None) -> ClocksRun:
+        """Time goes on. With the first call the word begins.
 
         Args:
             now_s: the time.
@@ -72,10 +92,10 @@ class BoundClocks:
         if not self.are_begun:
             self._clocks = {i: clock.begun(now_ms) for i, clock in self._clocks.items()}
             self.are_begun = True
-            return ()
+            return ClocksRun(have_begun=True)
         over = {i: c.over() for i, c in self._clocks.items() if c.is_over(now_ms, unread)}
         self._clocks |= over
-        return [self._conjuncts[i] for i in over]
+        return ClocksRun(tuple(self._conjuncts[i] for i in over)) if over else NOTHING_OVER
 
     def are_called(self, lines: Collection[str]) -> bool:
         """Whether an event asks for the goal of one of some lines, and no position has read it."""

@@ -1,8 +1,8 @@
 """Changes of a task's state, as data: a state is what its changes make of the first one.
 
-`recorded` marks the methods of `TaskState` that change it. Each call from outside is told with its
-arguments, as names; task_replay.py makes the same calls on another state of the same mission. So
-nothing of the state has to be written down, and nothing can be forgotten.
+`recorded` and `recorded_where` mark the methods of `TaskState` that change it. Each call from
+outside is told with its arguments, as names; task_replay.py makes the same calls on another state
+of the same mission. So nothing of the state has to be written down, and nothing can be forgotten.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import wraps
-from typing import Concatenate, ParamSpec, Protocol, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from companion.mission.model import Event
 from companion.planning.domain import Action
@@ -61,22 +61,32 @@ def recorded(
     method: Callable[Concatenate[S, P], R],
 ) -> Callable[Concatenate[S, P], R]:
     """A method that changes the state; what it calls itself is part of the same change."""
+    return recorded_where(lambda _: True)(method)
 
-    @wraps(method)
-    def call(state: S, /, *arguments: P.args, **options: P.kwargs) -> R:
-        if state.is_changing:
-            return method(state, *arguments, **options)
-        state.is_changing = True
-        try:
-            done = method(state, *arguments, **options)
-        finally:
-            state.is_changing = False
-        if done != []:  # which says that nothing has changed
-            named = tuple(map(_named, (*arguments, *options.values())))
-            state.on_change(TaskChange(method.__name__, named, state.positions, state.now_s))
-        return done
 
-    return call
+def recorded_where(
+    has_changed: Callable[[Any], bool],
+) -> Callable[[Callable[Concatenate[S, P], R]], Callable[Concatenate[S, P], R]]:
+    """The same for a method that may leave the state as it is, which its result says."""
+
+    def of(method: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S, P], R]:
+        @wraps(method)
+        def call(state: S, /, *arguments: P.args, **options: P.kwargs) -> R:
+            if state.is_changing:
+                return method(state, *arguments, **options)
+            state.is_changing = True
+            try:
+                done = method(state, *arguments, **options)
+            finally:
+                state.is_changing = False
+            if has_changed(done):
+                named = tuple(map(_named, (*arguments, *options.values())))
+                state.on_change(TaskChange(method.__name__, named, state.positions, state.now_s))
+            return done
+
+        return call
+
+    return of
 
 
 def _named(argument: object) -> Argument:

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from companion.planning.bound_clocks import BoundClocks
+from companion.planning.bound_clocks import BoundClocks, ClocksRun
 from companion.planning.lasso import Conjunct, Letter
 from companion.planning.readings import Reading
 from companion.slices import spent
@@ -109,12 +109,12 @@ class TaskReadings:
         self._find_violated()
         return bool(own)
 
-    def run_clocks(self, now_s: float, unread: Letter | None) -> Sequence[Conjunct]:
-        """Time goes on; the conjuncts whose clock has just run over. See `BoundClocks.run`."""
-        over = self._clocks.run(now_s, unread)
-        if over:
+    def run_clocks(self, now_s: float, unread: Letter | None) -> ClocksRun:
+        """Time goes on. See `BoundClocks.run`."""
+        run = self._clocks.run(now_s, unread)
+        if run.over:
             self._find_violated()
-        return over
+        return run
 
     def foresee(self, letter: Letter, event_s: float | None = None) -> None:
         """What will be read next, as far as it is known. See `BoundClocks.see`."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from companion.mission.facts import Fact
+from companion.planning.bound_clocks import ClocksRun
 from companion.planning.domain import Action, reach
 from companion.planning.lasso import Conjunct
 from companion.planning.planner import Planner
@@ -39,7 +40,7 @@ class TaskReplay:
         self._state.now_s = change.now_s
         arguments = _READERS[change.method](self, change.arguments)
         done = getattr(self._state, change.method)(*arguments)
-        return done if change.method == TaskState.run_clocks.__name__ else ()
+        return done.over if isinstance(done, ClocksRun) else ()
 
     def _of_action(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
         name, *rest = arguments

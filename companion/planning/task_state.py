@@ -22,17 +22,18 @@ What the conjuncts make of the word is in task_readings.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence, Set
+from collections.abc import Callable, Collection, Iterable, Set
 from dataclasses import replace
 
 from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
+from companion.planning.bound_clocks import NOTHING_OVER, ClocksRun
 from companion.planning.domain import Action
 from companion.planning.held_beliefs import HeldBeliefs
-from companion.planning.lasso import Conjunct, Letter, Problem
+from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.situation import Position, TaskSituation
-from companion.planning.task_changes import TaskChange, recorded
+from companion.planning.task_changes import TaskChange, recorded, recorded_where
 from companion.planning.task_readings import TaskReadings
 
 AT_HERE = at(HERE)
@@ -275,7 +276,7 @@ class TaskState:
         """Whether the map contradicts a belief."""
         return self._beliefs.is_cut_off
 
-    @recorded
+    @recorded_where(bool)
     def restore(self, now_s: float, is_waiting: bool, predicates: frozenset[str]) -> list[Fact]:
         """Holds beliefs again whose time has come, or whose predicate is named; which ones.
 
@@ -298,15 +299,15 @@ class TaskState:
             if holds and line in event.restarts:
                 self._restart(line)
 
-    @recorded
-    def run_clocks(self, now_s: float) -> Sequence[Conjunct]:
-        """Time goes on; the conjuncts whose clock has just run over, [] where nothing changes.
+    @recorded_where(lambda run: run.has_changed)
+    def run_clocks(self, now_s: float) -> ClocksRun:
+        """Time goes on; which clocks have just run over.
 
         With the first call the task begins: its first position counts as reached then.
         """
         readings = self._readings
         if not readings.have_clocks:
-            return []
+            return NOTHING_OVER
         if not readings.have_begun and not self.positions:
             self._reached_s = now_s
         self.now_s = now_s

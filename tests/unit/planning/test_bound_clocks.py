@@ -90,7 +90,7 @@ class Pilot:
             self._tick += 1
             self._now_s = round(self._tick * TICK_S, 3)
             self.task.now_s = self._now_s
-            for conjunct in self.task.run_clocks(self._now_s):
+            for conjunct in self.task.run_clocks(self._now_s).over:
                 self.flown.told.add((conjunct.name, self.task.last_position))
             self._events()
             self._act()
@@ -318,7 +318,7 @@ def waiting(task: TaskState, until_s: float) -> list[str]:
     while now_s < until_s:
         now_s = round(now_s + TICK_S, 3)
         task.now_s = now_s
-        told += [conjunct.name for conjunct in task.run_clocks(now_s)]
+        told += [conjunct.name for conjunct in task.run_clocks(now_s).over]
     return told
 
 
