@@ -26,6 +26,7 @@ FAR_M = 10_000
 """Nothing of a mission or its world lies further from home: what does is in another unit."""
 
 EARTH_RADIUS_M = 6_371_000.0  # PX4, src/lib/geo/geo.h
+GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901; PX4 takes the same
 
 
 def ned_from_enu(east_m: float, north_m: float, up_m: float) -> Ned:

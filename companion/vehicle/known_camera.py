@@ -15,7 +15,7 @@ from companion.mavlink.framing import Message
 from companion.vehicle.camera_port import ShotOwner
 
 ONLINE_S = 3.0
-"""Age of the newest heartbeat up to which a camera is there; one comes each second."""
+"""So long after anything was heard of it a camera is there; a heartbeat comes each second."""
 RESEND_S = 2.0
 """A camera that says when it is at work, and is idle then, has not heard what it was asked."""
 KEPT_INDICES, KEPT_MARKS = 1000, 100
@@ -68,7 +68,7 @@ class KnownCamera:
         if now_s - self.heard_s <= ONLINE_S:
             return None
         silent = f"for {now_s - self.heard_s:.0f} s" if self.heard_s > -math.inf else "yet"
-        return f"the camera (component {self.component}) is offline: no heartbeat {silent}"
+        return f"the camera (component {self.component}) is offline: nothing heard {silent}"
 
     def mark(self, owner: ShotOwner, image_count: int, now_s: float, longest_s: float) -> None:
         """A photo is, or may have been, asked for, which may take so long.

@@ -49,7 +49,7 @@ class ReportPort:
         self._socket.setblocking(False)
 
     def receive(self) -> list[bytes]:
-        """What was reported since; the newest if there is more than a tick reads."""
+        """What was reported since, `MOST` datagrams at most; the next tick has the rest."""
         datagrams: list[bytes] = []
         for _ in range(MOST):
             try:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from companion.geometry import GlobalOrigin, Ned, NorthEast
+from companion.geometry import GRAVITY_MPS2, GlobalOrigin, Ned, NorthEast
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
@@ -29,7 +29,6 @@ from companion.vehicle.velocity_bias import STILL, VelocityBias
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
 MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
-GRAVITY_MPS2 = 9.81
 
 
 class Telemetry:

@@ -19,12 +19,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from companion.geometry import Quaternion, quaternion_from_yaw, wrap_angle
+from companion.geometry import GRAVITY_MPS2, Quaternion, quaternion_from_yaw, wrap_angle
 from sitl.flight.attitude import attitude_from_thrust, tilt_and_heading
 from sitl.flight.physics import FlightState, RateSetpoint
 from sitl.flight.rotors import IDLE_COMMAND, MASS_KG, MAX_THRUST_N, MIN_THRUST_N, Motors
-
-GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901
 
 VERTICAL_P, CLIMB_P, CLIMB_I = 2.0, 6.0, 2.5  # 1/s, 1/s, 1/s^2
 ATTITUDE_P = (7.0, 7.0, 3.0)  # 1/s

@@ -72,7 +72,7 @@ def test_a_camera_in_the_air_is_told_to_be_offline() -> None:
     flight = flown(PhotoFlight(photo_mission("A", **belief), SLOW, happens))
     assert flight.exit_code == 3
     (why,) = flight.failures
-    assert why.startswith("the camera (component 100) is offline: no heartbeat for")
+    assert why.startswith("the camera (component 100) is offline: nothing heard for")
     assert flight.asked == []
 
 

@@ -297,7 +297,9 @@ def test_a_camera_that_is_not_there_is_told_at_once(talk: Talk) -> None:
     talk.prepare()
     talk.run(1.2)
     assert isinstance(talk.outcome, NoPhoto)
-    assert talk.outcome.reason.startswith("the camera (component 100) is offline: no heartbeat for")
+    assert talk.outcome.reason.startswith(
+        "the camera (component 100) is offline: nothing heard for"
+    )
 
 
 def test_no_count_and_no_heartbeat_are_two_things(talk: Talk) -> None:
