@@ -75,11 +75,7 @@ def run(
         LinkError: the link, or the port for events, cannot be opened.
         LinkTimeout: no vehicle was heard in time.
     """
-    terms = ArmingTerms(
-        accepts_weak_failsafes,
-        fence=_policy("autopilot_fence", autopilot_fence),
-        rally_points=_policy("rally_points", rally_points),
-    )
+    terms = _terms(accepts_weak_failsafes, autopilot_fence, rally_points)
     limit = FlightLimit(laps, limit_s)
     with (
         closing(Link(parse_url(connect))) as link,
@@ -87,13 +83,9 @@ def run(
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
+        memory = _remembered_beside(folder)
         companion = Companion(
-            mission,
-            recorder,
-            terms,
-            limit=limit,
-            memory=_remembered_beside(folder),
-            functions=functions,
+            mission, recorder, terms, limit=limit, memory=memory, functions=functions
         )
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
@@ -102,6 +94,14 @@ def run(
 
 def _remembered_beside(folder: Path | str | None) -> FlightMemory | None:
     return flight_memory_in(Path(folder).parent) if folder is not None else None
+
+
+def _terms(accepts_weak_failsafes: bool, autopilot_fence: str, rally_points: str) -> ArmingTerms:
+    return ArmingTerms(
+        accepts_weak_failsafes,
+        fence=_policy("autopilot_fence", autopilot_fence),
+        rally_points=_policy("rally_points", rally_points),
+    )
 
 
 def _policy(argument: str, value: str) -> UploadPolicy:

@@ -1,10 +1,11 @@
 """The error of the position, as the autopilot estimates it, and what motion makes of it.
 
 An autopilot tells one standard deviation of its horizontal position: `pos_horiz_accuracy` of
-ESTIMATOR_STATUS, which PX4 takes from its filter's covariance, north and east together. Towards a
-wall counts the part in one direction, a root of two less. But the map lies where such a position
-said that it began, and the velocity is as wrong as the position, which takes the vehicle off its
-route (on a PX4: 0.3 m/s, 0.25 m). These make up for that root. Three deviations are reckoned with.
+ESTIMATOR_STATUS, which PX4 takes from its filter's covariance, north and east together. Along one
+axis, as towards a wall, the error is 1 / sqrt(2) of that. It is not divided by, because two more
+errors are about as large: the map was laid by the same estimate, and a wrong velocity takes the
+vehicle off its route (on a PX4: 0.3 m/s, 0.25 m). Three deviations of what is told are reckoned
+with.
 
 The error adds to the vehicle's own deviation from its route, on which it does not depend, as the
 root of the squares. That is what the profile says, or what is seen in flight (`tracking_error.py`).

@@ -11,11 +11,11 @@ Rules, in this order; the first that applies decides:
 4. Asked for longer ago than `lease_s`: hold. Who flies renews the setpoint in every tick.
 5. Of the task's plan, when the task is violated: hold. A return or a landing goes on.
 6. A number that is not finite: hold.
-7. Outside the fence or the altitude band, or nearer than the margin to the fence: hold; of the
-   autopilot's own fence, where it is kept beside the mission's, the same. The same in
-   a keep-out zone, or behind one; but a vehicle that is in one, or beside the band, may be sent to
-   where it is less so. A landing on a marker may lead below the band over a site of the mission, or
-   not as far down as the band would let it: as low as the site is, no lower.
+7. Hold, where the setpoint (a) is outside the fence, or nearer to its edge than the margin, be it
+   the mission's or the autopilot's own that is kept beside it; (b) is in a keep-out zone or within
+   the margin of one, or the way to it crosses one; (c) is outside the altitude band. A vehicle that
+   is in a zone, or outside the band, may be sent to where it is less so. A landing on a marker goes
+   as low as its site is, be that below the band or above its lower end.
 8. Further from the vehicle than the carrot: hold. A setpoint that stays behind when this program
    dies means "hover a carrot's length ahead", never "fly to the far end".
 9. Faster than the speed limit: hold.

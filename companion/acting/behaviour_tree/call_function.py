@@ -10,6 +10,7 @@ import math
 
 from py_trees.common import Status
 
+from companion.acting.behaviour_tree.kept_intention import kept
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.acting.function_port import known_place, known_vehicle
@@ -24,8 +25,6 @@ CALL_S = 60.0
 """What a call may take where the mission sets no time limit."""
 TELL_S = 5.0
 """Time between two pieces of news about how far a call has come."""
-DISK_S = 10.0
-"""Time in which what is intended has to be on the disk."""
 
 
 class CallFunction(Leaf):
@@ -59,10 +58,8 @@ class CallFunction(Leaf):
         flight.hold()
         elapsed_s = flight.now_s - self._begun_s
         if self._ticket is None:
-            if not flight.journal.is_kept:
-                is_late = elapsed_s > DISK_S
-                reason = "the journal does not reach the disk"
-                return self.fail(reason) if is_late else Status.RUNNING
+            if (is_kept := kept(flight, self._begun_s)) is not Progress.DONE:
+                return self.status_of(is_kept)
             self._ticket = flight.functions.begin(self._request())
         if elapsed_s > self._timeout_s:
             return self.fail(f"not done after {self._timeout_s:g} s")
@@ -147,9 +144,11 @@ class _AskedCommand:
         if self._intention is None:
             self._intention = flight.intend(asked.command)
         if self._ticket is None:
-            if not flight.journal.is_kept:
-                is_late = flight.now_s - self._begun_s > DISK_S
-                return self._settled("the journal does not reach the disk") if is_late else _WAITS
+            match kept(flight, self._begun_s):
+                case Failed(reason):
+                    return self._settled(reason)
+                case Progress.RUNNING:
+                    return _WAITS
             self._ticket = flight.vehicle.payloads.send(
                 self._component, self._number, asked.parameters, None
             )

@@ -13,6 +13,7 @@ from py_trees.decorators import Inverter
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.flight import Flight
 from companion.flight_events.tree import LeafType
+from companion.vehicle.port import Failed, Outcome, Progress
 
 
 class Leaf(Behaviour):
@@ -36,6 +37,12 @@ class Leaf(Behaviour):
         """Returns FAILURE, with the reason for people."""
         self.feedback_message = reason
         return Status.FAILURE
+
+    def status_of(self, outcome: Outcome) -> Status:
+        """The status that an outcome is, with its reason."""
+        if isinstance(outcome, Failed):
+            return self.fail(outcome.reason)
+        return Status.SUCCESS if outcome is Progress.DONE else Status.RUNNING
 
 
 def failure_of(node: Behaviour) -> str:

@@ -11,6 +11,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.behaviour_tree.intention import Intention
+from companion.acting.behaviour_tree.kept_intention import kept
 from companion.acting.behaviour_tree.leaf import Leaf, failure_of
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.flight import Flight
@@ -21,11 +22,9 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFa
 from companion.flight_events.tree import LeafType
 from companion.mission.model import Command
 from companion.slices import InSlices
-from companion.vehicle.port import Failed, Progress
+from companion.vehicle.port import Progress
 
 RUNNING = Status.RUNNING
-DISK_S = 10.0
-"""Time in which what is intended has to be on the disk."""
 
 
 class AssumptionsHold(Leaf):
@@ -252,16 +251,12 @@ class SendCommand(Leaf):
         flight, command = self._flight, self._command
         flight.hold()
         if self._ticket is None:
-            if not flight.journal.is_kept:
-                is_late = flight.now_s - self._begun_s > DISK_S
-                return self.fail("the journal does not reach the disk") if is_late else RUNNING
+            if (is_kept := kept(flight, self._begun_s)) is not Progress.DONE:
+                return self.status_of(is_kept)
             self._ticket = flight.vehicle.payloads.send(
                 command.component, command.command, command.parameters, self._timeout_s
             )
-        outcome = flight.vehicle.payloads.outcome(self._ticket)
-        if outcome is Progress.DONE:
-            return Status.SUCCESS
-        return self.fail(outcome.reason) if isinstance(outcome, Failed) else RUNNING
+        return self.status_of(flight.vehicle.payloads.outcome(self._ticket))
 
     def terminate(self, new_status: Status) -> None:
         """Stops asking. What was done is settled by the end of the skill that it belongs to."""

@@ -10,14 +10,15 @@ from __future__ import annotations
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
+from companion.acting.behaviour_tree.kept_intention import kept
 from companion.acting.behaviour_tree.leaf import Leaf
-from companion.acting.behaviour_tree.leaves import DISK_S
 from companion.acting.flight import Flight
 from companion.flight_events.skills import PhotoTaken
 from companion.flight_events.tree import LeafType
 from companion.mission.facts import AT, Atom
 from companion.mission.payload_steps import Photo
 from companion.vehicle.camera_port import IntendedShot, NoPhoto, PhotoMade, ShotOwner, ShotReady
+from companion.vehicle.port import Progress
 
 
 class TakePhoto(Leaf):
@@ -87,10 +88,10 @@ class TakePhoto(Leaf):
             flight.journal.note(
                 flight.now_s, IntendedShot(self._photo.component, *self._owner, *about)
             )
-        if flight.journal.is_kept:
-            flight.vehicle.cameras.shoot(ticket)
-        elif flight.now_s - self._intended_s > DISK_S:
-            return self.fail("the journal does not reach the disk")
+        is_kept = kept(flight, self._intended_s)
+        if is_kept is not Progress.DONE:
+            return self.status_of(is_kept)
+        flight.vehicle.cameras.shoot(ticket)
         return Status.RUNNING
 
     def _tell(self, made: PhotoMade) -> None:

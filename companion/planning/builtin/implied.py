@@ -5,13 +5,13 @@ the other does. Whether that is so depends on what was read, and on the letters 
 it is decided on the restricted automata, from their present states, over the facts that can be
 reached: no run of the others may accept a word that the conjunct does not accept.
 
-The runs of the conjunct's automaton are followed all at once. A mark is met when each state that
-is followed has been reached by a run that met it since the last time. Where that happens for ever,
-some run meets the mark for ever (König's lemma), so a conjunct that is found to be implied is.
-Runs may be given up: those that accept no word that the others accept, those that another run
-stands for, and, if it is not proved otherwise, all that have not met a mark when one has. The
-converse holds for deterministic automata, and for others mostly: a conjunct of which it is not
-decided is kept, and so is one whose decision would take too long.
+All states that the conjunct's automaton may be in are tracked at once (the breakpoint
+construction). A breakpoint is reached when each tracked state has a run that met the mark since the
+breakpoint before. If breakpoints recur for ever, one run meets the mark for ever (König's lemma).
+So the answer "implied" is always right. The answer "not implied" may be too cautious where the
+automaton is not deterministic, since some runs are given up: those that accept no word that the
+others accept, those that another run stands for, and, if nothing is proved otherwise, all that have
+not met a mark when one has. A conjunct that is not decided, or would take too long, is kept.
 
 Source: Miyano and Hayashi, Alternating finite automata on omega-words, 1984, for breakpoints.
 """

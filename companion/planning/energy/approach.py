@@ -1,8 +1,8 @@
 """The quickest way to a loop on the charge that there is, which charges where it needs more.
 
-How far a battery is charged is decided late: a label remembers the dock, what has been used since,
-and the least level after the dock that every floor since then asks for. What has to be left at the
-end fixes the level. At the next dock that is its floor: to arrive with more is never quicker, as
+A label does not fix how far the battery was charged. It has the last dock, the energy used since,
+and the lowest level after that dock which satisfies every floor passed since. The level is fixed at
+the next dock, or at the end, as low as the floors allow: to arrive with more is never quicker, as
 charging is the slower the fuller the battery is.
 """
 

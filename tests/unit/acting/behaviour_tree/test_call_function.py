@@ -10,7 +10,8 @@ from py_trees.common import Status
 from rig import Rig
 from scripted_functions import ScriptedFunctions
 
-from companion.acting.behaviour_tree.call_function import CALL_S, DISK_S, CallFunction
+from companion.acting.behaviour_tree.call_function import CALL_S, CallFunction
+from companion.acting.behaviour_tree.kept_intention import DISK_S
 from companion.acting.journal import CommandIntended, CommandSettled, JournalEntry
 from companion.flight_events.skills import SkillProgressed
 from companion.mission.python_call import Named, PythonCall
