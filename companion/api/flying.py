@@ -43,12 +43,11 @@ def run(
 ) -> FlightResult:
     """Flies a mission on a vehicle, to its end.
 
-    The first Ctrl-C holds, lands and ends the flight; the second leaves the vehicle to its own
-    failsafe. In another thread than the main one there is no such handler.
+    Ctrl-C, in the main thread, lands and ends the flight; a second one leaves the vehicle to its
+    own failsafe.
 
     >>> from companion import load_mission, run
-    >>> mission = load_mission("missions/surveillance.yaml")
-    >>> run(mission, "udpin://127.0.0.1:14999", timeout_s=0.1)  # nothing sends there
+    >>> run(load_mission("missions/field.yaml"), "udpin://127.0.0.1:14999", timeout_s=0.1)
     Traceback (most recent call last):
     ...
     companion.errors.LinkTimeout: no vehicle on udpin://127.0.0.1:14999 after 0 s: ...
@@ -62,8 +61,7 @@ def run(
         accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
         autopilot_fence, rally_points: `upload`, `keep`, `replace` or `none`, as `companion run` has
             them; what was uploaded is remembered beside `folder`, if there is one.
-        laps: after so many laps the vehicle is called home; None is no limit.
-        limit_s: the same after so many seconds since it was to arm.
+        laps, limit_s: after so many laps, or seconds since it was to arm, it is called home.
         timeout_s: seconds to wait for a vehicle.
         events: where other programs on board report events: `unix:PATH` or `udpin:HOST:PORT`.
 
@@ -72,18 +70,16 @@ def run(
 
     Raises:
         ValueError: an argument has no value of those above; nothing has been opened then.
-        LinkError: the link, or the port for events, cannot be opened.
-        LinkTimeout: no vehicle was heard in time.
+        LinkError: the link, or the port for events, cannot be opened; or no vehicle is heard.
     """
     terms = _terms(accepts_weak_failsafes, autopilot_fence, rally_points)
-    limit = FlightLimit(laps, limit_s)
+    limit, memory = FlightLimit(laps, limit_s), _remembered_beside(folder)
     with (
         closing(Link(parse_url(connect))) as link,
         reports_at(events) as reports,
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
-        memory = _remembered_beside(folder)
         companion = Companion(
             mission, recorder, terms, limit=limit, memory=memory, functions=functions
         )
