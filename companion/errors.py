@@ -65,6 +65,10 @@ class Location:
         return f"{self.path}:{self.line}:{self.column}"
 
 
+Keys = tuple[str | int, ...]
+"""The keys and indices that lead to a value in data."""
+
+
 @dataclass(frozen=True, slots=True)
 class KeyPath:
     """A place in data that was given as Python values: the keys and indices that lead there.
@@ -73,7 +77,7 @@ class KeyPath:
     ('places.A.east_m', 'initially[0]')
     """
 
-    keys: tuple[str | int, ...]
+    keys: Keys
 
     @property
     def inside(self) -> str:

@@ -45,7 +45,7 @@ from companion.vehicle.detections import Detections
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.run_clocks import ClockReading, RunClocks
-from companion.vehicle.signals import OtherSystems, Reading, SignalReader
+from companion.vehicle.signals import OtherSystems, SignalReader, SignalReading
 from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
@@ -183,7 +183,7 @@ class Run:
         is_flown = self.sortie.phase is Phase.TASK
         return self.executive.watched if is_flown else frozenset()
 
-    def is_urgent(self, now_s: float, messages: list[Message], asked: list[Reading]) -> bool:
+    def is_urgent(self, now_s: float, messages: list[Message], asked: list[SignalReading]) -> bool:
         """Whether messages that are not taken yet, or what they ask for, change one of these."""
         readings = asked + self.vehicle.foresee(messages)
         return not self.watched.isdisjoint(self._detector.foresee(now_s, readings))
@@ -192,7 +192,7 @@ class Run:
         self,
         now_s: float,
         messages: list[Message],
-        asked: list[Reading],
+        asked: list[SignalReading],
         is_tick: bool = True,
         reports: Sequence[bytes] = (),
     ) -> list[Stamped]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from varied import SEED, short_kit
 
-from companion.campaigns.outcomes import FlownRow, Margins, Outcome
+from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome
 from companion.campaigns.report import ReportSource
 from companion.campaigns.rows import random_row
 
@@ -15,9 +15,9 @@ def flown(index: int) -> FlownRow:
     """A row that fails in a wind from the west above 2 m/s, and has hit something above 3 m/s."""
     row = random_row(short_kit().factors, SEED, index)
     wind = float(row.values[WIND])
-    outcome, conjunct = Outcome.SATISFIED, ""
+    outcome, conjunct = RowOutcome.SATISFIED, ""
     if wind > 2:
-        outcome, conjunct = (Outcome.CRASH, "") if wind > 3 else (Outcome.VIOLATED, "patrol")
+        outcome, conjunct = (RowOutcome.CRASH, "") if wind > 3 else (RowOutcome.VIOLATED, "patrol")
     return FlownRow(
         row,
         outcome,

@@ -9,7 +9,7 @@ import pytest
 from commands import Companion
 from rich.progress import Progress
 
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
 from companion.cli.campaigns import Tell
 
@@ -50,7 +50,7 @@ def test_rows_that_were_there_already_make_no_campaign_quicker(
     fake = SimpleNamespace(monotonic=lambda: next(clock))
     monkeypatch.setattr("companion.cli.campaigns.time", fake)
     tell = Tell(Progress(disable=True), 10)
-    flown = FlownRow(Row(0, 0, {}), Outcome.SATISFIED)
+    flown = FlownRow(Row(0, 0, {}), RowOutcome.SATISFIED)
     for _ in range(9):
         tell.kept(flown)
     tell(flown)
@@ -61,7 +61,7 @@ def test_rows_of_which_nobody_knows_the_number_are_told_ten_by_ten(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     tell = Tell(Progress(disable=True), 20)
-    flown = FlownRow(Row(0, 0, {}), Outcome.SATISFIED)
+    flown = FlownRow(Row(0, 0, {}), RowOutcome.SATISFIED)
     for _ in range(20):
         tell(flown)
     tell.begin("simpler", None)

@@ -21,7 +21,7 @@ from companion.mission.model import Mission
 FEW_ANSWERS = 100
 """So many are not worth another process, which takes a second to begin."""
 
-Progress = Callable[[int, int], None]
+OnProgress = Callable[[int, int], None]
 """Told how many contingencies were looked at, and of how many."""
 
 _asked: Contingencies | None = None
@@ -29,7 +29,7 @@ _asked: Contingencies | None = None
 
 
 def contingencies(
-    mission: Mission, jobs: int | None = None, on_progress: Progress | None = None
+    mission: Mission, jobs: int | None = None, on_progress: OnProgress | None = None
 ) -> ContingencyTable:
     """What becomes of a flight for each single change, at each position of its first plan.
 
@@ -66,7 +66,7 @@ def _counted(
     answers: Iterable[tuple[Contingency, ...]],
     questions: Iterable[ContingencyQuestion],
     total: int,
-    on_progress: Progress | None,
+    on_progress: OnProgress | None,
 ) -> Iterator[tuple[Contingency, ...]]:
     done = 0
     for answer, question in zip(answers, questions, strict=True):

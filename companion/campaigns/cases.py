@@ -19,7 +19,7 @@ from ruamel.yaml.comments import CommentedMap
 
 from companion.api.simulating import world_alone
 from companion.campaigns.kit import Kit
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.table import write_whole
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def _text(kit: Kit, flown: FlownRow, file: Path, line: str) -> str:
         data[key] = _styled(value)
     where = f", while {flown.phase}, near {flown.place}" if flown.place else ""
     told = f"{flown.kind or flown.outcome.value}{where}\n{flown.reason}\n\n    {line}\n"
-    if flown.outcome is Outcome.LIMIT:
+    if flown.outcome is RowOutcome.LIMIT:
         told += f"\nIt is cut off after {kit.limit_s:g} s in the campaign; that command flies on.\n"
     data.yaml_set_start_comment(told)
     writer = YAML()

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from companion.api.simulating import flight_of, verdict
-from companion.campaigns.outcomes import FlownRow, Margins, Outcome, rounded
+from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome, rounded
 from companion.campaigns.rows import Row
 from companion.campaigns.tracks import simplified
 from companion.errors import CompanionError
@@ -114,7 +114,7 @@ def fly(mission: Mission, world: World, row: Row, limit_s: float) -> FlownRow:
             for _ in flight.ticks():
                 watch.look()
                 if flight.simulation.set_down_m < SET_DOWN_M:
-                    return FlownRow(row, Outcome.INVALID, reason="an obstacle on the vehicle")
+                    return FlownRow(row, RowOutcome.INVALID, reason="an obstacle on the vehicle")
                 if flight.now_s >= limit_s:
                     break
             else:
@@ -165,18 +165,18 @@ def _measured(
 
 def _outcome(
     flight: LockstepFlight, recorder: Recording, failure: CompanionError | None, is_cut: bool
-) -> tuple[Outcome, str]:
+) -> tuple[RowOutcome, str]:
     """How a flight ended, and the line of the task that it violated."""
     if flight.simulation.is_damaged or flight.simulation.collisions:
-        return Outcome.CRASH, ""
+        return RowOutcome.CRASH, ""
     if violated := _violated(recorder):
-        return Outcome.VIOLATED, violated
+        return RowOutcome.VIOLATED, violated
     if is_cut:
-        return Outcome.LIMIT, ""
+        return RowOutcome.LIMIT, ""
     if failure is None:
         is_satisfied = any(isinstance(each.event, TaskSatisfied) for each in recorder.events)
-        return (Outcome.SATISFIED if is_satisfied else Outcome.HOLDS_SO_FAR), ""
-    return (Outcome.NO_PLAN if failure.exit_code in (3, 7) else Outcome.ABORTED), ""
+        return (RowOutcome.SATISFIED if is_satisfied else RowOutcome.HOLDS_SO_FAR), ""
+    return (RowOutcome.NO_PLAN if failure.exit_code in (3, 7) else RowOutcome.ABORTED), ""
 
 
 def _violated(recorder: Recording) -> str:

@@ -19,7 +19,7 @@ DIGITS = 4
 """Of metres, seconds and shares: a tenth of a millimetre."""
 
 
-class Outcome(Enum):
+class RowOutcome(Enum):
     """How a row ended."""
 
     SATISFIED = "satisfied"
@@ -36,12 +36,12 @@ class Outcome(Enum):
     @property
     def is_failure(self) -> bool:
         """Whether the flight did not do what it was to; an unfair row says nothing of that."""
-        return self not in (Outcome.SATISFIED, Outcome.HOLDS_SO_FAR, Outcome.INVALID)
+        return self not in (RowOutcome.SATISFIED, RowOutcome.HOLDS_SO_FAR, RowOutcome.INVALID)
 
     @property
     def is_valid(self) -> bool:
         """Whether the row counts."""
-        return self is not Outcome.INVALID
+        return self is not RowOutcome.INVALID
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ class FlownRow:
     """
 
     row: Row
-    outcome: Outcome
+    outcome: RowOutcome
     conjunct: str = ""
     exit_code: int | None = None
     reason: str = ""
@@ -123,7 +123,7 @@ class FlownRow:
     def kind(self) -> str:
         """The kind of failure, which tells different failures apart; "" for none.
 
-        >>> FlownRow(Row(0, 1, {}), Outcome.VIOLATED, "upload", phase="flying the task").kind
+        >>> FlownRow(Row(0, 1, {}), RowOutcome.VIOLATED, "upload", phase="flying the task").kind
         'violated: upload'
         """
         if not self.is_failure:
@@ -155,7 +155,7 @@ class FlownRow:
         given = {
             **entry,
             "row": Row(**entry["row"]),
-            "outcome": Outcome(entry["outcome"]),
+            "outcome": RowOutcome(entry["outcome"]),
             "margins": Margins(**entry["margins"]),
             "track": tuple((east, north) for east, north in entry["track"]),
         }

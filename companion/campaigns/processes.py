@@ -20,7 +20,7 @@ from contextlib import suppress
 from multiprocessing import get_context
 from typing import Protocol
 
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import WorkerRefused, begin, fly_row
 from companion.errors import CompanionError
@@ -175,4 +175,4 @@ def accepted(answer: FlownRow | WorkerRefused) -> FlownRow:
 
 def died(row: Row) -> FlownRow:
     """A row that has killed each process that flew it."""
-    return FlownRow(row, Outcome.DIED, reason=f"its process died {TRIES} times")
+    return FlownRow(row, RowOutcome.DIED, reason=f"its process died {TRIES} times")

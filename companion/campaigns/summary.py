@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.statistics import compare
 from companion.campaigns.table import Table, read_table
 from companion.errors import MissionError
@@ -18,7 +18,7 @@ SAME = ("format", "scenario", "seed", "limit_s")
 def summary(flown: Iterable[FlownRow]) -> list[tuple[str, int, bool]]:
     """What became of the rows: the name of each end, how many, and whether it is a failure."""
     counts = Counter((each.kind or each.outcome.value, each.is_failure) for each in flown)
-    order = [outcome.value for outcome in Outcome]
+    order = [outcome.value for outcome in RowOutcome]
 
     def rank(name: str) -> tuple[int, str]:
         outcome = name.partition(":")[0]
@@ -30,7 +30,7 @@ def summary(flown: Iterable[FlownRow]) -> list[tuple[str, int, bool]]:
 
 def why_invalid(flown: Iterable[FlownRow]) -> str:
     """Why rows are of no account: the reason of most of them."""
-    reasons = Counter(each.reason for each in flown if each.outcome is Outcome.INVALID)
+    reasons = Counter(each.reason for each in flown if each.outcome is RowOutcome.INVALID)
     ((reason, count),) = reasons.most_common(1)
     most = "most: " if count < reasons.total() else ""
     return f"of no account; {most}{reason}"
@@ -41,7 +41,7 @@ def failures_in(table: Table) -> list[tuple[int, bool]]:
     return [
         (int(row["index"]), float(row["score"]) < 0)
         for row in table.rows
-        if row["outcome"] != Outcome.INVALID.value
+        if row["outcome"] != RowOutcome.INVALID.value
     ]
 
 

@@ -21,7 +21,7 @@ from companion.campaigns.environment import environment
 from companion.campaigns.fairness import unfair
 from companion.campaigns.kit import Kit
 from companion.campaigns.measuring import fly
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
 from companion.errors import MissionError
 
@@ -64,13 +64,13 @@ def fly_row(packed: bytes, row: Row) -> FlownRow | WorkerRefused:
         try:
             world = kit.scenario.world(row.values)
         except MissionError as error:
-            return FlownRow(row, Outcome.INVALID, reason=error.what)
+            return FlownRow(row, RowOutcome.INVALID, reason=error.what)
         if reason := unfair(kit.mission, world[0], row.values):
-            return FlownRow(row, Outcome.INVALID, reason=reason)
+            return FlownRow(row, RowOutcome.INVALID, reason=reason)
         return fly(kit.mission, world, row, kit.limit_s)
     except Exception as error:
         said = traceback.format_exception_only(error)[-1].strip()
-        return FlownRow(row, Outcome.ERROR, reason=said.partition("\n")[0])
+        return FlownRow(row, RowOutcome.ERROR, reason=said.partition("\n")[0])
     finally:
         gc.collect()  # the parts of a flight hold each other: left alone, a hundred stay
 

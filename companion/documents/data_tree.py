@@ -19,9 +19,7 @@ from companion.documents.yaml_tree import (
     SequenceNode,
     Value,
 )
-from companion.errors import KeyPath, MissionError
-
-Keys = tuple[str | int, ...]
+from companion.errors import KeyPath, Keys, MissionError
 
 
 def tree_of(data: object, keys: Keys = ()) -> Node:

@@ -16,7 +16,8 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from companion.documents.model_schema import Keys, Schema, alone, schema_at
+from companion.documents.model_schema import Schema, alone, schema_at
+from companion.errors import Keys
 
 Detail = Mapping[str, Any]
 

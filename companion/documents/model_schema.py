@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-Keys = tuple[str | int, ...]
+from companion.errors import Keys
+
 Schema = Mapping[str, Any]
 
 

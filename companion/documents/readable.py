@@ -20,7 +20,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from companion.documents.diagnostics import NO_NAME, Detail, existing_keys, meant_key
-from companion.documents.model_schema import Keys, Schema, schema_at
+from companion.documents.model_schema import Schema, schema_at
+from companion.errors import Keys
 
 StandIns = Mapping[Keys, object]
 """Keys, `*` for any: what to read there in place of what is unread."""

@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterable
 from typing import TypeVar
 
 from companion.documents.diagnostics import NO_NAME
-from companion.documents.model_schema import Keys
-from companion.errors import FormulaError, Location, MissionError
+from companion.errors import FormulaError, Keys, Location, MissionError
 
 MOST = 10
 """Mistakes that are told at once."""

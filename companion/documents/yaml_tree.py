@@ -34,7 +34,7 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from companion.errors import KeyPath, Location, MissionError
+from companion.errors import KeyPath, Keys, Location, MissionError
 
 MAX_BYTES = 64 * 1024  # a mission of 100 places has 10 KiB; a parser's time grows with the size
 MAX_DEPTH = 16  # our own files nest 5 deep; the tree is read by recursion
@@ -77,7 +77,6 @@ class MappingNode:
 
 
 Node = ScalarNode | SequenceNode | MappingNode
-Keys = tuple[str | int, ...]
 Refused = dict[Keys, MissionError]
 """Why values are not read, which are empty in the tree, by the keys that lead to them."""
 

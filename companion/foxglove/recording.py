@@ -40,7 +40,7 @@ EVENTS_FILE = "events.jsonl"
 SEEN_EVERY_S = 1.0
 LEVELS = {DEBUG: 1, WARNING: 3, ERROR: 4, CRITICAL: 5}
 """MAV_SEVERITY -> level of Log; 2, INFO, for all others."""
-Progress = Callable[[int], None]
+OnProgress = Callable[[int], None]
 """Called with bytes of the flight that were read."""
 
 
@@ -61,7 +61,7 @@ class RecordedRun:
     """
 
     def __init__(
-        self, folder: Path, zero: GlobalOrigin | None, geojson: str | None, progress: Progress
+        self, folder: Path, zero: GlobalOrigin | None, geojson: str | None, progress: OnProgress
     ) -> None:
         self._scene: Scene = read_scene(folder)
         self.start_unix_ns = round(self._scene.start_unix_s * 1e9)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from companion.documents import Document, did_you_mean
-from companion.errors import KeyPath, Location, MissionError
+from companion.errors import KeyPath, Keys, Location, MissionError
 from companion.mission.model import Mission, Place, Skill
 from companion.mission.python_call import Argument, Named, PythonCall
 from companion.skills.authoring import FunctionKind
@@ -25,8 +25,6 @@ _TAKES: Mapping[str, tuple[tuple[type, ...], str]] = {
     "bool": ((bool,), "true or false"),
 }
 """What a parameter with an annotation takes; others are the function's own affair."""
-
-Keys = tuple[str | int, ...]
 
 
 def calls_of(

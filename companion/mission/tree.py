@@ -25,7 +25,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from companion.documents import Document, did_you_mean
-from companion.errors import MissionError
+from companion.errors import Keys, MissionError
 from companion.mission.execution import parse_execution
 from companion.mission.facts import ANYWHERE, HERE, Atom, Fact
 from companion.mission.literals import parse_literals
@@ -67,8 +67,6 @@ MAX_NODES = 2000
 MAX_NESTED = 8
 """Subtrees in one another."""
 _HINT = f"a node is a text, a list, or one of {', '.join([*FORMS][:-1])} and {[*FORMS][-1]}"
-
-Keys = tuple[str | int, ...]
 
 
 class Extent(NamedTuple):

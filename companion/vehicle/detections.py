@@ -29,7 +29,7 @@ from companion.mavlink.intake import is_news
 from companion.mission.signals import Signal
 from companion.outcomes import Refusal
 from companion.vehicle.sightings import Sighting, sighting_of
-from companion.vehicle.signals import Reading
+from companion.vehicle.signals import SignalReading
 
 LONGEST = 1024
 MOST = 200
@@ -53,7 +53,7 @@ class Detections:
         self._refused = self._refused_told = 0
         self._news: list[FlightEvent] = []
 
-    def read(self, datagrams: Sequence[bytes]) -> list[Reading]:
+    def read(self, datagrams: Sequence[bytes]) -> list[SignalReading]:
         """What the reports of a tick say, the last value of each signal."""
         values: dict[Signal, float] = {}
         for datagram in datagrams:

@@ -54,7 +54,7 @@ from companion.vehicle.rally_service import RallyService
 from companion.vehicle.ranging import POSES, Ranging
 from companion.vehicle.services import Moment, Service
 from companion.vehicle.setpoint_stream import SetpointStream
-from companion.vehicle.signals import Reading, SignalReader
+from companion.vehicle.signals import SignalReader, SignalReading
 from companion.vehicle.telemetry import TELEMETRY, Telemetry, heartbeat_of
 from companion.vehicle.wire import AUTOPILOT, Wire
 
@@ -106,7 +106,7 @@ class MavlinkVehicle:
         self._signals = SignalReader(signals)
         self._ranging = Ranging()
         self._parameters = ParameterReader()
-        self._readings: list[Reading] = []
+        self._readings: list[SignalReading] = []
         self._time = HeardTime()
         self._moment = Moment(0.0, 0.0, is_quiet=True)
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
@@ -143,7 +143,7 @@ class MavlinkVehicle:
         """Of these, those with signals."""
         return self._signals.messages
 
-    def receive(self, now_s: float, messages: list[Message]) -> list[Reading]:
+    def receive(self, now_s: float, messages: list[Message]) -> list[SignalReading]:
         """Takes what arrived; returns the signals in it, in order."""
         self._control.step(now_s)
         self._readings = []
@@ -158,7 +158,7 @@ class MavlinkVehicle:
         self.scans = self._ranging.scans(now_s, accuracy_m, below_m)
         return self._readings
 
-    def foresee(self, messages: list[Message]) -> list[Reading]:
+    def foresee(self, messages: list[Message]) -> list[SignalReading]:
         """The signals in messages that are not taken yet."""
         ours = [message for message in messages if source(message)[0] == self._wire.system]
         return [reading for message in ours for reading in self._signals.read(message)]

@@ -16,7 +16,7 @@ NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "batter
 MOST_TOLD = 20
 """Of a flight: who speaks in the names of many systems fills no log."""
 
-Reading = tuple[Signal, float]
+SignalReading = tuple[Signal, float]
 """A signal and its value."""
 
 
@@ -37,7 +37,7 @@ class SignalReader:
         """The names of the messages in which there are any."""
         return frozenset(self._signals)
 
-    def read(self, message: Message) -> list[Reading]:
+    def read(self, message: Message) -> list[SignalReading]:
         """The signals in a message; values that are not known, or not finite, are left out."""
         readings = []
         for signal in self._signals.get(message.get_type(), ()):

@@ -17,7 +17,7 @@ from companion.api.simulating import varied_world_of, world_of
 from companion.app import Companion
 from companion.campaigns import measuring, worker
 from companion.campaigns.kit import Kit
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.processes import LocalProcesses, accepted
 from companion.campaigns.row_file import NAME
 from companion.campaigns.rows import Row
@@ -97,12 +97,14 @@ def test_of_a_flight_that_was_flown_nothing_stays() -> None:
 def test_what_raises_is_the_outcome_of_its_row(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(worker, "fly", lambda *about: 1 / 0)
     flown = fly_row(short_kit().packed, Row(0, 0))
-    assert flown == FlownRow(Row(0, 0), Outcome.ERROR, reason="ZeroDivisionError: division by zero")
+    assert flown == FlownRow(
+        Row(0, 0), RowOutcome.ERROR, reason="ZeroDivisionError: division by zero"
+    )
 
 
 def test_so_is_what_raises_while_its_world_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(varied_scenario, "with_values", lambda *about: 1 / 0)
-    assert fly_row(short_kit().packed, Row(0, 0)).outcome is Outcome.ERROR
+    assert fly_row(short_kit().packed, Row(0, 0)).outcome is RowOutcome.ERROR
 
 
 @pytest.mark.long
@@ -133,4 +135,4 @@ def test_a_row_that_kills_its_process_three_times_has_died() -> None:
         flown = {each.row.index: each.outcome for each in engine.fly([Row(0, DEADLY), Row(1, 1)])}
     finally:
         engine.close()
-    assert flown == {0: Outcome.DIED, 1: Outcome.SATISFIED}
+    assert flown == {0: RowOutcome.DIED, 1: RowOutcome.SATISFIED}

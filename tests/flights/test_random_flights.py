@@ -7,7 +7,7 @@ from random_flights import random_flight
 
 from companion.api.simulating import world_of
 from companion.campaigns.measuring import fly
-from companion.campaigns.outcomes import Outcome
+from companion.campaigns.outcomes import RowOutcome
 from companion.campaigns.rows import Row
 from companion.mission.loader import load_mission
 
@@ -22,8 +22,8 @@ def test_a_flight_ends_as_it_says(seed: int) -> None:
     given, world = random_flight(seed)
     mission = load_mission(given)
     flown = fly(mission, world_of(mission, world), Row(0, seed), LIMIT_S)
-    assert flown.outcome not in (Outcome.ERROR, Outcome.CRASH), flown.reason
+    assert flown.outcome not in (RowOutcome.ERROR, RowOutcome.CRASH), flown.reason
     assert not flown.broken, flown.margins
-    assert not (flown.exit_code == 0 and flown.outcome is Outcome.VIOLATED), flown.conjunct
-    if flown.outcome is Outcome.NO_PLAN:
+    assert not (flown.exit_code == 0 and flown.outcome is RowOutcome.VIOLATED), flown.conjunct
+    if flown.outcome is RowOutcome.NO_PLAN:
         assert flown.exit_code not in (0, None)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from varied import short_kit
 
-from companion.campaigns.outcomes import FlownRow, Margins, Outcome
+from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome
 from companion.campaigns.rows import SEEDS, Row, chance, random_row, row_at
 from companion.campaigns.table import read_table, table_text, write_whole
 from sitl.world.distributions import Chance, Choice, Distribution, Normal, Uniform
@@ -68,7 +68,7 @@ MARGINS = st.one_of(st.none(), st.floats(-9, 9).map(lambda m: round(m, 4) + 0.0)
 FLOWN = st.builds(
     FlownRow,
     row=st.builds(Row, INDICES, INDICES, st.just({"a": 1.5, "b": True}), st.integers(0, 9)),
-    outcome=st.sampled_from(Outcome),
+    outcome=st.sampled_from(RowOutcome),
     conjunct=st.text(max_size=5).filter(lambda t: "\n" not in t and "\r" not in t),
     margins=st.builds(Margins, clearance_m=MARGINS, charge=MARGINS),
     track=st.just(((1.0, 2.0), (3.0, 4.5))),

@@ -9,14 +9,14 @@ from varied import MISSION, SEED, short_kit
 
 from companion.api.simulating import varied_world_of
 from companion.campaigns.cases import simplifiable, write_cases, write_worst
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row, random_row
 
 
 def test_the_file_of_a_row_is_its_world(tmp_path: Path) -> None:
     kit = short_kit()
     rows = [random_row(kit.factors, SEED, index) for index in range(4)]
-    flown = [FlownRow(row, Outcome.SATISFIED) for row in rows]
+    flown = [FlownRow(row, RowOutcome.SATISFIED) for row in rows]
     for case in write_worst(kit, MISSION, tmp_path, flown):
         scenario, grid = kit.scenario.world(case.flown.row.values)
         again = varied_world_of(kit.mission, case.file)
@@ -30,7 +30,7 @@ def test_the_file_of_a_row_is_its_world(tmp_path: Path) -> None:
 def test_an_event_that_a_failure_does_not_need_is_not_in_its_file(tmp_path: Path) -> None:
     kit = simplifiable(short_kit())
     row = Row(0, 5, {"happens.0": False, "wind.east_mps": 2.5})
-    failure = FlownRow(row, Outcome.VIOLATED, conjunct="patrol", phase="landing", place="Gate")
+    failure = FlownRow(row, RowOutcome.VIOLATED, conjunct="patrol", phase="landing", place="Gate")
     (case,) = write_cases(kit, MISSION, tmp_path, [failure])
     assert case.file.name == "1-violated-patrol.sim.yaml"
     assert case.line == f"companion sim {MISSION} --scenario {case.file} --seed 5 --speed max"

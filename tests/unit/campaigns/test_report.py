@@ -9,7 +9,7 @@ from reported import EVENT, ROWS, WIND, source
 from varied import short_kit
 
 from companion.campaigns.factor_effects import effects
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.report import report_html
 from companion.campaigns.rows import Row
 
@@ -28,8 +28,8 @@ def test_what_came_from_outside_is_text() -> None:
 
 def test_failures_are_counted_by_kind_phase_and_place() -> None:
     page = report_html(source(ROWS))
-    crashes = sum(each.outcome is Outcome.CRASH for each in ROWS)
-    violated = sum(each.outcome is Outcome.VIOLATED for each in ROWS)
+    crashes = sum(each.outcome is RowOutcome.CRASH for each in ROWS)
+    violated = sum(each.outcome is RowOutcome.VIOLATED for each in ROWS)
     assert crashes and violated
     for what, count in (
         ("crash", crashes),
@@ -58,8 +58,8 @@ def test_a_search_tells_no_rates() -> None:
 @pytest.mark.parametrize(
     "rows",
     [
-        [FlownRow(Row(0, 1, ROWS[0].row.values), Outcome.INVALID, reason="unfair")],
-        [FlownRow(ROWS[0].row, Outcome.DIED)],
+        [FlownRow(Row(0, 1, ROWS[0].row.values), RowOutcome.INVALID, reason="unfair")],
+        [FlownRow(ROWS[0].row, RowOutcome.DIED)],
         ROWS[:1],
     ],
 )

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.row_file import NAME, NotWritten, RowFile, header_in
 from companion.campaigns.rows import Row
 from companion.campaigns.table import write_whole
@@ -19,7 +19,7 @@ HEADER = {"format": "1", "seed": "3"}
 
 
 def flown(index: int) -> FlownRow:
-    return FlownRow(Row(index, 7, {"a": 1.5}), Outcome.SATISFIED, track=((0.0, 1.0),))
+    return FlownRow(Row(index, 7, {"a": 1.5}), RowOutcome.SATISFIED, track=((0.0, 1.0),))
 
 
 @contextmanager

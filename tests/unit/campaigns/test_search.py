@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from companion.campaigns.minimising import minimised
-from companion.campaigns.outcomes import FlownRow, Margins, Outcome
+from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome
 from companion.campaigns.rows import Row, random_row
 from companion.campaigns.search import GENERATION, FailureSearch, first_points
 from sitl.world.distributions import Chance, Uniform
@@ -46,8 +46,8 @@ class Flights:
         nearest = min(away, key=lambda name: away[name])
         margins = Margins(clearance_m=round(away[nearest], 4))
         if away[nearest] >= 0:
-            return FlownRow(row, Outcome.SATISFIED, margins=margins)
-        return FlownRow(row, Outcome.VIOLATED, conjunct=nearest, margins=margins)
+            return FlownRow(row, RowOutcome.SATISFIED, margins=margins)
+        return FlownRow(row, RowOutcome.VIOLATED, conjunct=nearest, margins=margins)
 
 
 def kinds_by_chance(seed: int) -> set[str]:
@@ -99,9 +99,9 @@ class Windy(Flights):
 
     def fly(self, row: Row) -> FlownRow:
         fails = float(row.values.get("wind", 0.0)) > 3.0 and row.values.get("happens.1", True)
-        outcome = Outcome.CRASH if fails else Outcome.SATISFIED
+        outcome = RowOutcome.CRASH if fails else RowOutcome.SATISFIED
         if row.seed == 7:
-            outcome = Outcome.NO_PLAN
+            outcome = RowOutcome.NO_PLAN
         return FlownRow(row, outcome)
 
 

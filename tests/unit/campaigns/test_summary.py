@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from companion.campaigns.outcomes import FlownRow, Outcome
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
 from companion.campaigns.summary import why_invalid
 
@@ -17,6 +17,8 @@ from companion.campaigns.summary import why_invalid
     ],
 )
 def test_rows_of_no_account_say_why(reasons: list[str], told: str) -> None:
-    rows = [FlownRow(Row(i, i, {}), Outcome.INVALID, reason=why) for i, why in enumerate(reasons)]
-    flown = FlownRow(Row(9, 9, {}), Outcome.SATISFIED)
+    rows = [
+        FlownRow(Row(i, i, {}), RowOutcome.INVALID, reason=why) for i, why in enumerate(reasons)
+    ]
+    flown = FlownRow(Row(9, 9, {}), RowOutcome.SATISFIED)
     assert why_invalid([flown, *rows]) == told
