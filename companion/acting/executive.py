@@ -31,6 +31,7 @@ from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import FLIES_BY_PLAN, STATUS, ExecutiveState, TaskStatus
 from companion.acting.flight import Flight, PlanProgress
 from companion.acting.ground_plans import GroundPlans
+from companion.acting.plan_reports import tell_made, tell_replaced
 from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
 from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
@@ -43,7 +44,7 @@ from companion.acting.whereabouts import Whereabouts
 from companion.acting.written_end import failure_at_the_end
 from companion.errors import NoPlanError
 from companion.flight_events.facts import BeliefRestored, MissionEventChanged
-from companion.flight_events.plans import LapCompleted, NoPlanFound, PlanMade, PlanReplaced
+from companion.flight_events.plans import LapCompleted, NoPlanFound
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.facts import Fact
 from companion.mission.signals import Signal
@@ -86,8 +87,9 @@ class Executive:
             planner, flight, self._assumptions, self._patience, prepared.engine
         )
         self._ground_plans = GroundPlans(prepared, flight, self._assumptions, self._replanner)
-        about = flight, self._assumptions, self._replanner
-        self._triggers = ReplanTriggers(*about, planner.energy)
+        self._triggers = ReplanTriggers(
+            flight, self._assumptions, self._replanner, energy=planner.energy
+        )
         self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._plan_state = ExecutiveState.EXECUTING
         self._paused_s = 0.0
@@ -121,8 +123,7 @@ class Executive:
                 return found
             drop(flight, found.dropped)
             self._adopt(found.lasso, ExecutiveState.EXECUTING)
-            about = mission.written_task, found.lasso.planned, mission.priorities
-            flight.report(PlanMade(*about, found.lines_dropped))
+            tell_made(flight, mission, found)
         self._tell_tree()
         return None
 
@@ -291,8 +292,7 @@ class Executive:
         self._adopt(lasso, ExecutiveState.EXECUTING, self._flight.progress.laps if is_kept else 0)
         if not is_kept:
             self.replans += 1
-            about = self.replans, reason, lasso.planned, plan.lines_dropped
-            self._flight.report(PlanReplaced(*about))
+            tell_replaced(self._flight, self.replans, reason, plan)
         self._tell_tree()
 
     def _wait_or_give_up(self, failure: PlanFailure, reason: str) -> None:

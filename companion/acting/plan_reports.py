@@ -1,0 +1,32 @@
+"""Reports the plans that a flight takes over: the first one, and each that replaces another."""
+
+from __future__ import annotations
+
+from companion.acting.flight import Flight
+from companion.flight_events.plans import PlanMade, PlanReplaced
+from companion.mission.model import Mission
+from companion.planning.lasso import ChosenPlan
+
+
+def tell_made(flight: Flight, mission: Mission, plan: ChosenPlan) -> None:
+    """Reports the first plan, with the task that it fulfils."""
+    made = PlanMade(
+        task=mission.written_task,
+        plan=plan.lasso.planned,
+        priorities=mission.priorities,
+        dropped=plan.lines_dropped,
+    )
+    flight.report(made)
+
+
+def tell_replaced(flight: Flight, number: int, reason: str, plan: ChosenPlan) -> None:
+    """Reports another plan.
+
+    Args:
+        number: how often it was planned again by now.
+        reason: why.
+    """
+    replaced = PlanReplaced(
+        number=number, reason=reason, plan=plan.lasso.planned, dropped=plan.lines_dropped
+    )
+    flight.report(replaced)
