@@ -48,8 +48,13 @@ class Control:
     def not_handed_over(self) -> Refusal | None:
         """Why an operator may not take control back now; None if that may be."""
         flight = self._flight
-        about = flight.vehicle.state, flight.now_s, self._stream_loss.is_hold
-        return not_handed_over(*about, flight.limits, flight.kept_fence)
+        return not_handed_over(
+            flight.vehicle.state,
+            flight.now_s,
+            is_hold_by_stream_loss=self._stream_loss.is_hold,
+            limits=flight.limits,
+            kept=flight.kept_fence,
+        )
 
     def wait(self, state: VehicleState) -> CompanionError | FlightEvent | None:
         """Why it will not come back; or the news by which it has; None while it is waited for."""

@@ -76,8 +76,15 @@ def known_place(place: Place, location: FrameLocation | None) -> KnownPlace:
     if location is None:
         return KnownPlace(place.name, east_m, north_m, up_m)
     lat_deg, lon_deg, amsl_m = location.zero.to_global(place.position)
-    on_earth = round(lat_deg, 7), round(lon_deg, 7), round(amsl_m, 2)
-    return KnownPlace(place.name, east_m, north_m, up_m, *on_earth)
+    return KnownPlace(
+        place.name,
+        east_m,
+        north_m,
+        up_m,
+        lat_deg=round(lat_deg, 7),
+        lon_deg=round(lon_deg, 7),
+        amsl_m=round(amsl_m, 2),
+    )
 
 
 def known_vehicle(state: VehicleState | None) -> KnownVehicle | None:

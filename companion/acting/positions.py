@@ -29,10 +29,17 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
     """
     for position in flight.task.left:
         number, facts = position.number, tuple(sorted(position.facts))
-        risen, withdrawn = tuple(sorted(position.risen)), tuple(sorted(position.withdrawn))
-        restarted, reached_s = position.restarted, round(position.reached_s, 3)
-        word = number, facts, risen, reached_s, withdrawn, restarted, for_ever
-        flight.report(PositionLeft(*word, position.dropped))
+        left = PositionLeft(
+            number,
+            facts,
+            risen=tuple(sorted(position.risen)),
+            reached_s=round(position.reached_s, 3),
+            withdrawn=tuple(sorted(position.withdrawn)),
+            restarted=position.restarted,
+            for_ever=for_ever,
+            dropped=position.dropped,
+        )
+        flight.report(left)
         for conjunct in position.violated:
             _tell_violated(flight, conjunct, number, facts)
     flight.task.left.clear()

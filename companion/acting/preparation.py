@@ -138,13 +138,22 @@ def prepare(
     routes.find(ALL)  # in flight they are repaired, which is quicker
     if mission.tree is not None:
         planner.actions_of(mission.tree)  # or says which one does not exist
-        return PreparedMission(mission, ways, speed_limit, planner, None, functions=calls)
+        return PreparedMission(
+            mission, ways, speed_limit, planner, first_plan=None, functions=calls
+        )
     problem, histories = TaskState(planner).problem()
     found, failure = _planned(planner, problem, histories, engine)
-    first_plan = FirstPlan(problem, found)
     anticipate_events(planner)
-    about = mission, ways, speed_limit, planner
-    return PreparedMission(*about, first_plan, engine, failure, calls)
+    return PreparedMission(
+        mission,
+        ways,
+        speed_limit,
+        planner,
+        first_plan=FirstPlan(problem, found),
+        engine=engine,
+        engine_failure=failure,
+        functions=calls,
+    )
 
 
 def anticipate_events(planner: Planner) -> None:

@@ -126,8 +126,14 @@ def action_tree(
         is_by_hand: whether it is of a tree written by hand.
     """
     action = intention.action
-    about = (action.tries, action.timeout_s, action.look_at, action.confirmed_by)
-    steps = Refinement("steps", action.execute, *about)
+    steps = Refinement(
+        "steps",
+        action.execute,
+        tries=action.tries,
+        timeout_s=action.timeout_s,
+        look_at=action.look_at,
+        confirmed_by=action.confirmed_by,
+    )
     refinement = _refinement(flight, steps)
     if is_by_hand and action.destination is None:
         at_place = Sequence("at its place", memory=False)

@@ -49,8 +49,9 @@ class TakePhoto(Leaf):
         """Asks the camera how many photos it has made."""
         cameras, running = self._flight.vehicle.cameras, self._flight.task.running
         may_repeat = running is not None and running.is_repeatable
-        about = self._photo.component, self._owner, self._timeout_s
-        self._ticket = cameras.prepare(*about, may_repeat)
+        self._ticket = cameras.prepare(
+            self._photo.component, self._owner, self._timeout_s, may_repeat=may_repeat
+        )
         self._intended_s = None
 
     def update(self) -> Status:
@@ -84,10 +85,13 @@ class TakePhoto(Leaf):
         flight = self._flight
         if self._intended_s is None:
             self._intended_s = flight.now_s
-            about = (ready.sequence, ready.image_count)
-            flight.journal.note(
-                flight.now_s, IntendedShot(self._photo.component, *self._owner, *about)
+            intended = IntendedShot(
+                self._photo.component,
+                *self._owner,
+                sequence=ready.sequence,
+                image_count=ready.image_count,
             )
+            flight.journal.note(flight.now_s, intended)
         is_kept = kept(flight, self._intended_s)
         if is_kept is not Progress.DONE:
             return self.status_of(is_kept)

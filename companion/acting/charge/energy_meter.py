@@ -162,9 +162,14 @@ class EnergyMeter:
             self._learn_gauge(stretch)
         if stretch.seconds > 0:
             used = stretch.counted if math.isnan(stretch.used) else stretch.used
-            expected, known = stretch.predicted * stretch.factor, self.energy.known.mean
-            about = used / UNITS_PER_WH, expected / UNITS_PER_WH, known
-            self.flight.report(EnergyUsed(round(stretch.seconds, 2), *about))
+            expected = stretch.predicted * stretch.factor
+            event = EnergyUsed(
+                seconds=round(stretch.seconds, 2),
+                used_wh=used / UNITS_PER_WH,
+                expected_wh=expected / UNITS_PER_WH,
+                factor=self.energy.known.mean,
+            )
+            self.flight.report(event)
         self._window, self._stretch = _Window(), _Window()
 
     def _learn(self) -> None:

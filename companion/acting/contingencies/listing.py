@@ -122,8 +122,12 @@ class Contingencies:
         """The table of the answers to all questions, in their order."""
         found = [each for several in answers for each in several]
         found.sort(key=lambda each: each.position)
-        about = self._mission.name, str(self._plan.lasso), self.positions
-        return ContingencyTable(*about, tuple(found))
+        return ContingencyTable(
+            mission=self._mission.name,
+            plan=str(self._plan.lasso),
+            positions=self.positions,
+            contingencies=tuple(found),
+        )
 
     def _changes(self) -> Iterator[Change]:
         mission = self._mission

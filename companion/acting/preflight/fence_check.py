@@ -151,8 +151,8 @@ class FenceJudge:
             is_ours = are_alike(stored.areas, self._wanted, ALIKE_M)
             self.kept = None if is_ours else stored
             others = KeptFence.of(() if is_ours else stored.areas)
-            areas = _rounded(others.within), _rounded(others.keep_out)
-            self._flight.report(FenceKept(str(stored), *areas))
+            within, keep_out = _rounded(others.within), _rounded(others.keep_out)
+            self._flight.report(FenceKept(str(stored), within=within, keep_out=keep_out))
             self._tell_if_near(stored.areas)
         else:
             self._flight.report(FenceMissing("it has none, and none is asked for"))
