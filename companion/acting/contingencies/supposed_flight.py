@@ -31,6 +31,7 @@ from companion.acting.contingencies.changes import (
     EventTurns,
     SiteLost,
 )
+from companion.acting.contingencies.supposed_vehicle import SupposedVehicle
 from companion.acting.flight import TICK_S, PlanProgress
 from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
@@ -40,7 +41,6 @@ from companion.acting.replanning.optional_lines import drop
 from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.replanner import PlanFailure, Replanner
 from companion.acting.safe_places import SafePlaces, flight_to
-from companion.geometry import Ned
 from companion.mission.facts import HERE
 from companion.mission.model import Event, Land, LandOn, Otherwise, TakeOff
 from companion.planning.charger import UNITS_PER_WH
@@ -49,28 +49,7 @@ from companion.planning.energy.model import EnergyModel
 from companion.planning.energy_check import level_after, of_reserve, place_of
 from companion.planning.explain import Explanation
 from companion.planning.lasso import ChosenPlan, Lasso, Problem
-from companion.vehicle.port import Mode, Vehicle, VehicleState
-
-
-class SupposedVehicle:
-    """A vehicle in the air, at rest; those who decide on plans ask it for its state alone."""
-
-    def __init__(self, position: Ned) -> None:
-        self.stand_at(position)
-
-    def stand_at(self, position: Ned) -> None:
-        """It is somewhere else now."""
-        self.state = VehicleState(
-            stamp_s=0.0,
-            position=position,
-            velocity=(0.0, 0.0, 0.0),
-            yaw_rad=0.0,
-            mode=Mode.OFFBOARD,
-            is_armed=True,
-            is_landed=False,
-            is_failsafe=False,
-            battery_percent=None,
-        )
+from companion.vehicle.port import Vehicle
 
 
 class SupposedFlight:
@@ -99,9 +78,12 @@ class SupposedFlight:
             energy.is_flown = lambda: not flight.progress.is_landed_by_plan
         self._assumptions = Assumptions(self._planner, flight)
         self._patience = Patience(self._planner, flight)
-        about = flight, self._assumptions
-        self._replanner = Replanner(self._planner, *about, self._patience, explain=explain)
-        self._triggers = ReplanTriggers(*about, self._replanner, self._planner.energy)
+        self._replanner = Replanner(
+            self._planner, flight, self._assumptions, self._patience, explain=explain
+        )
+        self._triggers = ReplanTriggers(
+            flight, self._assumptions, self._replanner, energy=self._planner.energy
+        )
         self._lost: set[str] = set()
         self._found: set[str] = set()
         self._retry_s: float | None = None
@@ -273,8 +255,13 @@ class SupposedFlight:
             return self._without_plan(found, waits), None
         if self._replanner.is_rest_of(self._lasso, found.lasso):
             return GoesOn(), None
-        about = found.lasso.planned, found.lines_dropped, waited_s, self._of_reserve_wh(found.lasso)
-        return PlansAnew(*about), found
+        answer = PlansAnew(
+            found.lasso.planned,
+            dropped=found.lines_dropped,
+            waited_s=waited_s,
+            reserve_wh=self._of_reserve_wh(found.lasso),
+        )
+        return answer, found
 
     def _make_plan(self, reason: str) -> ChosenPlan | PlanFailure:
         due = self._replanner.begin(reason)
