@@ -90,6 +90,8 @@ class Companion:
         self._host, self._mission = host, mission
         self._run_of = partial(
             Run,
+            wire=self.wire,
+            telemetry=self.telemetry,
             terms=terms,
             memory=memory or FlightMemory(),
             may_yield=host is not None,
@@ -253,17 +255,13 @@ class Companion:
         self._only = None
 
     def _begin(
-        self,
-        prepared: PreparedMission,
-        recorder: Recorder,
-        journalled: JournalledFlight | None = None,
+        self, prepared: PreparedMission, recorder: Recorder, journalled: JournalledFlight | None
     ) -> None:
         self.failure, self._adjusted = None, -1
         if journalled is not None and (settings := journalled.settings) is not None:
             self._component.parameters.put(SPEED_MAX, settings.speed_max_mps)
             self._component.parameters.put(BELIEF_RETRY, settings.belief_retry_s)
-        parts = prepared, recorder, self.wire, self.telemetry, self._now_s
-        self._run = self._run_of(*parts, journalled=journalled)
+        self._run = self._run_of(prepared, recorder, start_s=self._now_s, journalled=journalled)
         self._listen()
 
     def _launch(self, host: Host, preparation: Preparation) -> None:
@@ -286,7 +284,7 @@ class Companion:
             recorder = host.begin_run(prepared.mission)
         except OSError as error:
             return Refusal(f"no run folder: {error}")
-        self._begin(prepared, recorder)
+        self._begin(prepared, recorder, journalled=None)
         return None
 
     def _idle(self, messages: list[Message]) -> None:
