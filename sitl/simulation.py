@@ -98,8 +98,7 @@ class Simulation:
             physics.battery,
             self._estimator,
         )
-        about = self._estimator, self._autopilot, Random(f"lidar {seed}"), seed
-        self._world = World(scenario, grid, physics, *about)
+        self._world = World(scenario, grid, physics, self._estimator, self._autopilot, seed=seed)
         self.event_log = self._world.event_log
         self._on_board = components_on_board(system, self._world, scenario, self._vehicle)
         self._local = frozenset([(system, AUTOPILOT), *(each.address for each in self._on_board)])
@@ -290,8 +289,8 @@ class Simulation:
         state = self._truth = self._true_state()
         self._vehicle.state = self._frame.seen(self._estimator.step(state, state.time_s))
         self._autopilot.health.position_age_s = self._estimator.time_since_fix_s
-        fix = self._estimator.gps, self._estimator.fix_error
-        self._sensors.step(state, *fix, self._physics.ground_up_m)
+        gps, fix_error = self._estimator.gps, self._estimator.fix_error
+        self._sensors.step(state, gps, fix_error, ground_up_m=self._physics.ground_up_m)
         self._world.step(state)
         for reboot in self._world.take_reboots():
             self._reboot(reboot)

@@ -44,7 +44,6 @@ class World:
         physics: of the vehicle.
         estimator: of the vehicle.
         autopilot: of the vehicle, at first.
-        rng: of the lidar's noise.
         seed: of what has chances of its own.
 
     Attributes:
@@ -66,7 +65,6 @@ class World:
         physics: Physics,
         estimator: Estimator,
         autopilot: Autopilot,
-        rng: Random,
         seed: int = 0,
     ) -> None:
         self._physics, self._estimator, self.autopilot = physics, estimator, autopilot
@@ -74,8 +72,9 @@ class World:
         self.collisions = CollisionCounter(self._map.grid, scenario.vehicle.radius_m)
         self.detector = TargetDetector(scenario.detector) if scenario.detector else None
         self.payload = Payload(scenario.payload) if scenario.payload else None
-        self.lidar = Lidar(scenario.lidar, self._map.grid, rng) if scenario.lidar else None
-        camera = scenario.marker_camera
+        lidar, camera = scenario.lidar, scenario.marker_camera
+        noise = Random(f"lidar {seed}")
+        self.lidar = Lidar(lidar, self._map.grid, noise) if lidar else None
         self.marker_camera = MarkerCamera(camera, Random(f"markers {seed}")) if camera else None
         self.cameras = [
             Camera(each, Random(f"camera {each.component} {seed}")) for each in scenario.cameras
