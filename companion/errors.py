@@ -174,12 +174,24 @@ class FormulaError(MissionError):
 
     def beside(self, others: Sequence[MissionError]) -> FormulaError:
         """The same, told with what else is wrong."""
-        about = self.what, self.text, self.offset, self.length, self.advice, self.where
-        return FormulaError(*about, others)
+        return self._with(self.where, others)
 
     def located(self, where: Location | KeyPath) -> FormulaError:
         """The same error, placed in a file."""
-        return FormulaError(self.what, self.text, self.offset, self.length, self.advice, where)
+        return self._with(where, ())
+
+    def _with(
+        self, where: Location | KeyPath | None, others: Sequence[MissionError]
+    ) -> FormulaError:
+        return FormulaError(
+            self.what,
+            self.text,
+            offset=self.offset,
+            length=self.length,
+            hint=self.advice,
+            where=where,
+            others=others,
+        )
 
 
 class LibraryMissing(CompanionError):

@@ -41,6 +41,7 @@ from companion.mission.digest import digest
 from companion.mission.facts import Fact
 from companion.mission.installed_calls import functions_of
 from companion.mission.refinement import confirming
+from companion.mission.signals import Signal
 from companion.vehicle.detections import Detections
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.offboard import MavlinkVehicle
@@ -120,17 +121,7 @@ class Run:
         telemetry.words.take_news()  # of another flight
         signals = detector.signals | confirming(mission.skills)
         said = frozenset(signal for signal in signals if not signal.is_report)
-        self.vehicle = MavlinkVehicle(
-            wire,
-            telemetry,
-            envelope_of(mission),
-            said,
-            takeoff_up_m=-mission.home.position[2],
-            marker_components=frozenset(
-                place.marker.component for place in mission.places.values() if place.marker
-            ),
-            memory=memory,
-        )
+        self.vehicle = self._vehicle(said, memory)
         self._other_systems = OtherSystems(SignalReader(said))
         self.awaited = frozenset(s.field for s in signals if s.is_pulse)
         acting = assemble(prepared, self.vehicle, detector)
@@ -144,12 +135,33 @@ class Run:
         self._keep(prepared, journalled)
         speed_mps = mission.speed_limits.speed_mps
         resumption = Resumption(journalled, speed_mps, lambda: wire.system) if journalled else None
-        about = acting.flight, acting.executive, mission
-        self.sortie = Sortie(*about, terms, may_yield, limit, resumes, resumption)
+        self.sortie = Sortie(
+            acting.flight,
+            acting.executive,
+            mission,
+            terms=terms,
+            may_yield=may_yield,
+            limit=limit,
+            resumes=resumes,
+            resumption=resumption,
+        )
         self._surroundings = Surroundings(mission.grid, telemetry)
         self._sight = SightLimit(self.flight)
         self._clearance = KeptClearance(self.flight, prepared.planner)
         self._charge = ChargeReport(acting.flight, prepared.planner.energy)
+
+    def _vehicle(self, said: frozenset[Signal], memory: FlightMemory | None) -> MavlinkVehicle:
+        """The vehicle, of which the mission needs to hear these signals."""
+        markers = (place.marker for place in self.mission.places.values())
+        return MavlinkVehicle(
+            self._wire,
+            self._telemetry,
+            envelope_of(self.mission),
+            said,
+            takeoff_up_m=-self.mission.home.position[2],
+            marker_components=frozenset(marker.component for marker in markers if marker),
+            memory=memory,
+        )
 
     def _keep(self, prepared: PreparedMission, journalled: JournalledFlight | None) -> None:
         """From now on the journal has what another process needs to go on."""
@@ -207,8 +219,12 @@ class Run:
         self.vehicle.set_violated(bool(self.flight.task.violated))
         readings = asked + self.vehicle.receive(now_s, messages) + self._detections.read(reports)
         if self._found.reports:
-            zeros = self._wire.time.zero_s, self._telemetry.frame.zero
-            readings += self._found.look(now_s, self._detections, *zeros)
+            readings += self._found.look(
+                now_s,
+                self._detections,
+                zero_s=self._wire.time.zero_s,
+                zero=self._telemetry.frame.zero,
+            )
         if not self.sortie.has_ended:  # the end is the last of its record
             self._tell_of_others(messages)
         self._sight.take(self.vehicle.scans, self.vehicle.state)
@@ -250,8 +266,13 @@ class Run:
         if state is None or not is_flown or now_s - self._seen_s < SEEN_EVERY_S:
             return
         if frame.origin is not None and self.sortie.phase not in ON_THE_GROUND:
-            about = frame.origin, frame.altitude_m, self._wire.system
-            self.recorder.journal.note(now_s, VehicleSeen(state.position, *about))
+            seen = VehicleSeen(
+                state.position,
+                origin=frame.origin,
+                altitude_m=frame.altitude_m,
+                system=self._wire.system,
+            )
+            self.recorder.journal.note(now_s, seen)
             self._seen_s = now_s
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:

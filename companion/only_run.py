@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from companion.acting.function_port import FunctionPort
@@ -59,8 +58,12 @@ class OnlyRun:
         if self.mission.is_above_sea and ground_amsl_m is None and not telemetry.is_flown:
             return None
         try:
-            about = self.mission, math.inf, None, self.engine, ground_amsl_m
-            return prepare(*about, self.functions)
+            return prepare(
+                self.mission,
+                engine=self.engine,
+                ground_amsl_m=ground_amsl_m,
+                functions=self.functions,
+            )
         except MissionError as error:
             failure = Aborted(str(error))
             self.recorder.report(Stamped(0.0, RunFailed(str(failure), failure.exit_code)))

@@ -92,8 +92,8 @@ def simulate(
     """
     world = world_of(mission, scenario)
     limit = FlightLimit(laps, limit_s)
-    about = mission, world, seed
-    with flight_of(*about, folder=folder, on_event=on_event, limit=limit) as (flight, recorder):
+    flying = flight_of(mission, world, seed, folder=folder, on_event=on_event, limit=limit)
+    with flying as (flight, recorder):
         flight.fly(timeout_s)
     return SimulationResult(
         mission=mission,
@@ -121,8 +121,15 @@ def flight_of(
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder else None, is_lockstep=True)) as functions,
     ):
-        about, keeps = (mission, world, recorder), folder is not None
-        made = lockstep(*about, seed=seed, limit=limit, functions=functions, keeps_packets=keeps)
+        made = lockstep(
+            mission,
+            world,
+            recorder,
+            seed=seed,
+            limit=limit,
+            functions=functions,
+            keeps_packets=folder is not None,
+        )
         yield made, recorder
 
 

@@ -53,8 +53,13 @@ def histogram(values: Sequence[float], unit: str, title: str, limit: float | Non
     if limit is not None:
         mark = n(EDGE + (limit - low) / span * (WIDTH - 2 * EDGE))
         bars.append(f'<path class="limit" d="M{mark} {n(EDGE - 10)}V{n(HEIGHT - EDGE)}"/>')
-    ends = f"{low:.3g} {unit}", f"{high:.3g} {unit}"
-    return _framed("".join(bars), title, *ends, f"{most} rows")
+    return _framed(
+        "".join(bars),
+        title,
+        left=f"{low:.3g} {unit}",
+        right=f"{high:.3g} {unit}",
+        top=f"{most} rows",
+    )
 
 
 def scatter(points: Sequence[tuple[float, float, bool]], names: tuple[str, str]) -> str:

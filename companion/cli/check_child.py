@@ -89,10 +89,12 @@ class BoundedCheck:
             return self._given_up(f"{sys.getrecursionlimit()} calls in one another")
 
     def _checked(self) -> CheckedMission:
-        about = self._mission, Path(), self._tell, read_and_keep
         check = partial(
             check_mission,
-            *about,
+            self._mission,
+            within=Path(),
+            tell=self._tell,
+            domain_of=read_and_keep,
             installed=lambda _: self._installed,
             hears_reports=self._hears_reports,
         )

@@ -100,8 +100,12 @@ def print_table(table: ContingencyTable) -> None:
         if kind and KINDS[fold.kind] != kind:
             answers.add_section()
         kind = KINDS[fold.kind]
-        words = labels_in_words(fold), positions_in_words(fold.positions), answers_in_words(fold)
-        answers.add_row(fold.answers[0].verdict.letter, *words)
+        answers.add_row(
+            fold.answers[0].verdict.letter,
+            labels_in_words(fold),
+            positions_in_words(fold.positions),
+            answers_in_words(fold),
+        )
     console.print(answers, markup=False)
     legend = ", ".join(f"{each.letter} {each.words}" for each in ContingencyVerdict)
     console.print(legend, markup=False)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -96,9 +97,6 @@ class VehicleFlights:
             """Without its time: a run counts from its own beginning, and would seem to go on."""
             terminal.say(f"hosting    {stamped.event.text}")
 
-        def close_folder(folder: RunFolder) -> None:
-            close_run(folder, terminal)
-
         with (
             closing(terminal),
             closing(FunctionRunner()) as functions,
@@ -113,8 +111,15 @@ class VehicleFlights:
             installed = read_all()
             children = CheckChildren(installed, self.hears_reports)
             uploads = Uploads(self.log_dir.expanduser() / UPLOADS, children.begin)
-            about = tell_between, uploads, self.engine, functions, installed
-            host = SortieHost(open_folder, close_folder, *about)
+            host = SortieHost(
+                open_folder,
+                close_folder=partial(close_run, terminal=terminal),
+                tell=tell_between,
+                uploads=uploads,
+                engine=self.engine,
+                functions=functions,
+                installed=installed,
+            )
             recorder = host.resume_run(open_folder(cut_off.mission, cut_off)) if cut_off else None
             mission = cut_off.mission if cut_off else mission
             functions.prepare(functions_of(mission) if mission else ())

@@ -88,8 +88,15 @@ class _Upload:
         self, is_accepted: bool, text: str, details: str, notices: tuple[str, ...] = ()
     ) -> UploadVerdict:
         """Returns the verdict on it."""
-        about = self.number, self.mission, self.crc32
-        return UploadVerdict(*about, is_accepted, text, details, notices)
+        return UploadVerdict(
+            number=self.number,
+            mission=self.mission,
+            crc32=self.crc32,
+            is_accepted=is_accepted,
+            text=text,
+            details=details,
+            notices=notices,
+        )
 
 
 class Uploads:
