@@ -74,9 +74,16 @@ def _event(
                 document.where("events", name, "restarts", index),
                 f"the task has {', '.join(lines)}. {did_you_mean(conjunct, lines)}".rstrip(),
             )
-    restarts, restores = frozenset(entry.restarts), frozenset(entry.restores)
-    behaviour = (when, until, entry.latch, entry.for_s, restarts, restores, entry.stale_s)
-    return Event(name, *behaviour)
+    return Event(
+        name,
+        when=when,
+        until=until,
+        latch=entry.latch,
+        for_s=entry.for_s,
+        restarts=frozenset(entry.restarts),
+        restores=frozenset(entry.restores),
+        stale_s=entry.stale_s,
+    )
 
 
 def _check_silence(

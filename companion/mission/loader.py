@@ -95,13 +95,13 @@ def _fitted(
 ) -> Mission:
     """The mission, if its parts fit together."""
     space, skills, events, task = parts.space, parts.skills, parts.events, parts.task
-    room = space.grid, parts.vehicle
+    grid, vehicle = space.grid, parts.vehicle
     sets = {name: tuple(members) for name, members in file.sets.items()}
     fitting = DocumentReading()
     places = parts.places
-    if marked := fitting.read(lambda: with_markers(places, file, *room, document)):
+    if marked := fitting.read(lambda: with_markers(places, file, grid, vehicle, document)):
         places = marked
-        fitting.read(lambda: check_landings(skills, places, sets, *room, document))
+        fitting.read(lambda: check_landings(skills, places, sets, grid, vehicle, document))
     given = {*declared, *(fact.predicate for fact in parts.initially)}
     fitting.read(lambda: _check_reachable_names(skills, given, events, document))
     fitting.read(lambda: check_restored(file, skills, document))
@@ -109,7 +109,7 @@ def _fitted(
     fitting.read(lambda: refuse_charge_in_the_air(skills, document))
     fitting.read(lambda: check_found(places, events, skills, sets, parts.initially, document))
     priorities = fitting.read(lambda: priorities_of(file, document))
-    otherwise = fitting.read(lambda: read_otherwise(file, places, *room, document))
+    otherwise = fitting.read(lambda: read_otherwise(file, places, grid, vehicle, document))
     tree = fitting.read(lambda: _tree(file, document, skills, sets, parts.vocabulary))
     ready = fitting.read(lambda: read_ready(file, document, task))
     fitting.tell()

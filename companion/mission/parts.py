@@ -80,8 +80,7 @@ def read_parts(
     if space:
         reading.read(partial(check_corners, space, places.values(), document))
     if space and vehicle and coordinates:
-        about_room = space.limits, space.grid, vehicle, coordinates
-        check_places(places, *about_room, document, reading)
+        check_places(places, space.limits, space.grid, vehicle, coordinates, document, reading)
     events = read_events(file, document, reading)
     vocabulary = _vocabulary(file, declared, reading)
     skills = build_skills(file, document, vocabulary, coordinates, reading)
@@ -94,8 +93,18 @@ def read_parts(
         battery = reading.read(partial(read_battery, file.battery, vehicle, document), "battery")
     reading.tell()
     assert coordinates and vehicle and space
-    about = coordinates, vehicle, space, places, events, vocabulary, skills, initially
-    return MissionParts(*about, task, battery)
+    return MissionParts(
+        coordinates=coordinates,
+        vehicle=vehicle,
+        space=space,
+        places=places,
+        events=events,
+        vocabulary=vocabulary,
+        skills=skills,
+        initially=initially,
+        task=task,
+        battery=battery,
+    )
 
 
 def _coordinates(

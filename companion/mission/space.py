@@ -57,15 +57,15 @@ def read_space(
         document: where its keys stand.
         reading: of the mission.
     """
-    about = file, coordinates, document
     reading.read(partial(check_band, file.limits.up_m, document), "limits", "up_m")
     fence = None
     if reading.is_whole("map"):
-        fence = reading.read(partial(_fence, *about), "limits", "fence")
+        fence = reading.read(partial(_fence, file, coordinates, document), "limits", "fence")
     has_edge = reading.is_whole("limits", "fence")
     drawn = None
     if has_edge or isinstance(file.map, str):  # an area that is drawn may be that of the fence
-        drawn = reading.read(partial(_map, *about, folder, fence), "map")
+        part = partial(_map, file, coordinates, document, folder=folder, fence=fence)
+        drawn = reading.read(part, "map")
     if drawn is None or not has_edge:
         return None
     map_file, walls, grid = drawn
@@ -73,11 +73,17 @@ def read_space(
     if not reading.knows("limits", "keep_out"):
         return None
     for name in file.limits.keep_out:
-        zone = reading.read(partial(_zone, name, edge, *about), "limits", "keep_out", name)
-        if zone is not None:
+        of_zone = partial(_zone, name, edge, file, coordinates, document)
+        if (zone := reading.read(of_zone, "limits", "keep_out", name)) is not None:
             keep_out[name] = zone
-    bounds = file.limits.speed_mps, file.limits.up_m, edge, keep_out
-    limits = Limits(*bounds, fence is not None, file.limits.beyond_sight)
+    limits = Limits(
+        speed_mps=file.limits.speed_mps,
+        up_m=file.limits.up_m,
+        fence=edge,
+        keep_out=keep_out,
+        is_fence_written=fence is not None,
+        is_beyond_sight=file.limits.beyond_sight,
+    )
     for key in ("up_m", "unusual", "keep_out", "beyond_sight"):
         if not reading.is_whole("limits", key):
             return None
@@ -152,9 +158,16 @@ def _place(
             ("tests", entry.tests, FunctionKind.PLACE_TEST),
         )
     )
-    about = name, position, region, heading_rad, entry.amsl_m
-    found_by = entry.found_by or ""
-    return Place(*about, suggesters=suggesters, tests=tests, found_by=found_by)
+    return Place(
+        name,
+        position,
+        region,
+        heading_rad=heading_rad,
+        amsl_m=entry.amsl_m,
+        suggesters=suggesters,
+        tests=tests,
+        found_by=entry.found_by or "",
+    )
 
 
 def _asked(

@@ -103,14 +103,23 @@ def _scene(data: dict[str, Any]) -> Scene:
     keep_out = {str(zone): _polygon(each) for zone, each in data.get("keep_out", {}).items()}
     profile = VehicleProfile()  # what follows was absent at first
     clearance_m = float(data.get("clearance_m", profile.clearance_m))
-    name, start_unix_s = str(data["name"]), float(data["start_unix_s"])
     usual = SpeedLimits(profile.speed_mps, profile.acceleration_mps2, profile.jerk_mps3)
     told = data.get("speed_limits", asdict(usual))
     limits = SpeedLimits(**{key: float(most) for key, most in told.items()})
     low_m, high_m = map(float, data.get("up_m", NO_BAND))
-    anchor, low_walls, band = _anchor(data.get("anchor")), tuple(walls), (low_m, high_m)
-    about_routes = (keep_out, low_walls, sites, clearance_m, limits)
-    return Scene(name, start_unix_s, grid, fence, *about_routes, anchor, band)
+    return Scene(
+        name=str(data["name"]),
+        start_unix_s=float(data["start_unix_s"]),
+        grid=grid,
+        fence=fence,
+        keep_out=keep_out,
+        walls=tuple(walls),
+        sites=sites,
+        clearance_m=clearance_m,
+        speed_limits=limits,
+        anchor=_anchor(data.get("anchor")),
+        up_m=(low_m, high_m),
+    )
 
 
 def _anchor(degrees: list[float] | None) -> GlobalOrigin | None:

@@ -210,8 +210,18 @@ def why_no_plan(
     is_known = bool(short or too_late) or any(conjunct.bound for conjunct in lost)
     told = () if is_known else sorted(concerned & world.events)
     events = {event: event in problem.facts for event in told}
-    about = conflict, unreachable, no_route, events, withdrawn, tuple(restoring), short, too_late
-    return Explanation(*about, remarks_on(conflict, problem.facts), violated)
+    return Explanation(
+        conflict=conflict,
+        unreachable=unreachable,
+        no_route=no_route,
+        events=events,
+        withdrawn=withdrawn,
+        restoring=tuple(restoring),
+        shortages=short,
+        late=too_late,
+        remarks=remarks_on(conflict, problem.facts),
+        violated=violated,
+    )
 
 
 def _with(problem: Problem, belief: Fact) -> Problem:

@@ -215,9 +215,15 @@ def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[S
             own = _own(inner, step, binding)
             name = spelled(inner.name, tuple(own.values()))
             below = _refined(mission, inner, own)
-            look_at = _look_at(mission, inner, own)
-            limits = (inner.tries, inner.timeout_s)
-            steps.append(Refinement(name, below, *limits, look_at, inner.confirmed_by))
+            refinement = Refinement(
+                name,
+                below,
+                tries=inner.tries,
+                timeout_s=inner.timeout_s,
+                look_at=_look_at(mission, inner, own),
+                confirmed_by=inner.confirmed_by,
+            )
+            steps.append(refinement)
         else:
             steps.append(step)
     return tuple(steps)

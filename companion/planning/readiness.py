@@ -103,7 +103,7 @@ class Readiness:
             return actions, energy
         asked = actions, withdrawn, energy.floors
         if self._asked != asked:
-            self._asked, self._on_battery = asked, self._kept_on_battery(*asked[:2], energy)
+            self._asked, self._on_battery = asked, self._kept_on_battery(actions, withdrawn, energy)
         kept, levels = self._on_battery
         return kept, replace(energy, ready=levels)
 

@@ -133,8 +133,13 @@ class Solver:
 
     def explain_soon(self, problem: Problem) -> Explanation:
         """Why there is no plan, as far as searches in flight can tell."""
-        about = self._is_solvable_soon, world_of(self.mission, problem)
-        return why_no_plan(problem, *about, self._is_short_soon, self._is_late_soon)
+        return why_no_plan(
+            problem,
+            self._is_solvable_soon,
+            world=world_of(self.mission, problem),
+            shortages=self._is_short_soon,
+            late=self._is_late_soon,
+        )
 
     def _checked(
         self,

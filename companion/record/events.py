@@ -197,9 +197,19 @@ def _record(
     if task is None:
         why = f": {ending.text}" if ending else ""
         raise MissionError(f"{name}: no plan was made in this run, so nothing was flown{why}")
-    word = tuple(positions), tuple(times_s), frozenset(violations)
-    in_time = TimedWord(tuple(steps), until_s, frozenset(violations))
-    return RunRecord(task, priorities, *word, tree, ending, is_torn, in_time, is_headless)
+    violated = frozenset(violations)
+    return RunRecord(
+        task=task,
+        priorities=priorities,
+        positions=tuple(positions),
+        times_s=tuple(times_s),
+        violations=violated,
+        tree=tree,
+        ending=ending,
+        is_torn=is_torn,
+        in_time=TimedWord(tuple(steps), until_s, violated),
+        is_headless=is_headless,
+    )
 
 
 def _ends_the_task(event: FlightEvent) -> bool:

@@ -82,8 +82,8 @@ class HeldKarp:
             to_targets: cost from the node to each target, (T,).
             from_targets: cost from each target to the node, (T,).
         """
-        columns = to_targets[:, None], from_targets[:, None]
-        costs = [table.costs_through(*columns)[0][0] for table in self._tables]
+        to_column, from_column = to_targets[:, None], from_targets[:, None]
+        costs = [table.costs_through(to_column, from_column)[0][0] for table in self._tables]
         return self._tables[int(np.argmin(costs))].order_after(to_targets, from_targets)
 
 

@@ -34,7 +34,16 @@ def charge_ahead(
     level, ahead = energy.level, []
     for action, needed in zip(flown, after, strict=False):  # what rests needs nothing more
         level = level_after(energy, level, action)
-        about = percent(level), percent(needed)
-        ahead.append(PlannedCharge(action.name, action.cost_ms / 1000, *about))
-    now = percent(energy.level), percent(required[0])
-    return ChargePlanned(*now, percent(reserve), tuple(ahead))
+        planned = PlannedCharge(
+            action=action.name,
+            duration_s=action.cost_ms / 1000,
+            percent=percent(level),
+            required_percent=percent(needed),
+        )
+        ahead.append(planned)
+    return ChargePlanned(
+        percent=percent(energy.level),
+        required_percent=percent(required[0]),
+        reserve_percent=percent(reserve),
+        ahead=tuple(ahead),
+    )

@@ -99,8 +99,14 @@ def ledger(problem: Problem, lasso: Lasso, reserve: int) -> Ledger:
     cut = len(lasso.prefix)
     lap_wh = 0.0 if lasso.ends_at_rest else sum(map(_taken, lasso.loop)) / UNITS_PER_WH
     least, where = min(_levels(energy, problem.facts, lasso, reserve), key=lambda each: each[0])
-    percents = (_percent(energy, units) for units in (least, reserve))
-    return Ledger(tuple(steps[:cut]), tuple(steps[cut:]), lap_wh, next(percents), where, *percents)
+    return Ledger(
+        prefix=tuple(steps[:cut]),
+        loop=tuple(steps[cut:]),
+        lap_wh=lap_wh,
+        least_percent=_percent(energy, least),
+        least_at=where,
+        reserve_percent=_percent(energy, reserve),
+    )
 
 
 def _planned(energy: Energy, action: Action, required: int, lasso: Lasso) -> PlannedEnergy:
