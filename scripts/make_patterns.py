@@ -107,8 +107,7 @@ class Example(NamedTuple):
 
 def examples(page: str) -> list[Example]:
     """The examples of a page."""
-    groups = "example", "also", "alarm_s"
-    return [Example(*found.group(*groups)) for found in BLOCK.finditer(page)]
+    return [Example(*found.group("example", "also", "alarm_s")) for found in BLOCK.finditer(page)]
 
 
 def plan(example: Example) -> str:

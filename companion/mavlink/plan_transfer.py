@@ -184,8 +184,14 @@ class PlanTransfer:
             return []
         self._heard_s = now_s
         frame = _PLAIN_FRAMES.get(message.frame, message.frame)
-        where = message.x, message.y, message.z
-        item = PlanItem(message.command, frame, message.param1, *where)
+        item = PlanItem(
+            message.command,
+            frame,
+            first=message.param1,
+            x=message.x,
+            y=message.y,
+            altitude_m=message.z,
+        )
         self.items.append(item)
         return self._go_on(now_s)
 
@@ -214,9 +220,22 @@ class PlanTransfer:
 
     def _item(self, seq: int) -> Message:
         item = self.items[seq]
-        head = (*self._target, seq, item.frame, item.command, 0, 1, item.first, 0.0, 0.0, 0.0)
-        where = item.x, item.y, item.altitude_m
-        return dialect.MAVLink_mission_item_int_message(*head, *where, self._kind)
+        return dialect.MAVLink_mission_item_int_message(
+            *self._target,
+            seq,
+            item.frame,
+            item.command,
+            current=0,
+            autocontinue=1,
+            param1=item.first,
+            param2=0.0,
+            param3=0.0,
+            param4=0.0,
+            x=item.x,
+            y=item.y,
+            z=item.altitude_m,
+            mission_type=self._kind,
+        )
 
     # -- both ----------------------------------------------------------------------------------
 

@@ -71,9 +71,14 @@ class GoalPursuit:
             self._end_command()
             allowed = approach.passes | {state.mode}
             self._first_mode = self._first_mode or state.mode
-            up_m = self._takeoff_up(state, takeoff_up_m)
-            start = state.mode, moment.heard_s
-            pursuit = Pursuit(goal, allowed, *start, up_m, state.is_failsafe)
+            pursuit = Pursuit(
+                goal,
+                allowed,
+                start_mode=state.mode,
+                start_s=moment.heard_s,
+                takeoff_up_m=self._takeoff_up(state, takeoff_up_m),
+                is_in_failsafe=state.is_failsafe,
+            )
             self._pursuit = pursuit
         if state.is_mode_known(moment.now_s) and approach.is_reached(state):
             self._end_command()

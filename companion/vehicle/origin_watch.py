@@ -59,8 +59,11 @@ class OriginWatch:
 
     def take_origin(self, message: Message) -> None:
         """A GPS_GLOBAL_ORIGIN."""
-        degrees = message.latitude / 1e7, message.longitude / 1e7
-        self._heard = GlobalOrigin(*degrees, message.altitude / 1e3)
+        self._heard = GlobalOrigin(
+            latitude_deg=message.latitude / 1e7,
+            longitude_deg=message.longitude / 1e7,
+            altitude_m=message.altitude / 1e3,
+        )
         self._compare()
 
     def take_local(self, measured_s: float, position: Ned, velocity: Ned) -> None:

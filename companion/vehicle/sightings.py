@@ -77,8 +77,9 @@ def sighting_of(report: dict[str, object]) -> Sighting | Refusal:
     if keys == {"lat_deg", "lon_deg"}:
         return SeenOnEarth(numbers["lat_deg"], numbers["lon_deg"])
     if {"forward_m", "right_m"} <= keys <= {"forward_m", "right_m", "monotonic_ns"}:
-        about = numbers["forward_m"], numbers["right_m"], numbers.get("monotonic_ns")
-        return SeenFromVehicle(*about)
+        return SeenFromVehicle(
+            numbers["forward_m"], numbers["right_m"], monotonic_ns=numbers.get("monotonic_ns")
+        )
     return Refusal(
         "a position is forward_m and right_m, perhaps with monotonic_ns; or lat_deg, lon_deg"
     )

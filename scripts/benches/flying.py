@@ -194,8 +194,13 @@ def flying(runs: int) -> Iterator[Row]:
         if flight.companion.failure is not None:
             raise flight.companion.failure
         steps = round(flight.now_s / DT_S)
-    about = "simulator and companion in lockstep", median(speeds), "x real time"
-    yield Row(*about, "physics alone", physics_speed(steps))
+    yield Row(
+        "simulator and companion in lockstep",
+        median(speeds),
+        "x real time",
+        peer="physics alone",
+        peer_figure=physics_speed(steps),
+    )
     seen = Flight()
     lockstep(mission, world_of(mission), seen).fly()
     frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]

@@ -43,8 +43,9 @@ class ReturnMode(OpenEndedMode):
     def start(cls, now: Situation) -> ReturnMode:
         """Climbs over the point where the vehicle can stop."""
         position, parameters = now.state.position, now.parameters
-        about = now.home, now.safe_points, parameters["RTL_TYPE"]
-        destination = return_destination(position, *about)
+        destination = return_destination(
+            position, home=now.home, safe_points=now.safe_points, return_type=parameters["RTL_TYPE"]
+        )
         north, east, _ = stopping_point(now)
         down = destination[2] - return_height_m(position, destination, parameters)
         return cls(destination, (north, east, down), heading(now.state))

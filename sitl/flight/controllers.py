@@ -211,10 +211,13 @@ class Cascade:
         One that leaned when its motors idle would tip over.
         """
         self._velocity_loop.reset_push()
-        down = setpoint.position[2], setpoint.velocity[2], setpoint.acceleration[2]
-        position, velocity = ((None, None, each) for each in down[:2])
-        about = setpoint.yaw_rad, setpoint.yaw_rate_radps
-        vertical = TrajectorySetpoint(position, velocity, (0.0, 0.0, down[2]), *about)
+        vertical = TrajectorySetpoint(
+            position=(None, None, setpoint.position[2]),
+            velocity=(None, None, setpoint.velocity[2]),
+            acceleration=(0.0, 0.0, setpoint.acceleration[2]),
+            yaw_rad=setpoint.yaw_rad,
+            yaw_rate_radps=setpoint.yaw_rate_radps,
+        )
         return self.step(state, vertical, dt_s)
 
     def _wanted_rates(self, q: Quaternion) -> Vector:

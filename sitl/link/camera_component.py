@@ -104,16 +104,33 @@ class CameraComponent:
     def _storage(self, state: FlightState) -> Message:
         left_mib = SHOT_MIB * self._camera.left
         total_mib = SHOT_MIB * self._camera.spec.capacity
-        ready, sizes = dialect.STORAGE_STATUS_READY, (total_mib, total_mib - left_mib, left_mib)
         return dialect.MAVLink_storage_information_message(
-            _ms(state), 1, 1, ready, *sizes, 20.0, 20.0
+            _ms(state),
+            storage_id=1,
+            storage_count=1,
+            status=dialect.STORAGE_STATUS_READY,
+            total_capacity=total_mib,
+            used_capacity=total_mib - left_mib,
+            available_capacity=left_mib,
+            read_speed=20.0,
+            write_speed=20.0,
         )
 
     def _information(self, state: FlightState) -> Message:
-        names = [name.ljust(32, b"\0") for name in (b"sitl", b"camera")]
-        sensor = (8.0, 6.0, 4.5, 4000, 3000)  # focal length and size, mm; pixels
         return dialect.MAVLink_camera_information_message(
-            _ms(state), *map(list, names), 1, *sensor, 0, _CAPTURES, 0, b""
+            _ms(state),
+            vendor_name=list(b"sitl".ljust(32, b"\0")),
+            model_name=list(b"camera".ljust(32, b"\0")),
+            firmware_version=1,
+            focal_length=8.0,  # as the size of the sensor, mm
+            sensor_size_h=6.0,
+            sensor_size_v=4.5,
+            resolution_h=4000,
+            resolution_v=3000,
+            lens_id=0,
+            flags=_CAPTURES,
+            cam_definition_version=0,
+            cam_definition_uri=b"",
         )
 
     def _settings(self, state: FlightState) -> Message:

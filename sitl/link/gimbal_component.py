@@ -98,9 +98,16 @@ class GimbalComponent:
 
     def _information(self, state: FlightState) -> Message:
         lowest, highest = self._gimbal.spec.pitch_rad
-        limits = (0.0, 0.0, lowest, highest, -math.pi, math.pi)
         return dialect.MAVLink_gimbal_manager_information_message(
-            _ms(state), 0, self.address[1], *limits
+            _ms(state),
+            cap_flags=0,
+            gimbal_device_id=self.address[1],
+            roll_min=0.0,
+            roll_max=0.0,
+            pitch_min=lowest,
+            pitch_max=highest,
+            yaw_min=-math.pi,
+            yaw_max=math.pi,
         )
 
 
