@@ -11,12 +11,11 @@ from functools import partial
 from pathlib import Path
 
 from companion.acting.authority import why_left_alone
-from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalledFlight
 from companion.acting.phases import ON_THE_GROUND
-from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.preparation import Preparation, PreparedMission
+from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import (
@@ -55,12 +54,10 @@ class Companion:
     Args:
         mission: what to fly; None to wait for an upload.
         recorder: told of everything that happens in the only run; None with a host.
-        terms: on which vehicles are armed.
+        terms: on which each sortie is flown.
         host: makes and ends runs, and reads missions.
         page: the monitor page, if there is one.
-        limit: of each flight: after what the vehicle is called home.
         engine: who plans the only mission; None for the built-in search. A host knows its own.
-        resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off, to go on with; the mission is its own.
         memory: of earlier flights.
         functions: calls functions of packages in the only run; a host knows its own.
@@ -74,12 +71,10 @@ class Companion:
         self,
         mission: Mission | None,
         recorder: Recorder | None,
-        terms: ArmingTerms = USUAL_TERMS,
+        terms: SortieTerms = USUAL_TERMS,
         host: Host | None = None,
         page: MonitorPage | None = None,
-        limit: FlightLimit = NO_LIMIT,
         engine: Engine | None = None,
-        resumes: bool = False,
         journalled: JournalledFlight | None = None,
         memory: FlightMemory | None = None,
         functions: FunctionPort | None = None,
@@ -95,8 +90,6 @@ class Companion:
             terms=terms,
             memory=memory or FlightMemory(),
             may_yield=host is not None,
-            limit=limit,
-            resumes=resumes,
         )
         self._run: Run | None = None
         self._preparation: Preparation | None = None

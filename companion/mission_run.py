@@ -13,7 +13,6 @@ from typing import Protocol
 from companion.acting.assembly import assemble, envelope_of
 from companion.acting.charge.charge_report import ChargeReport
 from companion.acting.event_detector import EventDetector
-from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.found_places import FoundPlaces
 from companion.acting.journal import (
     FlightBegun,
@@ -25,11 +24,11 @@ from companion.acting.journal import (
 )
 from companion.acting.kept_clearance import KeptClearance
 from companion.acting.phases import ON_THE_GROUND
-from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.preparation import PreparedMission
 from companion.acting.resumption import Resumption, restore
 from companion.acting.sight_limit import SightLimit
 from companion.acting.sortie import Sortie
+from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.reports import SignalHeard, SignalSilent
@@ -88,11 +87,9 @@ class Run:
         wire: whose system the vehicle is.
         telemetry: what its autopilot says, and has said before this run.
         start_s: when it begins.
-        terms: on which the vehicle is armed.
+        terms: on which it is flown.
         memory: of earlier flights.
         may_yield: wait for the operator when somebody else has taken control in flight.
-        limit: after what the vehicle is called home.
-        resumes: where the autopilot holds because it no longer heard us, without an operator.
         journalled: a run that was cut off; this one goes on with it, in the same record.
 
     Raises:
@@ -106,11 +103,9 @@ class Run:
         wire: Wire,
         telemetry: Telemetry,
         start_s: float,
-        terms: ArmingTerms = USUAL_TERMS,
+        terms: SortieTerms = USUAL_TERMS,
         memory: FlightMemory | None = None,
         may_yield: bool = False,
-        limit: FlightLimit = NO_LIMIT,
-        resumes: bool = False,
         journalled: JournalledFlight | None = None,
     ) -> None:
         mission = prepared.mission
@@ -141,8 +136,6 @@ class Run:
             mission,
             terms=terms,
             may_yield=may_yield,
-            limit=limit,
-            resumes=resumes,
             resumption=resumption,
         )
         self._surroundings = Surroundings(mission.grid, telemetry)

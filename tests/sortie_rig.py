@@ -9,6 +9,7 @@ from happened import Happened
 from rig import Rig
 
 from companion.acting.sortie import Sortie
+from companion.acting.sortie_terms import SortieTerms
 from companion.errors import Aborted
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, RunEnded, RunFailed
@@ -30,13 +31,20 @@ class SortieRig(Happened):
 
     Args:
         asked: the mission.
-        options: further arguments of the sortie.
+        may_yield: of the sortie.
+        terms: of the sortie, as `SortieTerms` has them.
     """
 
-    def __init__(self, asked: Mission, **options: Any) -> None:
+    def __init__(self, asked: Mission, may_yield: bool = False, **terms: Any) -> None:
         self.vehicle = FakeVehicle()
         self.rig = Rig(asked, vehicle=self.vehicle)
-        self.sortie = Sortie(self.rig.flight, self.rig.executive, asked, **options)
+        self.sortie = Sortie(
+            self.rig.flight,
+            self.rig.executive,
+            asked,
+            terms=SortieTerms(**terms),
+            may_yield=may_yield,
+        )
 
     def step(self, *readings: tuple[Signal, float]) -> None:
         self.rig.pass_time()

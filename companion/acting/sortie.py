@@ -21,16 +21,16 @@ from companion.acting.crash_watch import Crash, CrashWatch
 from companion.acting.ending import ending, ending_begun, last_resort
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
-from companion.acting.flight_limit import NO_LIMIT, FlightLimit, LimitWatch
+from companion.acting.flight_limit import LimitWatch
 from companion.acting.flown_task import FlownTask
 from companion.acting.frame_watch import FrameWatch
 from companion.acting.gate_watch import GateWatch
 from companion.acting.journal import PhaseBegun
 from companion.acting.landing_wait import LandingWait
 from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
-from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
 from companion.acting.preflight.ground_checks import GroundChecks
 from companion.acting.resumption import Resumption
+from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
@@ -64,10 +64,8 @@ class Sortie:
         flight: the flight.
         executive: acts out the task.
         mission: where it begins, and what to do when no plan exists.
-        terms: on which the vehicle is armed.
+        terms: on which it is flown.
         may_yield: wait for the operator when somebody else has taken control in flight.
-        limit: after what the vehicle is called home.
-        resumes: where the autopilot holds because it no longer heard us, without an operator.
         resumption: of a flight that has begun before the companion was cut off.
     """
 
@@ -76,10 +74,8 @@ class Sortie:
         flight: Flight,
         executive: Executive,
         mission: Mission,
-        terms: ArmingTerms = USUAL_TERMS,
+        terms: SortieTerms = USUAL_TERMS,
         may_yield: bool = False,
-        limit: FlightLimit = NO_LIMIT,
-        resumes: bool = False,
         resumption: Resumption | None = None,
     ) -> None:
         self.phase = Phase.WAITING
@@ -87,12 +83,12 @@ class Sortie:
         self._flight = flight
         self._executive = executive
         self.beginning = Beginning(flight, executive, mission.home)
-        self._ground_checks = GroundChecks(flight, terms, mission, executive)
+        self._ground_checks = GroundChecks(flight, terms.arming, mission, executive)
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
-        self._control = Control(flight, may_yield, resumes, resumption)
-        self._limit, self._landing_wait = LimitWatch(limit, flight), LandingWait(flight)
+        self._control = Control(flight, may_yield, terms.resumes, resumption)
+        self._limit, self._landing_wait = LimitWatch(terms.limit, flight), LandingWait(flight)
         self._flown = FlownTask(flight, executive, mission, self._limit)
         self._resumption = resumption
         self._after_offboard = SortieEvent.TASK_GOES_ON

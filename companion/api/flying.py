@@ -10,6 +10,7 @@ from types import FrameType
 
 from companion.acting.flight_limit import FlightLimit
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.sortie_terms import SortieTerms
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
 from companion.clock import ScaledClock
@@ -72,17 +73,15 @@ def run(
         ValueError: an argument has no value of those above; nothing has been opened then.
         LinkError: the link, or the port for events, cannot be opened; or no vehicle is heard.
     """
-    terms = _terms(accepts_weak_failsafes, autopilot_fence, rally_points)
-    limit, memory = FlightLimit(laps, limit_s), _remembered_beside(folder)
+    arming = _arming(accepts_weak_failsafes, autopilot_fence, rally_points)
+    terms, memory = SortieTerms(arming, FlightLimit(laps, limit_s)), _remembered_beside(folder)
     with (
         closing(Link(parse_url(connect))) as link,
         reports_at(events) as reports,
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
-        companion = Companion(
-            mission, recorder, terms, limit=limit, memory=memory, functions=functions
-        )
+        companion = Companion(mission, recorder, terms, memory=memory, functions=functions)
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return _result(mission, recorder, companion.failure, folder)
@@ -92,7 +91,7 @@ def _remembered_beside(folder: Path | str | None) -> FlightMemory | None:
     return flight_memory_in(Path(folder).parent) if folder is not None else None
 
 
-def _terms(accepts_weak_failsafes: bool, autopilot_fence: str, rally_points: str) -> ArmingTerms:
+def _arming(accepts_weak_failsafes: bool, autopilot_fence: str, rally_points: str) -> ArmingTerms:
     return ArmingTerms(
         accepts_weak_failsafes,
         fence=_policy("autopilot_fence", autopilot_fence),

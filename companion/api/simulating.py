@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.function_port import FunctionPort
+from companion.acting.sortie_terms import SortieTerms
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
 from companion.documents import Given, Source, read_source
@@ -167,7 +168,12 @@ def lockstep(
 
     scenario, grid = world
     companion = Companion(
-        mission, recorder, page=page, limit=limit, engine=engine, functions=functions
+        mission,
+        recorder,
+        SortieTerms(limit=limit),
+        page=page,
+        engine=engine,
+        functions=functions,
     )
     links, is_all_read = frozenset({LinkName.OFFBOARD}), keeps_packets or scenario.disturbs_links
     simulation = Simulation(

@@ -91,6 +91,7 @@ def run(
     that has landed meanwhile is not armed again.
     """
     from companion.acting.flight_limit import FlightLimit
+    from companion.acting.sortie_terms import SortieTerms
     from companion.vehicle.endpoints import parse_url
     from companion.vehicle.link import Link
 
@@ -100,16 +101,15 @@ def run(
     loaded = load(mission, contingencies) if mission else None
     _notice_unheard(loaded, events)
     endpoint = parse_url(connect)
+    arming = ArmingTerms(accept_weak_failsafes, autopilot_fence, rally_points)
     with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
         flights = VehicleFlights(
             partial(fly_over, link_of=partial(Link, endpoint, signing), events=events),
-            log_dir,
-            monitor or DEFAULT_ADDRESS,
-            engine_of(engine, encoding, engine_timeout, None, loaded),
-            ArmingTerms(accept_weak_failsafes, autopilot_fence, rally_points),
-            FlightLimit(laps, limit_s),
-            resume,
-            events is not None,
+            log_dir=log_dir,
+            address=monitor or DEFAULT_ADDRESS,
+            engine=engine_of(engine, encoding, engine_timeout, None, loaded),
+            terms=SortieTerms(arming, limit=FlightLimit(laps, limit_s), resumes=resume),
+            hears_reports=events is not None,
         )
         if loaded is None or wait:
             flights.host(loaded)

@@ -77,6 +77,7 @@ def sim(
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
     from companion.acting.flight_limit import FlightLimit
+    from companion.acting.sortie_terms import SortieTerms
     from companion.api import simulating
     from companion.app import Companion
     from companion.simulator import simulator
@@ -101,9 +102,8 @@ def sim(
             flight = made(loaded, world, folder, page=page, engine=planner, functions=functions)
             _fly_in_lockstep(flight, terminal, timeout)
             return
-        companion = Companion(
-            loaded, folder, page=page, limit=limit, engine=planner, functions=functions
-        )
+        terms = SortieTerms(limit=limit)
+        companion = Companion(loaded, folder, terms, page=page, engine=planner, functions=functions)
         path = path or _written(simulating.world_alone(loaded), folder.folder / "world.sim.yaml")
         told = f"simulated, {factor:g} x real time; ground station on UDP port {ground_port}"
         terminal.say(f"vehicle    {told}")

@@ -13,7 +13,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from companion.acting.preflight.arming_terms import ArmingTerms
 from companion.cli.monitoring import monitored
 from companion.cli.real_time import raise_failure
 from companion.cli.recording import close_run, flown_s, line, open_run, recorded
@@ -21,7 +20,7 @@ from companion.cli.resuming import CutOffRun, cut_off_run
 from companion.cli.terminal import Terminal
 
 if TYPE_CHECKING:
-    from companion.acting.flight_limit import FlightLimit
+    from companion.acting.sortie_terms import SortieTerms
     from companion.app import Companion
     from companion.flight_events.event import Stamped
     from companion.mission.model import Mission
@@ -42,9 +41,7 @@ class VehicleFlights:
         log_dir: where run folders are.
         address: of the monitor page.
         engine: who plans; None for the built-in search.
-        terms: on which the vehicle is armed.
-        limit: after what it is called home.
-        resumes: goes on with a run that was cut off, and where the autopilot holds.
+        terms: on which each is flown; one that resumes goes on with a run that was cut off, too.
         hears_reports: other programs on board are heard.
     """
 
@@ -52,9 +49,7 @@ class VehicleFlights:
     log_dir: Path
     address: str
     engine: Engine | None
-    terms: ArmingTerms
-    limit: FlightLimit
-    resumes: bool
+    terms: SortieTerms
     hears_reports: bool
 
     def fly_once(self, mission: Mission, timeout_s: float) -> None:
@@ -134,7 +129,7 @@ class VehicleFlights:
                 children.close()
 
     def _cut_off(self, mission: Mission | None) -> CutOffRun | None:
-        return cut_off_run(self.log_dir, mission) if self.resumes else None
+        return cut_off_run(self.log_dir, mission) if self.terms.resumes else None
 
     def _companion(
         self,
@@ -151,8 +146,6 @@ class VehicleFlights:
             recorder,
             self.terms,
             memory=flight_memory_in(self.log_dir),
-            limit=self.limit,
-            resumes=self.resumes,
             journalled=cut_off.journalled if cut_off else None,
             engine=self.engine,
             **others,

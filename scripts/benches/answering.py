@@ -16,6 +16,7 @@ from typing import Any
 from benches import ROOT, Row
 from companion.acting.journal import Journal, NoJournal
 from companion.acting.preflight.arming_terms import ArmingTerms
+from companion.acting.sortie_terms import SortieTerms
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
@@ -113,7 +114,7 @@ def answering(runs: int) -> Iterator[Row]:
         link = Answers()
         asked: list[tuple[bool, float]] = []
         try:
-            terms = ArmingTerms(accepts_weak_failsafes=True)
+            terms = SortieTerms(arming=ArmingTerms(accepts_weak_failsafes=True))
             companion = Asked(load_mission(PATROL), link, terms=terms)
             asking = threading.Thread(
                 target=ask, args=(companion, link, max(3, runs // 2), asked), daemon=True

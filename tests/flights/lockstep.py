@@ -17,7 +17,8 @@ from happened import Happened
 from companion.acting.flight import TICK_S
 from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalEntry, JournalledFlight, put_together
-from companion.acting.preflight.arming_terms import USUAL_TERMS, ArmingTerms
+from companion.acting.preflight.arming_terms import USUAL_ARMING, ArmingTerms
+from companion.acting.sortie_terms import SortieTerms
 from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.sortie import RunEnded, SetpointRefused
@@ -180,7 +181,7 @@ class Lockstep(Happened):
         resumes: as with `run --resume`.
         vehicle: signs and verifies what the simulator sends and hears.
         functions: what the mission's Python skills do.
-        terms: on which the vehicle is armed.
+        arming: on which terms the vehicle is armed.
         memory: of earlier flights.
 
     Attributes:
@@ -207,13 +208,13 @@ class Lockstep(Happened):
         resumes: bool = False,
         vehicle: Signing | None = None,
         functions: FunctionPort | None = None,
-        terms: ArmingTerms = USUAL_TERMS,
+        arming: ArmingTerms = USUAL_ARMING,
         memory: FlightMemory | None = None,
     ) -> None:
         self.journal = KeptJournal()
         self.name = "the-run"
-        self._mission, self._terms, self._memory = mission, terms, memory
-        self._resumes, self._functions = resumes, functions
+        self._terms = SortieTerms(arming, resumes=resumes)
+        self._mission, self._memory, self._functions = mission, memory, functions
         scenario, grid = world
         links = {LinkName.OFFBOARD} | ({LinkName.GCS} if has_station else set())
         self.companion = self._companion(None)
@@ -263,7 +264,6 @@ class Lockstep(Happened):
             self,
             self._terms,
             memory=self._memory,
-            resumes=self._resumes,
             journalled=journalled,
             functions=self._functions,
         )

@@ -59,8 +59,8 @@ def start(
     **options: Any,
 ) -> Lockstep:
     """On its way, beside a ground station."""
-    terms = ArmingTerms(fence=policy)
-    options = {"has_station": True, "terms": terms, "memory": own} | options
+    arming = ArmingTerms(fence=policy)
+    options = {"has_station": True, "arming": arming, "memory": own} | options
     return Lockstep(asked, world_of(asked, None), **options)
 
 

@@ -74,7 +74,7 @@ def start(
     **options: Any,
 ) -> Lockstep:
     scenario = world_of(asked, {"version": 1} | (world or {}))
-    about = {"terms": ArmingTerms(rally_points=policy), "memory": own}
+    about = {"arming": ArmingTerms(rally_points=policy), "memory": own}
     return Lockstep(asked, scenario, has_station=True, **about, **options)
 
 

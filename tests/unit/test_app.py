@@ -16,6 +16,7 @@ from companion.acting import authority
 from companion.acting.flight import TICK_S
 from companion.acting.journal import NoJournal
 from companion.acting.preflight.arming_terms import ArmingTerms
+from companion.acting.sortie_terms import SortieTerms
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
@@ -76,7 +77,7 @@ class World:
     endpoint = "udpin://0.0.0.0:14540"
     zero_s, speed = None, 1.0
 
-    def __init__(self, asked: Mission, **options: bool) -> None:
+    def __init__(self, asked: Mission, **options: Any) -> None:
         self.notes = Notes()
         self.companion = Companion(asked, self.notes, **options)
         self.autopilot = Autopilot()
@@ -288,7 +289,8 @@ def test_the_failure_is_that_of_the_sortie() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("accepts", [False, True])
 def test_weak_failsafes_are_refused_unless_accepted(accepts: bool) -> None:
-    world = World(mission("F at(A)"), terms=ArmingTerms(accepts_weak_failsafes=accepts))
+    terms = SortieTerms(arming=ArmingTerms(accepts_weak_failsafes=accepts))
+    world = World(mission("F at(A)"), terms=terms)
     world.autopilot.parameters["COM_OBL_RC_ACT"] = 0.0
     world.fly()
     assert (world.companion.failure is None) is accepts

@@ -34,4 +34,4 @@ class ArmingTerms:
     rally_points: UploadPolicy = UploadPolicy.UPLOAD
 
 
-USUAL_TERMS = ArmingTerms()
+USUAL_ARMING = ArmingTerms()

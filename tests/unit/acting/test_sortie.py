@@ -156,7 +156,7 @@ def test_weak_failsafes_are_refused() -> None:
 
 
 def test_weak_failsafes_are_accepted_by_name() -> None:
-    run = SortieRig(SHORT, terms=ArmingTerms(accepts_weak_failsafes=True))
+    run = SortieRig(SHORT, arming=ArmingTerms(accepts_weak_failsafes=True))
     run.vehicle.parameters["COM_LOW_BAT_ACT"] = 0.0
     run.until(Phase.ENDED)
     assert run.end == TaskSatisfied()

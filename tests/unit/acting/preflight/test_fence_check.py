@@ -35,7 +35,7 @@ OTHER = StoredFence(THEIRS, 12)
 
 
 def rig(policy: UploadPolicy = UploadPolicy.UPLOAD, stored: StoredFence | None = None) -> SortieRig:
-    run = SortieRig(ASKED, terms=ArmingTerms(fence=policy))
+    run = SortieRig(ASKED, arming=ArmingTerms(fence=policy))
     run.vehicle.fence.nowhere = None
     run.vehicle.fence.stored = stored or StoredFence((), 0)
     return run

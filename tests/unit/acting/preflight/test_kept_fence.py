@@ -32,7 +32,7 @@ def zone(south: float, west: float, north: float, east: float, inside: bool = Fa
 
 
 def rig(*areas: FenceArea, asked: Mission = ASKED) -> SortieRig:
-    run = SortieRig(asked, terms=ArmingTerms(fence=UploadPolicy.KEEP))
+    run = SortieRig(asked, arming=ArmingTerms(fence=UploadPolicy.KEEP))
     run.vehicle.fence.nowhere = None
     run.vehicle.fence.stored = StoredFence(areas, 4 * len(areas))
     run.rig.flight.journal = run.journal = Kept()  # type: ignore[attr-defined]

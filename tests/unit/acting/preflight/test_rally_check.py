@@ -37,7 +37,7 @@ def rig(
     asked: object = ASKED,
     return_type: float | None = 0.0,
 ) -> SortieRig:
-    run = SortieRig(asked, terms=ArmingTerms(rally_points=policy))  # type: ignore[arg-type]
+    run = SortieRig(asked, arming=ArmingTerms(rally_points=policy))  # type: ignore[arg-type]
     run.vehicle.rally.stored = stored or StoredRally(())
     if return_type is not None:
         run.vehicle.parameters["RTL_TYPE"] = return_type
