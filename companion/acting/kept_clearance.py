@@ -39,8 +39,12 @@ class KeptClearance:
             return
         self._flight.routes.add_clearance(self._added.metres)
         kept_m = self._flight.profile.clearance_m + self._added.metres
-        rounded = (round(metres, 3) for metres in (kept_m, state.accuracy_m, off_m))
-        self._flight.report(ClearanceChanged(*rounded))
+        changed = ClearanceChanged(
+            clearance_m=round(kept_m, 3),
+            accuracy_m=round(state.accuracy_m, 3),
+            off_m=round(off_m, 3),
+        )
+        self._flight.report(changed)
         if self._low and self._added.metres:
             least_m = least_above_m(self._flight.profile)
             names = tuple(place.name for place in self._low)

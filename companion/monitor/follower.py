@@ -164,8 +164,8 @@ class Follower:
             case ClearanceChanged():
                 self._routes.add_clearance(event.clearance_m - self._scene.clearance_m)
             case FenceKept():
-                areas = [list(filter(_is_area, each)) for each in (event.within, event.keep_out)]
-                self._routes.keep_within(*areas)
+                fences, keep_out = filter(_is_area, event.within), filter(_is_area, event.keep_out)
+                self._routes.keep_within(list(fences), list(keep_out))
             case SymbolMoved():
                 self._routes.aim(event.place, event.position)
             case TreeBuilt() if not self._is_written:

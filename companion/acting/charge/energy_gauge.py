@@ -61,8 +61,12 @@ class Gauge:
         elif self._told is not None and abs(told - self._told) > JUMP:
             before = self._known
             self._too_much = max(0.0, told - before)
-            percents = (round(100 * each) for each in (before, told, told - self._too_much))
-            flight.report(GaugeJumped(*percents))
+            jumped = GaugeJumped(
+                before_percent=round(100 * before),
+                now_percent=round(100 * told),
+                believed_percent=round(100 * (told - self._too_much)),
+            )
+            flight.report(jumped)
         self._told = told
         self._known = max(0.0, told - self._too_much)
         flight.believed_percent = 100 if not self._too_much else math.floor(100 * self._known)
