@@ -216,9 +216,17 @@ def write(tmp_path: Path) -> Iterator[Write]:
         for number, given in enumerate(positions):
             begun = given if isinstance(given, Begun) else Begun(given)
             is_last = number == len(positions) - 1
-            facts = tuple(begun.facts.split())
-            rest = rests and is_last, begun.dropped
-            happened.append(PositionLeft(number, facts, (), 0.0, (), begun.restarted, *rest))
+            left = PositionLeft(
+                number,
+                facts=tuple(begun.facts.split()),
+                risen=(),
+                reached_s=0.0,
+                withdrawn=(),
+                restarted=begun.restarted,
+                for_ever=rests and is_last,
+                dropped=begun.dropped,
+            )
+            happened.append(left)
         happened.append(TaskSatisfied())
         lines = [line_of(Stamped(1.0 * i, event)) for i, event in enumerate(happened)]
         text = "".join(json.dumps(line) + "\n" for line in lines)

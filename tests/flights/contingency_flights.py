@@ -130,8 +130,14 @@ class ContingencyFlight(Lockstep):
         self._allow(FAST_MPS)
 
     def _allow(self, speed_mps: float) -> None:
-        about = VEHICLE, COMPANION, b"CMP_SPEED_MAX", speed_mps, 9
-        self.station_says(dialect.MAVLink_param_set_message(*about))
+        asked = dialect.MAVLink_param_set_message(
+            VEHICLE,
+            COMPANION,
+            param_id=b"CMP_SPEED_MAX",
+            param_value=speed_mps,
+            param_type=dialect.MAV_PARAM_TYPE_REAL32,
+        )
+        self.station_says(asked)
 
     def _is_over(self) -> bool:
         laps = len(self.of(LapCompleted)) - self.laps_before

@@ -77,9 +77,18 @@ def scan_of(lidar: Lidar, position: NorthEast, yaw_rad: float, lean: Lean = LEVE
     """As it comes off the wire: whole centimetres."""
     tilt_rad = lean.roll_rad, lean.pitch_rad
     seen_m = lidar.scan(position, yaw_rad, lean.up_m + STANDING_M, tilt_rad)
-    taken_up_m = lean.up_m + lean.error_m
-    about = lidar.spec.range_m, taken_up_m, yaw_rad, tilt_rad, max(lean.error_m, 0.0)
-    return RangeScan(0.0, position, np.rint(100 * seen_m) / 100, 0.0, STEP_RAD, *about)
+    return RangeScan(
+        0.0,
+        position,
+        distances_m=np.rint(100 * seen_m) / 100,
+        first_rad=0.0,
+        step_rad=STEP_RAD,
+        range_m=lidar.spec.range_m,
+        up_m=lean.up_m + lean.error_m,
+        yaw_rad=yaw_rad,
+        tilt_rad=tilt_rad,
+        height_error_m=max(lean.error_m, 0.0),
+    )
 
 
 def a_lidar(occupied: Bools, noise_m: float = 0.0) -> Lidar:

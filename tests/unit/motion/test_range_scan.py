@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.motion.grid import OccupancyGrid
-from companion.motion.range_scan import REACH_M, RangeScan, echoes
+from companion.motion.range_scan import REACH_M, Floats, RangeScan, echoes
 from companion.motion.sensed_map import SensedMap
 from sitl.flight.attitude import quaternion_from_euler
 
@@ -32,6 +32,22 @@ def along(beam: int, roll: float, pitch: float, yaw: float) -> tuple[float, floa
     )
 
 
+def scan_of(
+    distances_m: Floats, up_m: float, yaw_rad: float, tilt_rad: tuple[float, float]
+) -> RangeScan:
+    return RangeScan(
+        0.0,
+        (0.0, 0.0),
+        distances_m,
+        first_rad=0.0,
+        step_rad=STEP_RAD,
+        range_m=12.0,
+        up_m=up_m,
+        yaw_rad=yaw_rad,
+        tilt_rad=tilt_rad,
+    )
+
+
 @drawn(100)
 @given(st.floats(0.0, 4.0), TILT, TILT, st.floats(-4.0, 4.0))
 def test_echoes_are_those_of_walls_above_the_ground_and_not_far_above_the_vehicle(
@@ -46,8 +62,7 @@ def test_echoes_are_those_of_walls_above_the_ground_and_not_far_above_the_vehicl
         falls_m = to_wall_m * down
         if to_wall_m < REACH_M and -1.5 < falls_m < max(up_m - 0.3, 0.1):
             expected.append((to_wall_m * north, to_wall_m * east, falls_m - up_m))
-    about = 12.0, up_m, yaw, (roll, pitch)
-    scan = RangeScan(0.0, (0.0, 0.0), np.array(distances_m), 0.0, STEP_RAD, *about)
+    scan = scan_of(np.array(distances_m), up_m, yaw, (roll, pitch))
     assert echoes(scan).T == pytest.approx(np.array(expected).reshape(-1, 3), abs=1e-9)
 
 
@@ -62,8 +77,7 @@ def test_sight_ends_where_the_plane_of_beams_comes_near_the_ground(
     toward = math.cos(bearing), math.sin(bearing)
     falls = -(axis[0] * toward[0] + axis[1] * toward[1]) / axis[2]
     room_m = max(up_m - 0.3, 0.1) if falls > 0 else 1.5
-    about = 12.0, up_m, yaw, (roll, pitch)
-    scan = RangeScan(0.0, (0.0, 0.0), np.full(BEAMS, math.inf), 0.0, STEP_RAD, *about)
+    scan = scan_of(np.full(BEAMS, math.inf), up_m, yaw, (roll, pitch))
     assert scan.sight_m(toward) == pytest.approx(min(REACH_M, room_m / max(abs(falls), 1e-9)))
 
 

@@ -129,9 +129,15 @@ class Pilot:
 
 
 def _left(position: Position) -> PositionLeft:
-    facts, risen = tuple(position.facts), tuple(position.risen)
-    word = position.number, facts, risen, position.reached_s
-    return PositionLeft(*word, (), position.restarted, False)
+    return PositionLeft(
+        position.number,
+        facts=tuple(position.facts),
+        risen=tuple(position.risen),
+        reached_s=position.reached_s,
+        withdrawn=(),
+        restarted=position.restarted,
+        for_ever=False,
+    )
 
 
 def requests(flown: Flown, line: str, bound: TimeBound) -> list[tuple[float, int]]:

@@ -54,9 +54,18 @@ def scanned(
     known: SensedMap, truth: OccupancyGrid, up_m: float, tilt_rad: tuple[float, float] = (0.0, 0.0)
 ) -> None:
     distances_m = Lidar(LidarSpec(), truth, Random(0)).scan((0.0, 0.0), 0.0, up_m + 0.1, tilt_rad)
-    about = 12.0, up_m, 0.0, tilt_rad
+    scan = RangeScan(
+        0.0,
+        (0.0, 0.0),
+        distances_m,
+        first_rad=0.0,
+        step_rad=STEP_RAD,
+        range_m=12.0,
+        up_m=up_m,
+        tilt_rad=tilt_rad,
+    )
     for _ in range(30):
-        known.integrate(RangeScan(0.0, (0.0, 0.0), distances_m, 0.0, STEP_RAD, *about))
+        known.integrate(scan)
 
 
 @pytest.mark.parametrize("tilt_rad", [(0.0, 0.0), (0.0, -0.4), (0.0, 0.4), (-0.3, 0.2)])

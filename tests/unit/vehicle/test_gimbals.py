@@ -59,8 +59,21 @@ class Talk:
             math.sin(p) * math.cos(y),
             math.cos(p) * math.sin(y),
         )
-        about = (0, 0, 0, flags, q, 0.0, 0.0, 0.0, 0, math.nan, math.nan, 0)
-        self.says(device, dialect.MAVLink_gimbal_device_attitude_status_message(*about))
+        told = dialect.MAVLink_gimbal_device_attitude_status_message(
+            target_system=0,
+            target_component=0,
+            time_boot_ms=0,
+            flags=flags,
+            q=q,
+            angular_velocity_x=0.0,
+            angular_velocity_y=0.0,
+            angular_velocity_z=0.0,
+            failure_flags=0,
+            delta_yaw=math.nan,
+            delta_yaw_velocity=math.nan,
+            gimbal_device_id=0,
+        )
+        self.says(device, told)
         self.run(TICK_S)
 
     def status(self, device: int, *control: int) -> None:
@@ -76,8 +89,10 @@ class Talk:
                 self.sent.append(message)
                 result = self.answers.get(message.command)
                 if result is not None:
-                    about = (message.command, result, 0, 0, 1, 191)
-                    self.says(self.manager, dialect.MAVLink_command_ack_message(*about))
+                    answer = dialect.MAVLink_command_ack_message(
+                        message.command, result, target_system=1, target_component=191
+                    )
+                    self.says(self.manager, answer)
 
 
 DOWN = Aim(math.radians(-45.0), math.radians(30.0), is_from_north=False)

@@ -91,8 +91,16 @@ class Talk:
             if message.command == SHOOT:
                 self.asked.append((self.now_s, message))
             elif message.param1 in (262, 1) and self.count is not None:
-                status = (0, int(not self.is_idle), 0, 0.0, 0, 0.0, self.count)
-                self.says(dialect.MAVLink_camera_capture_status_message(*status))
+                status = dialect.MAVLink_camera_capture_status_message(
+                    time_boot_ms=0,
+                    image_status=int(not self.is_idle),
+                    video_status=0,
+                    image_interval=0.0,
+                    recording_time_ms=0,
+                    available_capacity=0.0,
+                    image_count=self.count,
+                )
+                self.says(status)
 
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / TICK_S)):
