@@ -19,11 +19,13 @@ Rules:
 6. A photo that is refused or has failed is not made. Why is asked of the camera's storage.
 
     state      leads to
-    COUNTING   READY by rule 2; MADE; FAILED
+    COUNTING   READY by rule 2; ENDED
     READY      ASKED, by the caller
-    ASKED      ANSWERED; MADE; FAILING by a refusal; FAILED
-    ANSWERED   MADE; FAILING by a refusal or a failed capture; FAILED
-    FAILING    FAILED, with what the storage has to do with it
+    ASKED      ANSWERED; FAILING by a refusal; ENDED
+    ANSWERED   FAILING by a refusal or a failed capture; ENDED
+    FAILING    ENDED, with what the storage has to do with it
+
+It ends as made, or not made; from FAILING always as not made.
 
 Times are those in which the autopilot is heard (`heard_time.py`).
 Source: https://mavlink.io/en/services/camera.html; the camera server of MAVSDK 4.1.
