@@ -69,7 +69,7 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
     planner.flight_time = flight_times(mission, prepared.ways, here, lambda: speed_limit.target)
     if (energy := planner.energy) is not None:
         energy.here = here
-        Gauge(flight, energy)
+        energy.charge = Gauge(flight, energy)
         flight.dock = PlannedDock(planner, flight.task)
     return flight
 

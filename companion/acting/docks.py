@@ -90,7 +90,7 @@ class PlannedDock:
             return True
         drains = [drain for place in energy.safe if (drain := energy.to_land_at(place)) is not None]
         needed = energy.model.reserve + energy.to_take_off() + min(drains, default=0)
-        return energy.level() >= needed
+        return energy.charge.least() >= needed
 
     def _is_in_reach(self, action: Action) -> bool:
         """Whether it may charge there, and the charge lasts for the way, the reserve left."""
@@ -98,4 +98,4 @@ class PlannedDock:
         if energy is None or self.task.withdrawn & action.assumes:
             return False
         needed = energy.to_land_at(place_of(action.requires | action.adds))
-        return needed is not None and energy.level() >= energy.model.reserve + needed
+        return needed is not None and energy.charge.least() >= energy.model.reserve + needed

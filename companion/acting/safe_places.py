@@ -121,7 +121,7 @@ class SafePlaces:
     def _missing(self, energy: MissionEnergy, place: str) -> int:
         """What is missing to land at a place, the reserve left; 0 or less if it is there."""
         needed, reserve = energy.to_land_at(place), energy.model.reserve
-        return (NO_WAY if needed is None else needed) + reserve - energy.level()
+        return (NO_WAY if needed is None else needed) + reserve - energy.charge.least()
 
 
 def flight_to(planner: Planner, place: str) -> Lasso | None:

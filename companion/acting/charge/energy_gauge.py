@@ -20,22 +20,20 @@ JUMP = 0.05
 
 
 class Gauge:
-    """The battery of a flight.
+    """The battery of a flight; fulfils `ChargeSource`.
 
     Args:
         flight: of the vehicle.
-        energy: of its mission; plans reckon from now on with what this gauge tells.
+        energy: of its mission.
     """
 
     def __init__(self, flight: Flight, energy: MissionEnergy) -> None:
         self._flight, self._energy, self._model = flight, energy, energy.model
-        energy.level, energy.most, energy.middle = self.for_flying, self.most, self.middle
-        energy.is_flown = self._is_flown
         self._known, self._known_s = 1.0, math.inf
         self._told: float | None = None
         self._too_much = 0.0
 
-    def for_flying(self) -> int:
+    def least(self) -> int:
         """The least that there may be, in units; on the ground without what taking off takes."""
         state = self._flight.vehicle.state
         is_landed = state is not None and state.is_landed
@@ -72,7 +70,9 @@ class Gauge:
         flight.believed_percent = 100 if not self._too_much else math.floor(100 * self._known)
         self._known_s = min(state.stamp_s, state.battery_s)
 
-    def _is_flown(self) -> bool:
+    @property
+    def is_flown(self) -> bool:
+        """Whether the vehicle is in the air."""
         state = self._flight.vehicle.state
         return state is not None and not state.is_landed
 

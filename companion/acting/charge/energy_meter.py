@@ -100,7 +100,7 @@ class EnergyMeter:
         flight, state = self.flight, self.flight.vehicle.state
         if state is None or (state.battery_percent is None and state.power_w is None):
             return  # of a battery that is not heard yet, nothing was taken
-        before, self._gauge = self._gauge, self.energy.middle()
+        before, self._gauge = self._gauge, self.energy.charge.middle()
         elapsed_s, self._now_s = flight.now_s - self._now_s, flight.now_s
         fallen = (before - self._gauge) / self.energy.model.full
         if fallen > MOST_IN_A_TICK and elapsed_s < 3 * TICK_S:
@@ -126,7 +126,7 @@ class EnergyMeter:
         if not self._stretch.seconds:
             self._stretch.factor = self.energy.known.flying.mean
         predicted = action.drain / self.energy.model.factor
-        completed, gauge = self.flight.task.completed, self.energy.middle()
+        completed, gauge = self.flight.task.completed, self.energy.charge.middle()
         self._leg = _Leg(action, completed, predicted, predicted, gauge)
 
     def _ahead(self, action: Action) -> float:
@@ -145,7 +145,7 @@ class EnergyMeter:
         self._leg = None
         is_whole = self.flight.task.completed > leg.completed
         flown = leg.predicted if is_whole else leg.predicted - leg.ahead
-        counted = leg.gauge - self.energy.middle()
+        counted = leg.gauge - self.energy.charge.middle()
         if not flown > 0:  # nan, too
             return
         for window in (self._window, self._stretch):

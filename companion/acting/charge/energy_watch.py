@@ -56,7 +56,7 @@ class EnergyWatch:
         facts = self._flight.task.facts
         energy = self._energy.now(is_en_route=True)
         self._required = required_levels(energy, facts, lasso)
-        self._lent = of_reserve(energy, facts, lasso) if self._energy.is_flown() else 0
+        self._lent = of_reserve(energy, facts, lasso) if self._energy.charge.is_flown else 0
         if 0 < self._lent <= self._energy.model.reserve:
             self._flight.report(ReserveUsed(self._lent / UNITS_PER_WH))
 
@@ -78,7 +78,7 @@ class EnergyWatch:
                 needed = 0  # it is on its way down
             elif (goal := running.destination) is not None:
                 needed += self._left_to(goal)
-        missing = needed - self._lent - self._energy.most()
+        missing = needed - self._lent - self._energy.charge.most()
         if missing <= 0:
             return None
         return f"{missing / UNITS_PER_WH:.2f} Wh are missing for {_action(lasso, ahead).name}"

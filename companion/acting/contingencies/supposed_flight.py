@@ -31,6 +31,7 @@ from companion.acting.contingencies.changes import (
     EventTurns,
     SiteLost,
 )
+from companion.acting.contingencies.supposed_charge import SupposedCharge
 from companion.acting.contingencies.supposed_vehicle import SupposedVehicle
 from companion.acting.flight import TICK_S, PlanProgress
 from companion.acting.positions import tell_late
@@ -70,12 +71,12 @@ class SupposedFlight:
         explain: Callable[[Problem], Explanation] | None = None,
     ) -> None:
         self._mission, self._planner = prepared.mission, prepared.planner
-        self._routes, self._level = prepared.routes, level
+        self._routes = prepared.routes
+        self._charge: SupposedCharge | None = None
         self._vehicle = SupposedVehicle(self._mission.home.position)
         self._flight = flight = flight_of(prepared, cast(Vehicle, self._vehicle))
         if (energy := self._planner.energy) is not None and level is not None:
-            energy.level = energy.most = lambda: self._level or 0
-            energy.is_flown = lambda: not flight.progress.is_landed_by_plan
+            energy.charge = self._charge = SupposedCharge(flight, level)
         self._assumptions = Assumptions(self._planner, flight)
         self._patience = Patience(self._planner, flight)
         self._replanner = Replanner(
@@ -117,14 +118,15 @@ class SupposedFlight:
         """
         for _ in range(count):
             self._complete()
-        self._level = self._level if level is None else level
+        if level is not None and self._charge is not None:
+            self._charge.level = level
 
     def _complete(self) -> None:
         action, flight, energy = self.running, self._flight, self._planner.energy
         self._pass_time(action.cost_ms / 1000)
         flight.task.complete(action, flight.now_s)
-        if energy is not None and self._level is not None:
-            self._level = level_after(energy.now(is_en_route=True), self._level, action)
+        if energy is not None and (charge := self._charge) is not None:
+            charge.level = level_after(energy.now(is_en_route=True), charge.level, action)
         for step in _primitives(action.execute):
             if isinstance(step, Land | LandOn | TakeOff):
                 flight.progress.is_landed_by_plan = not isinstance(step, TakeOff)
@@ -176,7 +178,8 @@ class SupposedFlight:
                     return self._fail(action)
                 flight.task.withdraw(frozenset({belief}))
             case ChargeAtFloor():
-                self._level = self.floor
+                if self._charge is not None and (floor := self.floor) is not None:
+                    self._charge.level = floor
         return None
 
     @property
@@ -199,7 +202,7 @@ class SupposedFlight:
 
     def _fail(self, action: Action) -> str:
         """The skill under way has failed after all its tries; one that lands, on the ground."""
-        flight, energy = self._flight, self._planner.energy
+        flight = self._flight
         self._retry_s = action.retry_after_s
         flight.task.withdraw(
             action.assumes, None if self._retry_s is None else flight.now_s + self._retry_s
@@ -207,8 +210,8 @@ class SupposedFlight:
         if any(isinstance(step, Land | LandOn) for step in _primitives(action.execute)):
             flight.progress.is_landed_by_plan = True
             self._stand_at(action)
-            if energy is not None and self._level is not None and action.charger is not None:
-                self._level -= action.charger.landing + action.charger.take_off
+            if self._charge is not None and action.charger is not None:
+                self._charge.level -= action.charger.landing + action.charger.take_off
         return f"{action.name} failed"
 
     def _finish_on_the_ground(self) -> None:
@@ -274,8 +277,8 @@ class SupposedFlight:
         """The plan when a withdrawn belief has come back."""
         flight, energy = self._flight, self._planner.energy
         self._pass_time(wait_s)
-        if energy is not None and self._level is not None:
-            self._level -= energy.model.hovering(wait_s)
+        if energy is not None and self._charge is not None:
+            self._charge.level -= energy.model.hovering(wait_s)
         flight.task.restore(flight.now_s, True, frozenset())
         return self._make_plan(reason)
 
@@ -300,7 +303,7 @@ class SupposedFlight:
     def _of_reserve_wh(self, lasso: Lasso) -> float:
         """What a plan from here takes of the reserve."""
         energy, facts = self._planner.energy, self._flight.task.facts
-        if energy is None or not energy.is_flown():
+        if energy is None or not energy.charge.is_flown:
             return 0.0
         return of_reserve(energy.now(is_en_route=True), facts, lasso) / UNITS_PER_WH
 

@@ -16,6 +16,7 @@ from companion.motion.departure import Departure, at_rest
 from companion.motion.profile import SpeedLimits
 from companion.planning.charger import UNITS_PER_WH, Charger
 from companion.planning.domain import REST_S, Action
+from companion.planning.energy.charge_source import ChargeSource, FullBattery
 from companion.planning.energy.model import EnergyModel
 from companion.planning.energy.ratio_estimate import KnownRatios, RatioEstimate
 from companion.planning.energy_check import place_of
@@ -39,10 +40,7 @@ class MissionEnergy:
     Attributes:
         model: in what is reckoned.
         here: says where the vehicle is, and how it moves, between places; a flight sets one.
-        level: says what there is at least; a full battery until a flight says otherwise.
-        most: says what there is at most.
-        is_flown: says whether the vehicle is in the air.
-        middle: says what there is, about.
+        charge: says what there is; a full battery until a flight has one of its own.
         known: what flights have taken so far of what the mission says.
         percents: by level, the charge of the battery.
     """
@@ -57,12 +55,9 @@ class MissionEnergy:
         assert battery is not None
         self._mission, self._ways, self._routes = mission, ways, ways.routes
         self._limits = limits or (lambda: mission.speed_limits)
-        self.model = model = EnergyModel(battery)
+        self.model = EnergyModel(battery)
         self.here: Callable[[], Departure | None] = lambda: None
-        self.level: Callable[[], int] = lambda: model.full
-        self.most: Callable[[], int] = lambda: model.full
-        self.middle: Callable[[], int] = lambda: model.full
-        self.is_flown: Callable[[], bool] = lambda: False
+        self.charge: ChargeSource = FullBattery(self.model.full)
         self.known = KnownRatios()
         self._charging: dict[str, NDArray[np.int64]] = {}
         self._docks: dict[str, None] = {}
@@ -131,7 +126,7 @@ class MissionEnergy:
                 floors[name] = self.model.reserve + min(least)
         rests = {name: self.model.reserve + landing for name, landing in landings.items()}
         rest = self.model.hovering(REST_S)
-        return Energy(self.level(), floors, rests, rest, self.percents)
+        return Energy(self.charge.least(), floors, rests, rest, self.percents)
 
     def with_reserve(self, energy: Energy, place: str, actions: Iterable[Action]) -> Energy:
         """The same, where in the air nothing is left above the reserve: that is for the landing.
@@ -145,7 +140,7 @@ class MissionEnergy:
             actions: of the problem.
         """
         floor = energy.floors.get(place := place or HERE)
-        if floor is None or not self.is_flown():
+        if floor is None or not self.charge.is_flown:
             return energy
         lent = max(floor, self._to_land_from(place, energy, actions)) - energy.level
         if energy.level >= floor:
@@ -208,7 +203,7 @@ class MissionEnergy:
         """Whether all charge but the reserve is needed to land at a safe place: no wait goes on."""
         needed = [drain for place in self.safe if (drain := self.to_land_at(place)) is not None]
         margin = self.model.reserve + self.model.hovering(WAITS_END_S)
-        return bool(needed) and self.level() < min(needed) + margin
+        return bool(needed) and self.charge.least() < min(needed) + margin
 
     def to_take_off(self) -> int:
         """What it takes to take off here, to the height of the nearest place."""

@@ -48,7 +48,7 @@ class Stretch:
         self.energy: Any = SimpleNamespace(
             known=KnownRatios(),
             model=SimpleNamespace(factor=1.0, full=7000),
-            middle=lambda: round(self.level),
+            charge=SimpleNamespace(middle=lambda: round(self.level)),
             left_to=lambda *_: self.ahead,
         )
         self.meter = EnergyMeter(self.flight, self.energy)

@@ -16,12 +16,24 @@ FAR = 50
 """Units above the reserve, or below."""
 
 
+class Told:
+    """A charge that is known exactly; fulfils `ChargeSource`."""
+
+    def __init__(self, level: int, is_flown: bool) -> None:
+        self._level, self.is_flown = level, is_flown
+
+    def least(self) -> int:
+        return self._level
+
+    most = middle = least
+
+
 def planner_at(missing: int, place: str = "B", is_flown: bool = True, **changes: Any) -> Planner:
     """With so much less than it takes to land at a safe place with the reserve left."""
     planner = Planner(load_mission(two_docks(**changes)))
     energy = energy_of(planner)
     level = energy.now(is_en_route=False).floors[place] - missing
-    energy.level, energy.is_flown = lambda: level, lambda: is_flown
+    energy.charge = Told(level, is_flown)
     return planner
 
 
@@ -37,7 +49,7 @@ def problem_at(planner: Planner, place: str = "B") -> Problem:
 def lent(planner: Planner, place: str = "B") -> int:
     energy = problem_at(planner, place).energy
     assert energy is not None
-    assert energy.level - energy.lent == energy_of(planner).level()
+    assert energy.level - energy.lent == energy_of(planner).charge.least()
     return energy.lent
 
 

@@ -1,0 +1,31 @@
+"""The charge of a flight that is supposed."""
+
+from __future__ import annotations
+
+from companion.acting.flight import Flight
+
+
+class SupposedCharge:
+    """What is supposed is exact; fulfils `ChargeSource`.
+
+    Attributes:
+        level: that there is now, in units of energy.
+
+    Args:
+        flight: says whether its plan has landed the vehicle.
+        level: see above.
+    """
+
+    def __init__(self, flight: Flight, level: int) -> None:
+        self._flight, self.level = flight, level
+
+    def least(self) -> int:
+        """The level."""
+        return self.level
+
+    most = middle = least
+
+    @property
+    def is_flown(self) -> bool:
+        """Whether the vehicle is in the air, by the plan."""
+        return not self._flight.progress.is_landed_by_plan
