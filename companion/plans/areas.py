@@ -4,6 +4,9 @@ A vehicle has to be in every inclusion area at once (PX4, and ArduPilot unless t
 is inside two convex polygons is one, found by clipping (Sutherland and Hodgman, 1974). Where one is
 not convex, what is inside both may have several parts; that is refused, unless the other contains
 it whole.
+
+All of it is reckoned in metres about a point near by: degrees are no plane, and across the 180th
+meridian they jump.
 """
 
 from __future__ import annotations
@@ -13,7 +16,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from companion.geometry import GlobalOrigin, NorthEast
+from companion.geometry import GlobalOrigin, NorthEast, is_in_polygon
+from companion.motion.polygons import do_overlap
 from companion.plans.route_plan import ItemRefused, LatLon, PlanArea
 
 SIDES = 32
@@ -51,6 +55,22 @@ def box(points: Sequence[LatLon], margin_m: float) -> tuple[LatLon, ...]:
     west, east = min(e for _, e in local) - margin_m, max(e for _, e in local) + margin_m
     corners = ((south, west), (south, east), (north, east), (north, west))
     return tuple(_degrees(about, corner) for corner in corners)
+
+
+def is_inside(point: LatLon, corners: Sequence[LatLon]) -> bool:
+    """Whether a point lies inside an area.
+
+    >>> is_inside((0.5, 180.0), [(0.0, 179.0), (0.0, -179.0), (1.0, -179.0), (1.0, 179.0)])
+    True
+    """
+    about = GlobalOrigin(*point, 0.0)
+    return is_in_polygon((0.0, 0.0), [_local(about, corner) for corner in corners])
+
+
+def do_meet(one: Sequence[LatLon], other: Sequence[LatLon]) -> bool:
+    """Whether two areas have a point in common."""
+    about = GlobalOrigin(*one[0], 0.0)
+    return do_overlap(*([_local(about, corner) for corner in area] for area in (one, other)))
 
 
 def common(areas: Sequence[PlanArea]) -> PlanArea:

@@ -18,9 +18,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from companion.geometry import is_in_polygon
-from companion.motion.polygons import do_overlap
-from companion.plans.areas import box, common
+from companion.plans.areas import box, common, do_meet, is_inside
 from companion.plans.draft_places import OTHER_HOME, Given, Places
 from companion.plans.draft_task import HOME, skills_of, task_of
 from companion.plans.route_plan import (
@@ -149,7 +147,7 @@ class _Drafting:
                 self.told.append(f"{len(inclusions)} inclusion areas: the fence is what all share")
         zones: dict[str, tuple[LatLon, ...]] = {}
         for area in self.plan.areas:
-            if not area.is_inclusion and not do_overlap(area.corners, fence):
+            if not area.is_inclusion and not do_meet(area.corners, fence):
                 self.told.append(f"{area.item}: lies outside the fence; left out")
             elif not area.is_inclusion:
                 name = area.name
@@ -166,10 +164,10 @@ class _Drafting:
         fence: tuple[LatLon, ...],
         zones: dict[str, tuple[LatLon, ...]],
     ) -> None:
-        if not is_in_polygon(place.position, fence):
+        if not is_inside(place.position, fence):
             raise ItemRefused(place.item, "is outside the fence of the plan", _to_move(place))
         for zone, corners in zones.items():
-            if is_in_polygon(place.position, corners):
+            if is_inside(place.position, corners):
                 raise ItemRefused(
                     place.item, f"is inside the exclusion area {zone}", _to_move(place)
                 )

@@ -192,15 +192,20 @@ def refusal_of(path: str, refused: Sequence[ItemRefused]) -> MissionError:
 
 
 def check_degrees(item: str, latitude: float, longitude: float) -> LatLon:
-    """A position, if there is such a one on the earth.
+    """A position, if there is such a one on the earth, with a longitude from -180 to 180.
+
+    Maps that are drawn across the 180th meridian count on beyond it.
+
+    >>> check_degrees("point 1", -16.8, 180.25)
+    (-16.8, -179.75)
 
     Raises:
         ItemRefused: there is none.
     """
-    if not (abs(latitude) <= 90 and abs(longitude) <= 180):
+    if not (abs(latitude) <= 90 and abs(longitude) <= 360):
         what = f"latitude {latitude:g}, longitude {longitude:g} is nowhere on the earth"
         raise ItemRefused(item, what, "are the two exchanged?")
-    return (latitude, longitude)
+    return (latitude, math.remainder(longitude, 360.0))
 
 
 def ring(item: str, corners: Iterable[LatLon]) -> tuple[LatLon, ...]:

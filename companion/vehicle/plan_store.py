@@ -8,6 +8,8 @@
 
 from __future__ import annotations
 
+import math
+
 from companion.mavlink.framing import Message
 from companion.mavlink.plan_transfer import PlanItem, PlanTransfer, TransferState
 from companion.vehicle.outcome import Failed, Outcome, Progress
@@ -21,6 +23,8 @@ GLOBAL_POSITION_S = 1.0
 LOCATE_S = 10.0
 ROUNDED, ROUNDED_M = 2, 0.01
 """What an autopilot's own numbers may make of a latitude, in 1e-7 degrees, and of a height."""
+TURN = 3_600_000_000
+"""Once around the earth, in 1e-7 degrees of longitude."""
 
 
 class PlanStore:
@@ -148,7 +152,7 @@ class PlanStore:
 
 def _is_same(one: PlanItem, other: PlanItem) -> bool:
     kinds = (one.command, one.frame, one.first), (other.command, other.frame, other.first)
-    apart = max(abs(one.x - other.x), abs(one.y - other.y))
+    apart = max(abs(one.x - other.x), abs(math.remainder(one.y - other.y, TURN)))
     return (
         kinds[0] == kinds[1]
         and apart <= ROUNDED

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from drawn import drawn
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from plan_files import HOME, RETURN, TAKE_OFF, imported, item, plan, polygon, square, waypoint
 
@@ -45,7 +45,7 @@ POINTS = st.lists(
 )
 
 
-ON_EARTH = st.tuples(st.floats(0.01, 66), st.floats(-179, 179), st.sampled_from([-1, 1])).map(
+ON_EARTH = st.tuples(st.floats(0.01, 66), st.floats(-180, 180), st.sampled_from([-1, 1])).map(
     lambda drawn: (drawn[0] * drawn[2], drawn[1])
 )
 AREA = ((-160, -30), (-160, 160), (160, 160), (160, -30))
@@ -53,6 +53,8 @@ AREA = ((-160, -30), (-160, 160), (160, 160), (160, -30))
 
 @settings(drawn(8), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(drawn=POINTS, home=ON_EARTH)
+@example(drawn=[(3, 4, 0.0, 20.0), (-5, 9, 0.0, 30.0)], home=(-16.8, 179.9995))
+@example(drawn=[(3, 4, 0.0, 20.0), (-5, 9, 0.0, 30.0)], home=(-16.8, -179.9999))
 def test_positions_survive_the_way_to_a_mission_and_back_to_a_centimetre(
     drawn: list[tuple[int, int, float, float]], home: tuple[float, float], tmp_path: Path
 ) -> None:

@@ -33,6 +33,12 @@ def test_a_centimetre_of_rounding_is_no_difference() -> None:
     assert store(WRITTEN, rounded).is_as_written()
 
 
+def test_rounding_across_the_180th_meridian_is_none() -> None:
+    east, west = replace(WRITTEN[0], y=1_800_000_000), replace(WRITTEN[0], y=-1_799_999_999)
+    assert store((east,), (west,)).is_as_written()
+    assert not store((east,), (replace(west, y=-1_799_999_990),)).is_as_written()
+
+
 @pytest.mark.parametrize(
     "other",
     [
