@@ -146,4 +146,4 @@ def test_a_charge_that_is_too_little_for_anything_is_told(
     path = written(tmp_path, MISSION.replace("capacity_wh: 20", "capacity_wh: 0.5"))
     ended = companion("plan", path)
     assert ended.code == 3
-    assert "no plan: the charge lasts for nothing from here" in ended.err
+    assert "no plan: nothing that begins here ends safely, the reserve left" in ended.err

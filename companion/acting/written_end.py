@@ -22,11 +22,15 @@ def failure_at_the_end(task: TaskState) -> NoPlanError | None:
 
 
 def _unmet_at_rest(task: TaskState) -> list[str]:
-    """The lines that must hold, and do not if the letter that was read last comes for ever."""
+    """The lines that must hold, and do not if the letter that was read last comes for ever.
+
+    One that has read nothing, as it began anew after that, reads what holds where the vehicle is.
+    """
     problem, histories = task.problem()
     unmet = dict.fromkeys(
         conjunct.name
         for conjunct, letters in zip(problem.conjuncts, histories, strict=True)
-        if not holds(conjunct.formula, letters[:-1], letters[-1:])
+        if conjunct.name not in task.optional
+        and not holds(conjunct.formula, letters[:-1], letters[-1:] or [task.all_facts])
     )
-    return [line for line in unmet if line not in task.optional]
+    return list(unmet)

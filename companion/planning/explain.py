@@ -129,7 +129,7 @@ class Explanation:
         together = " together" if len(self.conflict) > 1 else ""
         words = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
         if not names:  # there is always rest, but for the energy that it takes
-            words = ["no plan: the charge lasts for nothing from here, the reserve left."]
+            words = ["no plan: nothing that begins here ends safely, the reserve left."]
         for conjunct in self.conflict:
             place = f"  (line {lines[conjunct.name]})" if conjunct.name in lines else ""
             words.append(f"  {conjunct.name}: {conjunct.text}{place}")
@@ -187,6 +187,8 @@ def why_no_plan(
         shortages: says why the battery does not last for a problem without a plan.
         late: says which bounds cannot be kept in it.
     """
+    if problem.energy is not None and is_solvable(replace(problem, energy=None)) is False:
+        problem = replace(problem, energy=None)  # the battery is not the reason
     core = list(range(len(problem.conjuncts)))  # indices of a conflicting set
     for i in sorted(core, key=lambda i: not problem.automaton_states[i]):
         rest = [j for j in core if j != i]

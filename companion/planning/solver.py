@@ -20,7 +20,7 @@ from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
 from companion.planning.energy import search
 from companion.planning.energy.known_loops import KnownLoops
 from companion.planning.energy.ready_levels import is_cautious, without_ready
-from companion.planning.energy.shortage import shortages
+from companion.planning.energy.shortage import STRANDED, is_stranded, shortages
 from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
@@ -248,6 +248,8 @@ class Solver:
         energy = problem.energy
         if energy is None or not self._is_solvable_soon(replace(problem, energy=None)):
             return ()
+        if is_stranded(problem):
+            return (STRANDED,)
         now = math.floor(energy.percents[max(0, energy.level - energy.lent)])
         return (f"the charge, {now} %, is too little",)
 

@@ -17,7 +17,12 @@ from companion.planning.charger import UNITS_PER_WH
 from companion.planning.effort import Effort
 from companion.planning.energy.energy_product import EnergyProduct
 from companion.planning.energy.search import is_solvable
+from companion.planning.energy_check import place_of
 from companion.planning.lasso import Problem
+
+STRANDED = "no way leads from here to a safe place"
+FAR = 100
+"""Batteries that nobody flies with: what they do not last for is no matter of the charge."""
 
 
 def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ...]:
@@ -31,15 +36,29 @@ def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ..
     energy = problem.energy
     if energy is None or not search.is_solvable(replace(problem, energy=None), effort):
         return ()
+    if is_stranded(problem):
+        return (STRANDED,)
     full = replace(problem, energy=replace(energy, level=len(energy.percents) - 1))
     if is_solvable(search, full, effort):
         percent = math.ceil(energy.percents[_least(search, full, energy.level, effort)])
         now = math.floor(energy.percents[max(0, energy.level - energy.lent)])
         return (f"the charge, {now} %, is too little: from {percent} % on there is a plan",)
+    if (needed := _needed(search, full, effort)) is not None:
+        more = needed - (len(energy.percents) - 1)
+        return (
+            f"the way to its end takes {needed / UNITS_PER_WH:.1f} Wh with the reserve, "
+            f"{more / UNITS_PER_WH:.2f} Wh more than a full battery has",
+        )
     graph = EnergyProduct(problem, search.product(problem, effort, min_goals=sys.maxsize))
     components = accepting_components(graph.product)
     found = [line for nodes in components for line in _unserved(graph, nodes)]
     return tuple(dict.fromkeys(found)) or ("no charge lasts for the way there",)
+
+
+def is_stranded(problem: Problem) -> bool:
+    """Whether no way leads from the vehicle to a safe place, whatever the charge."""
+    energy = problem.energy
+    return energy is not None and energy.floor(place_of(problem.facts)) is None
 
 
 def _least(search: Search, full: Problem, level: int, effort: Effort) -> int:
@@ -51,6 +70,21 @@ def _least(search: Search, full: Problem, level: int, effort: Effort) -> int:
         asked = replace(full, energy=replace(full.energy, level=middle))
         low, high = (low, middle) if is_solvable(search, asked, effort) else (middle, high)
     return high
+
+
+def _needed(search: Search, full: Problem, effort: Effort) -> int | None:
+    """The least level above a full battery's with which there is a plan that charges nowhere.
+
+    None where the loop itself takes more than there is, or the task has docks, on which no battery
+    holds more than a full one.
+    """
+    if full.energy is None or any(action.charger is not None for action in full.actions):
+        return None
+    most = replace(full.energy, level=FAR * full.energy.level)
+    raised = replace(full, energy=most)
+    if not is_solvable(search, raised, effort):
+        return None
+    return _least(search, raised, full.energy.level, effort)
 
 
 def _unserved(graph: EnergyProduct, nodes: NDArray[np.intp]) -> Iterator[str]:

@@ -13,13 +13,13 @@ from companion.battery_profile import BatteryProfile
 from companion.mission.battery import MissionBattery
 from companion.mission.steps import Charge
 from companion.planning.builtin.search import Search
-from companion.planning.charger import Charger
+from companion.planning.charger import UNITS_PER_WH, Charger
 from companion.planning.domain import WAIT
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.energy.charged_actions import charged
 from companion.planning.energy.model import FACTOR, EnergyModel
 from companion.planning.energy.search import energy_solutions
-from companion.planning.energy.shortage import shortages
+from companion.planning.energy.shortage import STRANDED, shortages
 from companion.planning.energy_check import energy_fault, required_levels
 from companion.planning.lasso import Energy, Lasso, Problem
 
@@ -86,6 +86,32 @@ def test_without_a_dock_a_task_for_ever_has_none() -> None:
     assert shortages(Search(asked.actions), asked, BEFORE_FLIGHT) == (
         "the task goes on for ever, and nothing on its way charges",
     )
+
+
+@pytest.mark.parametrize("full", [5, 9, 12])
+def test_a_task_with_an_end_is_told_by_how_much_the_battery_is_too_small(full: int) -> None:
+    """There and back takes 10, and 3 are the reserve: with 13 there is a plan."""
+
+    def once(size: int) -> Problem:
+        asked = two_places(size)
+        moves = tuple(a for a in asked.actions if a.charger is None)
+        ends = asking("F at(A) & F G at(X)", moves, [{"at(X)"}])
+        return replace(ends, energy=asked.energy)
+
+    assert best(once(13)) is not None and best(once(full)) is None
+    (line,) = shortages(Search(once(full).actions), once(full), BEFORE_FLIGHT)
+    more = (13 - full) / UNITS_PER_WH
+    assert line == (
+        f"the way to its end takes 0.1 Wh with the reserve, {more:.2f} Wh more than a full "
+        "battery has"
+    )
+
+
+def test_where_no_way_leads_to_a_safe_place_the_charge_is_not_blamed() -> None:
+    asked = two_places(20)
+    assert asked.energy is not None
+    cut_off = replace(asked, energy=replace(asked.energy, floors={"A": 3}))
+    assert shortages(Search(asked.actions), cut_off, BEFORE_FLIGHT) == (STRANDED,)
 
 
 def test_a_task_without_a_plan_anyway_is_not_the_batterys_fault() -> None:
