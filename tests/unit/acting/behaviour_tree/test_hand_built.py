@@ -10,6 +10,7 @@ from sortie_rig import SortieRig
 from synthetic import POSITIONS, command, event, facts_of, mission, reading, skill
 
 from companion.acting.executive_states import TaskStatus
+from companion.acting.written_end import failure_at_the_end
 from companion.errors import CompanionError
 from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn
 from companion.flight_events.plans import WrittenTreeAdopted
@@ -96,6 +97,7 @@ def test_a_tree_that_has_violated_the_task_does_not_end_well(never: str, exit_co
     [
         ({"visit": "F at(A)", "later": "F at(B)"}, {}, "has not met later"),
         ({"visit": "F at(A)", "later": "F at(B)"}, {"later": 1}, None),
+        ({"visit": "F at(A)", "never": "G !at(A)"}, {"never": 1}, None),
         ({"again": "G F at(H)", "stay": "F G at(A)"}, {}, "has not met again"),
         (
             {"never": "G !at(A)", "later": "F at(B)", "calm": "G !at(C)"},
@@ -118,6 +120,18 @@ def test_a_tree_that_leaves_a_line_unmet_does_not_end_well(
     else:
         assert run.end.exit_code == 3
         assert run.failure.reason == f"the tree is done, and {told}"
+
+
+@pytest.mark.parametrize(("line", "is_met"), [("F at(H)", True), ("F at(A)", False)])
+def test_a_line_that_begins_anew_at_the_end_is_judged_by_where_the_vehicle_is(
+    line: str, is_met: bool
+) -> None:
+    """The position was left for a skill that has failed since."""
+    again = event("again", restarts=["go"])
+    task = Rig(replace(mission({"go": line}, events=[again]), tree=Steps(()))).flight.task
+    task.leave()
+    task.take(again, True)
+    assert (failure_at_the_end(task) is None) == is_met
 
 
 def test_a_belief_that_comes_back_does_not_stop_the_tree() -> None:
