@@ -9,7 +9,8 @@ from us; authority is watched from the first goal on, also while the vehicle is 
 When PX4 disarms it falls back to the mode that was chosen last and may be armed in: OFFBOARD after
 a flight, else the mode in which the vehicle stood at first. In OFFBOARD it arms with setpoints
 alone, so a vehicle that stands there is brought to hold first. That takes nothing from a pilot:
-OFFBOARD is nobody's but a companion's. Any other mode stays as it is.
+OFFBOARD is nobody's but a companion's. Any other mode stays as it is. It falls back once: where the
+vehicle has stood disarmed for FALLEN_BACK heartbeats, another mode was chosen by somebody.
 
 Source: PX4 v1.16 as observed, and its UserModeIntention.cpp.
 """
@@ -30,6 +31,10 @@ CUSTOM_MODE_ENABLED = 1.0  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 EFFECT_S = 12.0
 """Time within which a command has to have an effect: longer than ten tries with a second between
 them, or the 10 s after an IN_PROGRESS. A PX4 is armed, or shows another mode, within a second."""
+
+FALLEN_BACK = 3
+"""Heartbeats after a landing in which an autopilot has fallen back: a PX4 tells of the disarming
+and of the mode that follows in the same one, or in the next."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +79,8 @@ class Pursuit:
             is that our stream was lost.
         has_failed: it was given up; the goal may be pursued anew.
         underway_s: when the vehicle was last on its way; the start before that.
+        standing: heartbeats since the vehicle has landed for this goal, and is disarmed.
+        stands_in: the mode of the last of them.
     """
 
     goal: Goal
@@ -86,6 +93,8 @@ class Pursuit:
     asked: Approach | None = None
     has_failed: bool = False
     underway_s: float = field(init=False)
+    standing: int = 0
+    stands_in: Mode | None = None
 
     def __post_init__(self) -> None:
         self.underway_s = self.start_s
@@ -94,15 +103,19 @@ class Pursuit:
         """Takes a mode; whether the goal passes through it, so that nobody has taken control.
 
         The mode of the goal's start is ours until it was left. A vehicle that has landed for us
-        may fall back to the mode in which it stood at first.
+        may fall back to the mode in which it stood at first, and then stays in it.
         """
         passes = APPROACHES[self.goal].passes
+        has_landed = self.goal is Goal.LANDED and not is_armed
+        if has_landed and self.standing >= FALLEN_BACK and self.stands_in not in passes:
+            return mode is self.stands_in
+        falls_back = has_landed and mode in (Mode.LOITER, Mode.OFFBOARD, first_mode)
+        is_ours = mode in passes or mode in self.allowed or falls_back
         if mode in passes:
             self.allowed -= {self.start_mode} - passes
-            return True
-        has_landed = self.goal is Goal.LANDED and not is_armed
-        falls_back = has_landed and mode in (Mode.LOITER, Mode.OFFBOARD, first_mode)
-        return mode in self.allowed or falls_back
+        if has_landed and is_ours:
+            self.standing, self.stands_in = self.standing + 1, mode
+        return is_ours
 
     def overdue_s(self, now_s: float, mode: Mode) -> float | None:
         """Takes the mode; the time after which the goal has failed, None while it has not."""

@@ -12,7 +12,7 @@ import pytest
 from fakes import on_hold
 
 from companion.mavlink.framing import dialect
-from companion.vehicle.goals import APPROACHES, EFFECT_S, Pursuit
+from companion.vehicle.goals import APPROACHES, EFFECT_S, FALLEN_BACK, Pursuit
 from companion.vehicle.port import Goal, Mode
 
 NAN = math.nan
@@ -108,6 +108,25 @@ def test_only_what_has_landed_falls_back(goal: Goal, is_armed: bool, mode: Mode)
     passes = mode in APPROACHES[goal].passes
     falls_back = goal is Goal.LANDED and not is_armed and mode is not Mode.POSCTL
     assert begun.admits(mode, is_armed, Mode.ALTCTL) is (passes or falls_back)
+
+
+@pytest.mark.parametrize("fallen_back", [Mode.OFFBOARD, Mode.LOITER, Mode.ALTCTL])
+@pytest.mark.parametrize("chosen", [Mode.LOITER, Mode.LAND, Mode.OFFBOARD, Mode.ALTCTL])
+def test_what_stands_disarmed_falls_back_once(fallen_back: Mode, chosen: Mode) -> None:
+    """What is chosen later, on a dock or in a wait on the ground, somebody has chosen."""
+    landed = pursuit(Goal.LANDED, Mode.OFFBOARD)
+    landed.admits(Mode.LAND, True, Mode.ALTCTL)
+    for mode in (Mode.LAND, *[fallen_back] * FALLEN_BACK):
+        assert landed.admits(mode, False, Mode.ALTCTL)
+    assert landed.admits(chosen, False, Mode.ALTCTL) is (chosen is fallen_back)
+    assert landed.admits(fallen_back, False, Mode.ALTCTL)
+
+
+def test_one_that_says_late_where_it_falls_back_to_is_believed() -> None:
+    landed = pursuit(Goal.LANDED, Mode.OFFBOARD)
+    for mode in (*[Mode.LAND] * 20, Mode.LOITER):
+        assert landed.admits(mode, False, None)
+    assert not landed.admits(Mode.LAND, False, None)
 
 
 @pytest.mark.parametrize("goal", list(Goal))
