@@ -244,6 +244,7 @@ class Executive:
         After a skill that has failed on the ground it goes on in the air, as another plan would.
         """
         root.tick_once()
+        self._flight.hold_unless_told()
         self._tell_tree()
         tell_positions(self._flight)
         if root.status is Status.SUCCESS:
@@ -275,9 +276,8 @@ class Executive:
         """A part of making the plan that is due."""
         match self._replanner.step(due):
             case None:
-                is_explaining = self._replanner.is_explaining
-                explaining, replanning = ExecutiveState.EXPLAINING, ExecutiveState.REPLANNING
-                self.state = explaining if is_explaining else replanning
+                is_explaining, states = self._replanner.is_explaining, ExecutiveState
+                self.state = states.EXPLAINING if is_explaining else states.REPLANNING
             case ChosenPlan() as plan:
                 self._fly_on(plan, due.reason)
             case failure:

@@ -286,6 +286,11 @@ class Flight:
         elif state is not None and not state.is_landed:
             self._stream(_rest_at(self._not_above_band(state.position)), heading_rad)
 
+    def hold_unless_told(self) -> None:
+        """Holds where nothing was told in this tick, and the plan has the vehicle in the air."""
+        if self._streamed_s < self.now_s and not self.progress.is_landed_by_plan:
+            self.hold()
+
     def _not_above_band(self, position: Ned) -> Ned:
         """A position, or the highest one below it that is allowed, if that is a setpoint away."""
         north, east, down = position

@@ -84,7 +84,9 @@ TRANSITIONS = TransitionTable(
     StateTransition(_P.TASK, _E.CALLED_HOME, _P.RETURNING, "it leaves the task and flies home"),
     StateTransition(_P.PAUSED, _E.TASK_GOES_ON, _P.TASK, "a new plan is made from here"),
     StateTransition(_P.PAUSED, _E.RETURN_GOES_ON, _P.RETURNING, "it flies home from here"),
-    StateTransition(_P.PAUSED, _E.CALLED_HOME, _P.RETURNING, "it leaves the task and flies home"),
+    StateTransition(
+        _P.PAUSED, _E.CALLED_HOME, _P.RETURNING, "the same, but that a limit waits for its end"
+    ),
     StateTransition(_P.RETURNING, _E.PAUSED, _P.PAUSED, "it holds"),
     StateTransition(_P.RETURNING, _E.SATISFIED, _P.LANDING, _LANDS),
     StateTransition(_P.RETURNING, _E.NO_WAY_HOME, _P.HOLDING, "it holds, then lands where it is"),

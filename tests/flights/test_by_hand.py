@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 from lockstep import COMPANION, Lockstep
 
+from companion.api.simulating import world_of
+from companion.flight_events.facts import MissionEventChanged
+from companion.flight_events.plans import NoPlanFound
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached
-from companion.flight_events.sortie import Phase, PhaseEntered, ReturnedAsAsked
+from companion.flight_events.sortie import (
+    Phase,
+    PhaseEntered,
+    ReturnBegun,
+    ReturnedAsAsked,
+    SetpointRefused,
+)
 from companion.flight_events.word import PositionLeft
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
@@ -70,6 +81,49 @@ def test_after_a_pause_it_goes_on_with_what_was_under_way(undisturbed: Lockstep)
     assert flight.exit_code == 0
     assert flight.places == undisturbed.places
     assert word(flight) == word(undisturbed) != []
+
+
+OF_ITS_OWN = {
+    "version": 1,
+    "name": "meadow",
+    "limits": {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [29, -9], [29, 9], [-9, 9]]},
+    "places": {
+        "Home": {"east_m": 0, "north_m": 0, "up_m": 3},
+        "A": {"east_m": 20, "north_m": 0, "up_m": 3},
+    },
+    "sets": {"Place": ["Home", "A"]},
+    "events": {"alarm": {"when": "COMMAND.MAV_CMD_USER_3"}},
+    "skills": {
+        "move": {
+            "parameters": {"from": "Place", "to": "Place"},
+            "precondition": "at(from)",
+            "effect": "at(to) & !at(from)",
+            "execute": "fly(to)",
+        }
+    },
+    "initially": ["at(Home)"],
+    "task": {"visit": "F at(A)", "answer": "G (alarm -> F at(Home))"},
+}
+
+
+def fly_own(*nodes: str, **world: Any) -> Lockstep:
+    mission = load_mission(OF_ITS_OWN | {"tree": list(nodes)})
+    return Lockstep(mission, world_of(mission, {"version": 1, **world}), seed=1).until_the_end()
+
+
+def test_a_wait_is_held_by_the_tree_and_not_by_the_gate() -> None:
+    flight = fly_own("move(Home, A)", "wait(5)", "move(A, Home)")
+    assert flight.exit_code == 0 and not flight.of(SetpointRefused)
+    times_s = [setpoint.time_s for setpoint in flight.setpoints]
+    assert max(later - sooner for sooner, later in pairwise(times_s)) < 0.2
+
+
+def test_what_comes_on_the_way_home_after_a_tree_has_failed_changes_nothing() -> None:
+    alarm = {"at_s": 19, "operator": "MAV_CMD_USER_3"}
+    flight = fly_own("move(Home, A)", "at(Home)", happens=[alarm])
+    assert flight.time_of(ReturnBegun) < flight.time_of(MissionEventChanged, event="alarm")
+    assert flight.one(ReturnBegun) and not flight.of(NoPlanFound)
+    assert flight.ending.reason == "the tree has failed: not at(Home)"
 
 
 def test_called_home_in_a_pause_it_flies_home() -> None:

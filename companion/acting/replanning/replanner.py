@@ -267,8 +267,12 @@ class Replanner:
 
     @property
     def is_possible(self) -> bool:
-        """Whether there is a plan for the lines of the task that are never dropped."""
-        return self._plan_without(self._flight.task.optional) is not None
+        """Whether there is a plan for the lines of the task that are never dropped.
+
+        None is made for a mission with a tree of its own, whatever its task.
+        """
+        is_planned = self._planner.mission.tree is None
+        return is_planned and self._plan_without(self._flight.task.optional) is not None
 
     @property
     def line_to_take_up(self) -> str | None:
