@@ -116,7 +116,7 @@ def cheapest_plan(classical: ClassicalProblem, max_states: int = 200_000) -> lis
     return None
 
 
-class RowOutcome(NamedTuple):
+class Outcome(NamedTuple):
     """A cheapest plan, its lasso, and what is wrong with it."""
 
     names: list[str] | None
@@ -124,10 +124,10 @@ class RowOutcome(NamedTuple):
     fault: str | None = None
 
 
-def outcome(asked: Problem, classical: ClassicalProblem, past: str = "") -> RowOutcome:
+def outcome(asked: Problem, classical: ClassicalProblem, past: str = "") -> Outcome:
     """What the planner of a page finds, judged by the problem as it was asked."""
     names = cheapest_plan(classical)
     if names is None:
-        return RowOutcome(None)
+        return Outcome(None)
     lasso = decode(classical, names)
-    return RowOutcome(names, lasso, fault(asked, lasso, history(asked, past)))
+    return Outcome(names, lasso, fault(asked, lasso, history(asked, past)))
