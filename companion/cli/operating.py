@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import time
-from collections.abc import AsyncGenerator, AsyncIterator
+from collections.abc import AsyncGenerator, AsyncIterator, Mapping
 from contextlib import ExitStack, asynccontextmanager
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Annotated, Any
@@ -58,13 +58,15 @@ def upload(
 
     Exit code 0: accepted, 2: refused, 4: no link.
     """
+    from companion.cli.upload_files import remote_paths
     from companion.mission.files import files_of
     from companion.vehicle.endpoints import parse_url
 
     files = files_of(mission, mission.parent)
+    remotes = remote_paths(files, mission.parent)
     endpoint = parse_url(connect)
     with signing_of(signing_key, f"upload-{endpoint.name}", unsigned_vehicle) as signing:
-        asyncio.run(_upload(files, endpoint, system, signing, start, timeout))
+        asyncio.run(_upload(remotes, endpoint, system, signing, start, timeout))
 
 
 def watch(
@@ -114,7 +116,7 @@ async def _station(
 
 
 async def _upload(
-    files: tuple[Path, ...],
+    remotes: Mapping[Path, PurePosixPath],
     endpoint: Endpoint,
     number: int | None,
     signing: Signing | None,
@@ -123,12 +125,12 @@ async def _upload(
 ) -> None:
     from companion.mavlink.ftp_frames import crc32
 
-    *others, mission = files
+    *others, mission = remotes
     async with _station(endpoint, number, signing, timeout_s) as station:
         before = await station.verdict()
         for file in others:
-            await _send(station, file, mission.parent, is_needed=False)
-        await _send(station, mission, mission.parent, is_needed=True)
+            await _send(station, file, remotes[file], is_needed=False)
+        await _send(station, mission, remotes[mission], is_needed=True)
         verdict = await station.new_verdict(
             int(before["number"]) if before else 0, crc32(mission.read_bytes()), VERDICT_S
         )
@@ -141,9 +143,8 @@ async def _upload(
             await _start(station)
 
 
-async def _send(station: Station, file: Path, folder: Path, is_needed: bool) -> None:
+async def _send(station: Station, file: Path, remote: PurePosixPath, is_needed: bool) -> None:
     """Sends a file, unless it is there already and need not be sent again."""
-    remote = PurePosixPath("/", file.resolve().relative_to(folder.resolve()).as_posix())
     if not is_needed and await station.has(file, remote):
         typer.echo(f"there      {remote}")
         return

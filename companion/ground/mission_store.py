@@ -2,9 +2,8 @@
 
 A door: it opens files, all below one folder. Rules:
 1. A path is a list of names between slashes, from the root whether or not it begins with one.
-   A name has letters, digits, `_`, `-` and `.`, begins with a letter or digit, and a file's ends
-   as those of missions and their maps and domains do. So `..`, NUL, backslash and hidden files
-   are not names.
+   What a name may be is in `upload_names.py`. So `..`, NUL, backslash and hidden files are not
+   names.
 2. Each folder on the way is opened in the one before, and never through a symbolic link. So no
    path leaves the root, whatever lies there and whoever changes it meanwhile.
 3. A file has at most 256 KiB; there are at most 64 files and 64 folders, and 4 MiB in all.
@@ -19,23 +18,20 @@ from __future__ import annotations
 
 import errno
 import os
-import re
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from companion.ground.ftp_sessions import MAX_FILE_BYTES
+from companion.ground.upload_names import ENDINGS, MAX_DEPTH, NAME
 from companion.mavlink.ftp_frames import FtpRefusal, Nak
 
 VERDICT = "verdict.json"
 MAX_FILES = 64
 MAX_FOLDERS = 64
 MAX_TOTAL_BYTES = 4 * 1024 * 1024
-MAX_DEPTH = 4
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-_SUFFIXES = (".yaml", ".yml", ".pgm", ".png", ".pddl")
 _TEMPORARY = ".new"
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _NAKS = {
@@ -59,7 +55,7 @@ def names_of(path: str) -> tuple[str, ...]:
     ('maps', 'hall.yaml')
     """
     names = tuple(name for name in path.split("/") if name)
-    if len(names) > MAX_DEPTH or not all(map(_NAME.fullmatch, names)):
+    if len(names) > MAX_DEPTH or not all(map(NAME.fullmatch, names)):
         raise FtpRefusal(Nak.FILE_NOT_FOUND)
     return names
 
@@ -203,7 +199,7 @@ class MissionStore:
 
 def _listed(folder: int) -> list[tuple[str, os.stat_result]]:
     """Returns the files and folders in a folder that clients may know of."""
-    listed = [(name, _status(folder, name)) for name in os.listdir(folder) if _NAME.fullmatch(name)]
+    listed = [(name, _status(folder, name)) for name in os.listdir(folder) if NAME.fullmatch(name)]
     return [(n, s) for n, s in listed if stat.S_ISDIR(s.st_mode) or stat.S_ISREG(s.st_mode)]
 
 
@@ -224,7 +220,7 @@ def _check_ours(name: str) -> None:
 
 
 def _check_file_name(name: str) -> None:
-    if not name.endswith(_SUFFIXES):
+    if not name.endswith(ENDINGS):
         raise FtpRefusal(Nak.FILE_PROTECTED)
 
 

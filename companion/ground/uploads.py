@@ -42,6 +42,7 @@ from companion.ground.checking import CheckResult, MissionCheck, begin_check
 from companion.ground.ftp import FtpServer
 from companion.ground.ftp_sessions import Client
 from companion.ground.mission_store import VERDICT, MissionStore, names_of
+from companion.ground.upload_names import MISSION_ENDINGS
 from companion.ground.upload_states import (
     IN_CHECK,
     TRANSITIONS,
@@ -192,7 +193,7 @@ class Uploads:
 
     def _is_mission(self, name: str) -> bool:
         try:
-            is_yaml = name.endswith((".yaml", ".yml"))
+            is_yaml = name.endswith(MISSION_ENDINGS)
             return is_yaml and not _NO_MISSION.search(self._store.read(name))
         except FtpRefusal:  # it is gone again
             return False
