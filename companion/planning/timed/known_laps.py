@@ -8,6 +8,7 @@ left if no other is found.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 from companion.planning.domain import Action
 from companion.planning.lasso import Problem
@@ -23,6 +24,23 @@ _Charge = tuple[int, int] | None
 _KnownLap = tuple[tuple[str, _Charge], ...]
 """Names of actions, and how they charge."""
 _ByAction = dict[int, dict[int, list[tuple[TimedStep, int]]]]
+
+
+class _Way(NamedTuple):
+    """A step, and those before it."""
+
+    last: TimedStep
+    before: _Way | None
+
+    @property
+    def steps(self) -> list[TimedStep]:
+        """From the first one on."""
+        found, here = list[TimedStep](), self
+        while True:
+            found.append(here.last)
+            if here.before is None:
+                return found[::-1]
+            here = here.before
 
 
 class KnownLaps:
@@ -118,25 +136,37 @@ def _found_again(
         every_mark: that a lap has to meet.
     """
     for start in inside:
-        state, tried = start, set[int]()
-        while state not in tried:  # a loop of actions may lead to its cycle in some laps
-            tried.add(state)
-            steps, met = [], 0
-            here = state
-            for number, charge in known:
-                following = inside.get(here, {}).get(number)
-                if not following:
-                    break
-                step, marks = following[0]
-                if (charger := actions[number].charger) is not None and charge is not None:
+        steps = _round(inside, actions, known, start, every_mark)
+        lap = None if steps is None else lap_of(graph, steps)
+        if lap is not None:
+            yield lap
+            return
+
+
+def _round(
+    inside: _ByAction,
+    actions: Sequence[Action],
+    known: Sequence[tuple[int, _Charge]],
+    start: int,
+    every_mark: int,
+) -> list[TimedStep] | None:
+    """One round of some actions that leads back to a state and meets every mark; None without one.
+
+    All runs of the automata are followed, as one action may lead to several states.
+    """
+    reached: dict[int, dict[int, _Way | None]] = {start: {0: None}}  # by state and marks met
+    for number, charge in known:
+        after: dict[int, dict[int, _Way | None]] = {}
+        charger = actions[number].charger
+        for here, ways in reached.items():
+            for step, marks in inside.get(here, {}).get(number, ()):
+                if charger is not None and charge is not None:
                     step = charging(step, charger, *charge)
-                steps.append(step)
-                met |= marks
-                here = step.end
-            else:
-                if here == state and met == every_mark:
-                    lap = lap_of(graph, steps)
-                    if lap is not None:
-                        yield lap
-                    return
-                state = here
+                into = after.setdefault(step.end, {})
+                for met, way in ways.items():
+                    into.setdefault(met | marks, _Way(step, way))
+        if not after:
+            return None
+        reached = after
+    way = reached.get(start, {}).get(every_mark)
+    return None if way is None else way.steps
