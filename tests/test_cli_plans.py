@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from commands import Companion
-from plan_files import RETURN, TAKE_OFF, item, plan, waypoint
+from plan_files import HOME, RETURN, TAKE_OFF, at, item, plan, waypoint
 
 from companion import load_mission
 
@@ -33,7 +34,7 @@ def test_import_tells_what_it_has_made(field: Path, companion: Companion) -> Non
     assert ended.code == 0, ended.err
     assert ended.out.splitlines() == [
         "places     Home W2 W4",
-        "distances  up to 50 m from Home, 70 m from place to place",
+        "distances  70 m along the route, 50 m back to Home; up to 50 m from Home",
         "altitudes  20 to 20 m above home",
         "task       route: ordered_visit(W2, W4)",
         "task       home: F G at(Home)",
@@ -46,6 +47,47 @@ def test_import_tells_what_it_has_made(field: Path, companion: Companion) -> Non
     text = (field / "field.yaml").read_text(encoding="utf-8")
     assert all(line[11:] in text for line in ended.out.splitlines() if line.startswith("notice"))
     assert list(load_mission(field / "field.yaml").places) == ["Home", "W2", "W4"]
+
+
+@pytest.mark.parametrize(
+    ("items", "rally", "said"),
+    [
+        (
+            (waypoint(30, 0), waypoint(30, 40), RETURN),
+            (),
+            "70 m along the route, 50 m back to Home",
+        ),
+        ((waypoint(30, 0), waypoint(30, 40), RETURN), ((0, -60),), "70 m along the route, 50 m"),
+        ((waypoint(30, 0), waypoint(0, 0), waypoint(30, 0)), (), "90 m along the route, 30 m back"),
+        ((waypoint(30, 0), item(21, 0, 0, 0, None, *at(30, 40))), (), "70 m along the route; up"),
+        ((waypoint(30, 0), waypoint(0, 0), RETURN), (), "30 m along the route, 30 m back to Home"),
+        (
+            (waypoint(30, 0), waypoint(30, 40), item(177, 2, -1, frame=2)),
+            (),
+            "up to 50 m from Home",
+        ),
+        ((RETURN,), (), "up to 0 m from Home"),
+    ],
+)
+def test_the_route_is_as_long_as_what_is_flown(
+    items: Any, rally: Any, said: str, field: Path, companion: Companion
+) -> None:
+    content = plan(TAKE_OFF, *items, rally=[[*at(*point), 20] for point in rally])
+    (field / "field.plan").write_text(json.dumps(content), encoding="utf-8")
+    ended = companion(*IMPORT.split()[1:])
+    assert f"distances  {said}" in ended.out, ended
+
+
+def test_points_in_any_order_make_no_route_of_a_known_length(
+    field: Path, companion: Companion
+) -> None:
+    coordinates = [list(reversed(at(*point))) for point in ((30, 0), (30, 40))]
+    (field / "map.geojson").write_text(
+        json.dumps({"type": "MultiPoint", "coordinates": coordinates})
+    )
+    home = ",".join(map(str, HOME))
+    ended = companion("import", "map.geojson", "-o", "x.yaml", "--up-m", "9", "--home", home)
+    assert "distances  up to 50 m from Home\n" in ended.out, ended
 
 
 def test_a_refusal_names_the_item_and_writes_nothing(field: Path, companion: Companion) -> None:

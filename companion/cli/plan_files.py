@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -158,6 +157,15 @@ def _write(path: Path, text: str) -> None:
         raise CompanionError(f"cannot write {path}: {error.strerror or error}") from error
 
 
+def _along(route_m: tuple[float, float] | None) -> str:
+    """How far the flight leads; nothing where its order is left to the planner."""
+    if route_m is None:
+        return ""
+    there_m, back_m = route_m
+    back = f", {back_m:.0f} m back to Home" if back_m else ""
+    return f"{there_m:.0f} m along the route{back}; "
+
+
 def _tell(draft: Draft) -> None:
     """What was made of the file, in a few lines."""
     from companion.plans.route_plan import metres_between
@@ -165,9 +173,8 @@ def _tell(draft: Draft) -> None:
     places: dict[str, dict[str, Any]] = draft.data["places"]
     points = [(place["lat_deg"], place["lon_deg"]) for place in places.values()]
     far_m = max(metres_between(points[0], point) for point in points)
-    way_m = sum(metres_between(a, b) for a, b in pairwise(points))
     typer.echo(f"places     {' '.join(places)}")
-    typer.echo(f"distances  up to {far_m:.0f} m from Home, {way_m:.0f} m from place to place")
+    typer.echo(f"distances  {_along(draft.route_m)}up to {far_m:.0f} m from Home")
     for key, words in (("up_m", "above home"), ("amsl_m", "above the sea")):
         heights = [place[key] for place in places.values() if key in place]
         if heights:

@@ -50,11 +50,14 @@ class Draft:
         data: the mission.
         items: by the keys of a place, of the fence or of a keep-out zone, its name in the file.
         told: what its reader has to know.
+        route_m: how far the route leads, and then the way back to where it ends, in straight lines;
+            None where the plan leaves the order open.
     """
 
     data: dict[str, Any]
     items: dict[tuple[str, ...], str]
     told: list[str]
+    route_m: tuple[float, float] | None = None
 
 
 def draft(plan: RoutePlan, given: Given, name: str) -> Draft:
@@ -116,7 +119,7 @@ class _Drafting:
         data["task"] = task_of(plan, placed.stops, end)
         data["otherwise"] = {"land_at": [HOME, *safe]} if safe else "return_home"
         places = {("places", name): place.item for name, place in self.places.items()}
-        return Draft(data, self.items | places, self.told)
+        return Draft(data, self.items | places, self.told, placed.route_m)
 
     def _stops(self) -> Iterator[Callable[[], None]]:
         """Steps that add the waypoints, up to one place too many."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 from companion.geometry import FAR_M
@@ -153,6 +154,21 @@ class Places:
     def end(self) -> str:
         """The place where the flight ends; to be asked before repeated stops are dropped."""
         return self.stops[-1].place if self.stops and self.plan.lands_at_last else HOME
+
+    @property
+    def route_m(self) -> tuple[float, float] | None:
+        """How far it is along the stops, and then to where the flight ends, in straight lines.
+
+        None where there are no stops, or where their order is left to the planner. To be asked
+        after repeated stops are dropped.
+        """
+        is_fixed = self.plan.is_ordered or len(self.stops) == 1
+        if not self.stops or not is_fixed or self.plan.repeats_from is not None:
+            return None
+        names = [HOME, *(stop.place for stop in self.stops)]
+        points = [self.places[name].position for name in (*names, self.end)]
+        *legs_m, back_m = (metres_between(a, b) for a, b in pairwise(points))
+        return sum(legs_m), back_m
 
     @property
     def _landing(self) -> Waypoint | None:
