@@ -73,6 +73,8 @@ class Places:
         home = self.given.home or plan.home
         if self.given.home is None and plan.home_note:
             self.told.append(plan.home_note)
+        if home and plan.home and (away_m := metres_between(home, plan.home)) >= SAME_M:
+            self.told.append(f"home in the file is {away_m:.0f} m from --home, which counts")
         if home is None and first is not None:
             home = first.position
             self.told.append(f"{plan.kind} says nothing of home; it is put at {first.item}")

@@ -5,6 +5,8 @@ point. Points without a line are places in any order. One polygon without a `kin
 
     kind        of a polygon: fence or keep_out; of a point: place, home or rally;
                 of a line: route, loop (repeated for ever) or flown (left out)
+
+A point that is named Home, and says no kind, is home where no other one is of that kind.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from companion.plans.route_plan import (
 )
 
 FENCE, KEEP_OUT = "fence", "keep_out"
+HOME = "home"
 NO_WORD = re.compile(r"[^A-Za-z0-9_]+")
 
 
@@ -34,7 +37,8 @@ NO_WORD = re.compile(r"[^A-Za-z0-9_]+")
 class Drawn:
     """What the shapes up to now have drawn."""
 
-    home: Waypoint | None = None
+    homes: list[Waypoint] = field(default_factory=list)
+    named_home: list[Waypoint] = field(default_factory=list)
     points: list[Waypoint] = field(default_factory=list)
     route: list[Waypoint] = field(default_factory=list)
     repeats_from: int | None = None
@@ -69,10 +73,12 @@ class Point:
     def draw(self, drawn: Drawn) -> None:
         """As its kind says."""
         point = Waypoint(self.item, self.name, self.position, self.height, (), self.radius_m)
-        if self.kind in ("", "place"):
+        if not self.kind and self.name.lower() == HOME:
+            drawn.named_home.append(point)
+        elif self.kind in ("", "place"):
             drawn.points.append(point)
-        elif self.kind == "home":
-            drawn.home = point
+        elif self.kind == HOME:
+            drawn.homes.append(point)
         elif self.kind == "rally":
             drawn.rally.append(point)
         else:
@@ -164,9 +170,10 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
     if drawn.unnamed and sum(area.is_inclusion for area in drawn.areas) > 1:
         what = "is one of several polygons, and does not say what it is"
         raise ItemRefused(drawn.unnamed[-1], what, f"give it the kind {FENCE} or {KEEP_OUT}")
+    home, home_note = _home(drawn)
     check_points(len(drawn.route) + len(drawn.points) + len(drawn.rally))
     is_ordered = bool(drawn.route)
-    points = [*drawn.points, drawn.home] if drawn.home else drawn.points
+    points = [*drawn.points, home] if home else drawn.points
     waypoints = [_as_point(each, points) for each in drawn.route]
     on_the_line = {waypoint.item for waypoint in waypoints}
     waypoints += [point for point in drawn.points if point.item not in on_the_line]
@@ -176,9 +183,10 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
     route = waypoints[: len(drawn.route)] if is_ordered else waypoints
     return RoutePlan(
         kind=kind,
-        home=drawn.home.position if drawn.home else None,
-        takeoff=drawn.home.height if drawn.home else None,
-        takeoff_item=drawn.home.item if drawn.home else "",
+        home=home.position if home else None,
+        home_note=home_note,
+        takeoff=home.height if home else None,
+        takeoff_item=home.item if home else "",
         waypoints=tuple(route),
         is_ordered=is_ordered,
         repeats_from=drawn.repeats_from,
@@ -187,6 +195,24 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
         spare=tuple(waypoints[len(route) :]),
         told=tuple(drawn.told),
     )
+
+
+def _home(drawn: Drawn) -> tuple[Waypoint | None, str]:
+    """The point where the mission begins, and what is told of it.
+
+    Raises:
+        ItemRefused: there are several.
+    """
+    homes, named = drawn.homes, drawn.named_home
+    if homes:
+        drawn.points += named
+    if len(homes or named) > 1:
+        which = f"is a second point of the kind {HOME}" if homes else "is a second point named Home"
+        advice = f"leave one, or give one the kind {HOME} and the other ones the kind place"
+        raise ItemRefused((homes or named)[1].item, which, advice)
+    if homes:
+        return homes[0], ""
+    return (named[0], f"home is {named[0].item}, by its name") if named else (None, "")
 
 
 def _as_point(corner: Waypoint, points: Sequence[Waypoint]) -> Waypoint:

@@ -10,9 +10,12 @@ from plan_files import HOME, at, imported, square
 
 from companion import load_mission
 from companion.errors import MissionError
+from companion.plans.draft import Draft
 from companion.plans.draft_places import Given
+from companion.plans.route_plan import metres_between
 
 UP = Given(home=HOME, up_m=20.0)
+HIGH = Given(up_m=20.0)
 BEND = ((0, 0), (0, 9), (9, 9), (0, 0))
 
 
@@ -53,6 +56,53 @@ def test_points_have_their_names_heights_and_radii(tmp_path: Path) -> None:
     assert places["North_gate"].position == pytest.approx((30, 0, -12), abs=0.001)
     assert places["North_gate"].inner_m == 3.0 and "_7" in places
     assert draft.data["task"]["route"] == "F at(North_gate) & F at(_7)"
+
+
+LINE = feature("LineString", [lon_lat(30, 0), lon_lat(30, 40)])
+
+
+@pytest.mark.parametrize("name", ["Home", "home", " HOME "])
+@pytest.mark.parametrize("is_first", [True, False])
+def test_a_point_named_home_is_where_the_mission_begins(
+    name: str, is_first: bool, tmp_path: Path
+) -> None:
+    home = feature("Point", lon_lat(0, 0), name=name, up_m=8)
+    drawn = collection(*((home, LINE) if is_first else (LINE, home)))
+    text, draft = imported(tmp_path, drawn, "map.geojson", HIGH)
+    places = load_mission(text).places
+    assert list(places) == ["Home", "W1", "W2"]
+    assert places["Home"].position == pytest.approx((0, 0, -8), abs=0.001)
+    assert metres_between(position_of(draft, "Home"), HOME) < 0.01
+    assert any(f"home is feature {2 - is_first} (" in line for line in draft.told)
+
+
+def test_what_is_said_of_home_goes_before_a_name(tmp_path: Path) -> None:
+    named = feature("Point", lon_lat(0, 9), name="Home")
+    base = feature("Point", lon_lat(0, 0), name="Base", kind="home")
+    place = feature("Point", lon_lat(0, 9), name="Home", kind="place")
+    for drawn in (collection(named, LINE, base), collection(base, LINE, place)):
+        draft = imported(tmp_path, drawn, "map.geojson", HIGH)[1]
+        assert metres_between(position_of(draft, "Home"), HOME) < 0.01
+        assert metres_between(position_of(draft, "Home_"), at(0, 9)) < 0.01
+    given = Given(home=at(-9, 0), up_m=20.0)
+    draft = imported(tmp_path, collection(named, LINE), "map.geojson", given)[1]
+    assert metres_between(position_of(draft, "Home"), at(-9, 0)) < 0.01
+    assert "home in the file is 13 m from --home, which counts" in draft.told
+    assert list(draft.data["places"]) == ["Home", "W1", "W2"]
+
+
+def test_a_mission_begins_at_one_point(tmp_path: Path) -> None:
+    named = feature("Point", lon_lat(0, 9), name="home")
+    said = refusal(tmp_path, collection(named, named, LINE))
+    assert said.startswith("feature 2 (home): is a second point named Home")
+    base = feature("Point", lon_lat(0, 0), name="Base", kind="home")
+    said = refusal(tmp_path, collection(base, LINE, base))
+    assert said.startswith("feature 3 (Base): is a second point of the kind home")
+
+
+def position_of(draft: Draft, place: str) -> tuple[float, float]:
+    entry = draft.data["places"][place]
+    return entry["lat_deg"], entry["lon_deg"]
 
 
 def test_heights_above_the_ellipsoid_are_not_used(tmp_path: Path) -> None:

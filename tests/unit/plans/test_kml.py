@@ -65,6 +65,15 @@ def test_a_path_is_an_order_of_places_and_a_point_on_it_gives_its_name(tmp_path:
     assert len(mission.limits.fence) == 4
 
 
+def test_a_placemark_named_home_is_where_the_mission_begins(tmp_path: Path) -> None:
+    path = placemark(f"<LineString>{coordinates(at(30, 0), at(30, 40))}</LineString>", "Path")
+    home = placemark(f"<Point>{coordinates(HOME)}</Point>", "HOME")
+    text, draft = imported(tmp_path, kml(path, home), "map.kml", UP)
+    assert list(load_mission(text).places) == ["Home", "W1", "W2"]
+    assert load_mission(text).places["W1"].position == pytest.approx((30, 0, -20), abs=0.001)
+    assert "home is placemark 2 (HOME), by its name" in draft.told
+
+
 def test_points_without_a_path_are_visited_in_any_order(tmp_path: Path) -> None:
     points = [placemark(f"<Point>{coordinates(at(n, 9))}</Point>") for n in (20, -20)]
     given = Given(home=HOME, up_m=20.0)
