@@ -110,7 +110,8 @@ def _fitted(
     fitting.read(lambda: check_found(places, events, skills, sets, parts.initially, document))
     priorities = fitting.read(lambda: priorities_of(file, document))
     otherwise = fitting.read(lambda: read_otherwise(file, places, grid, vehicle, document))
-    tree = fitting.read(lambda: _tree(file, document, skills, sets, parts.vocabulary))
+    pulses = [name for name, event in events.items() if event.is_pulse]
+    tree = fitting.read(lambda: _tree(file, document, skills, sets, parts.vocabulary, pulses))
     ready = fitting.read(lambda: read_ready(file, document, task))
     fitting.tell()
     assert priorities is not None and otherwise is not None and ready is not None
@@ -152,13 +153,14 @@ def _tree(
     skills: Mapping[str, Skill],
     sets: Mapping[str, Collection[str]],
     vocabulary: Vocabulary,
+    pulses: Collection[str],
 ) -> Tree | None:
     if file.tree:
         if file.battery is not None:
             where = document.key_at("battery")
             hint = "leave battery: out, or tree:, so that the task is planned for"
             raise MissionError("a tree by hand keeps no reserve of the battery", where, hint)
-        return read_tree(file.tree, file.subtrees, document, skills, sets, vocabulary)
+        return read_tree(file.tree, file.subtrees, document, skills, sets, vocabulary, pulses)
     if file.subtrees:
         where = document.key_at("subtrees")
         raise MissionError("there are subtrees, and no tree", where, "add tree: [...] to use them")

@@ -93,6 +93,10 @@ def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) 
             if bound is not None and not bound.goal.atom.startswith(f"{AT}("):
                 what = f"{name} can only be ready for a place, and asks for {bound.goal}"
                 raise MissionError(what, where, "write it as G (alarm -> F[<=90s] at(A))")
+        for place in [b.goal.atom[len(AT) + 1 : -1] for b in bounds if b is not None]:
+            if place in file.places and file.places[place].found_by:
+                what = f"{name} cannot be ready: nobody knows where {place} is before it is found"
+                raise MissionError(what, where, "leave it out of ready:")
         if name in file.ready[:index]:
             raise MissionError(f"{name} is twice in ready", where, "remove one of the two")
         for is_wrong, what, hint in (

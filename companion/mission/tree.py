@@ -83,13 +83,21 @@ def read_tree(
     skills: Mapping[str, Skill],
     sets: Mapping[str, Collection[str]],
     vocabulary: Vocabulary,
+    pulses: Collection[str] = (),
 ) -> Tree:
     """Reads the tree under the key `tree`, and all subtrees.
+
+    Args:
+        data: under the key.
+        subtrees: by name, as they are written.
+        document: that all of it is from.
+        skills, sets, vocabulary: of the mission.
+        pulses: names of events that are there for a moment, which no node sees.
 
     Raises:
         MissionError: with the place of the first node that cannot be used.
     """
-    reader = _WrittenTreeReader(document, subtrees, skills, sets, vocabulary)
+    reader = _WrittenTreeReader(document, subtrees, skills, sets, vocabulary, pulses)
     for name in subtrees:
         reader.subtree(name, ("subtrees", name), ())
     tree = reader.node(data, ("tree",), ())
@@ -106,6 +114,7 @@ class _WrittenTreeReader:
     skills: Mapping[str, Skill]
     sets: Mapping[str, Collection[str]]
     vocabulary: Vocabulary
+    pulses: Collection[str]
     known: dict[str, Subtree] = field(default_factory=dict)
     extents: dict[str, Extent] = field(default_factory=dict)
 
@@ -260,6 +269,10 @@ class _WrittenTreeReader:
             self.vocabulary.check(text)
         facts = {True: set[Fact](), False: set[Fact]()}
         for literal in literals:
+            if (name := literal.atom.predicate) in self.pulses:
+                what = f"{name} is there for a moment, which no node of a tree sees"
+                hint = f"give {name} latch: true, or until:"
+                raise MissionError(what, self.document.where(*keys), hint)
             facts[literal.is_positive].add(literal.atom.instantiate({}))
         return Check(text, frozenset(facts[True]), frozenset(facts[False]))
 

@@ -16,7 +16,7 @@ the conjunct in the set, and the belief out.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from companion.errors import NoPlanError
@@ -49,14 +49,22 @@ NOTHING_MORE = WorldModel()
 """Neither events nor places without a route."""
 
 
-def world_of(mission: Mission, problem: Problem) -> WorldModel:
-    """What a problem does not say of its mission."""
+def world_of(
+    mission: Mission, problem: Problem, left_out: Collection[str] = frozenset()
+) -> WorldModel:
+    """What a problem does not say of its mission.
+
+    Args:
+        mission: of the problem.
+        problem: the problem.
+        left_out: names of moves that have a route, and that it does not have for another reason.
+    """
 
     def closed_moves(places: frozenset[str]) -> Iterator[Action]:
         def flight_time(origin: str, goal: str) -> float:
             return 0.0 if goal in places else math.inf
 
-        known = {action.name for action in problem.actions}
+        known = {action.name for action in problem.actions}.union(left_out)
         described = instantiate(mission, flight_time).actions
         anywhere = departures(mission, flight_time)
         return (action for action in (*described, *anywhere) if action.name not in known)

@@ -6,6 +6,9 @@ They are kept apart from the rest, which takes long to import.
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import TypeVar
+
+from companion.errors import CompanionError
 
 
 class Objective(StrEnum):
@@ -33,3 +36,20 @@ class Encoding(StrEnum):
     V1 = "v1"
     V4 = "v4"
     V5 = "v5"
+
+
+E = TypeVar("E", bound=StrEnum)
+
+
+def named(kind: type[E], name: str) -> E:
+    """The one of a name.
+
+    >>> named(Objective, "sum")
+    <Objective.SUM: 'sum'>
+
+    Raises:
+        CompanionError: there is none.
+    """
+    if name not in [each.value for each in kind]:
+        raise CompanionError(f"no {kind.__name__.lower()} {name!r}; there are {', '.join(kind)}")
+    return kind(name)

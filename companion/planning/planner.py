@@ -34,7 +34,7 @@ from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.flown_ways import FlownWays
 from companion.planning.instances import FlightTime, Instances, task_model
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
-from companion.planning.objective import Encoding, Objective
+from companion.planning.objective import Encoding, Objective, named
 from companion.planning.optional_lines import without_lines
 from companion.planning.solver import Solver
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
@@ -213,9 +213,9 @@ class Planner(Solver):
         at: str | None = None,
         facts: Iterable[str] = (),
         without: Iterable[str] = (),
-        objective: Objective = Objective.LAP,
+        objective: Objective | str = Objective.LAP,
         engine: str = BUILT_IN,
-        encoding: Encoding = Encoding.V4,
+        encoding: Encoding | str = Encoding.V4,
         timeout_s: float = 60.0,
     ) -> Solution:
         """The best plan from the mission's first state, or from one that differs from it.
@@ -231,7 +231,7 @@ class Planner(Solver):
             at: the place where the vehicle is; without it, where the mission begins.
             facts: what holds besides, e.g. `{"targetFound"}`; `"!loaded"` does not hold.
             without: beliefs that are withdrawn, e.g. `{"canUpload(r1)"}`.
-            objective: what is minimised.
+            objective: what is minimised, also by its name, `lap`, `sum` or `bottleneck`.
             engine: who plans: `built-in`, or an engine of unified-planning by its name.
             encoding: how another engine is told.
             timeout_s: what another engine may take.
@@ -240,8 +240,9 @@ class Planner(Solver):
             NoPlan: there is none; its `explanation` says why.
             MissionError: the mission does not know one of the names.
             SearchLimit: the search was given up: whether there is a plan is not known.
-            CompanionError: the engine failed.
+            CompanionError: the engine failed, or there is no such objective or encoding.
         """
+        objective, encoding = named(Objective, objective), named(Encoding, encoding)
         asked = self.initial_problem(at=at, facts=facts, without=without)
         problem, histories, dropped = self.kept(*asked)
         if engine == BUILT_IN:

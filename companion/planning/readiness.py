@@ -136,6 +136,12 @@ class Readiness:
         )
 
     @property
+    def left_out(self) -> frozenset[str]:
+        """The names of those that were asked for last, and are not allowed."""
+        actions, _ = self._last
+        return frozenset(a.name for a in actions) - {a.name for a in self._kept}
+
+    @property
     def too_far(self) -> tuple[str, ...]:
         """The places and docks that no action may lead to, in words, of those asked for last."""
         actions, _ = self._last

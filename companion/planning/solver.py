@@ -22,7 +22,7 @@ from companion.planning.energy.known_loops import KnownLoops
 from companion.planning.energy.ready_levels import is_cautious, without_ready
 from companion.planning.energy.shortage import STRANDED, is_stranded, shortages
 from companion.planning.energy_check import energy_fault
-from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
+from companion.planning.explain import Explanation, NoPlan, WorldModel, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.readiness import Readiness, ready_lines
@@ -94,7 +94,7 @@ class Solver:
             found = True
             yield solution
         if not found:
-            world = world_of(self.mission, problem)
+            world = self._world_of(problem)
             raise NoPlan(
                 why_no_plan(problem, self.is_solvable, world, self._shortages, self._late_bounds)
             )
@@ -131,12 +131,15 @@ class Solver:
             raise limit
         return None
 
+    def _world_of(self, problem: Problem) -> WorldModel:
+        return world_of(self.mission, problem, self._readiness.left_out)
+
     def explain_soon(self, problem: Problem) -> Explanation:
         """Why there is no plan, as far as searches in flight can tell."""
         return why_no_plan(
             problem,
             self._is_solvable_soon,
-            world=world_of(self.mission, problem),
+            world=self._world_of(problem),
             shortages=self._is_short_soon,
             late=self._is_late_soon,
         )
@@ -213,7 +216,7 @@ class Solver:
         """
         left_out = [each.line for each in dropped if each.line != line]
         asked, _ = optional_lines.without_lines(left_out, problem)
-        world = world_of(self.mission, asked)
+        world = self._world_of(asked)
         return why_no_plan(asked, self.is_solvable, world, late=self._late_bounds)
 
     def lines_to_drop(self, problem: Problem) -> tuple[DroppedLine, ...]:
@@ -255,12 +258,13 @@ class Solver:
 
     def _is_late_soon(self, problem: Problem) -> tuple[str, ...]:
         """The bounds without which there would be a plan; not the limits that could be kept."""
-        return tuple(
+        late = tuple(
             f"{conjunct.text} cannot be kept in time from here"
             for number, conjunct in enumerate(problem.conjuncts)
             if conjunct.bound is not None
             and self._is_solvable_soon(with_limit(problem, number, NO_LIMIT_MS))
         )
+        return *late, *self._readiness.too_far
 
     def _shortages(self, problem: Problem) -> tuple[str, ...]:
         short = shortages(self._search, problem, BEFORE_FLIGHT)

@@ -33,12 +33,15 @@ def supposed_facts(
     if place is not None:
         _check("place", [place], mission.places)
         state = frozenset(f for f in state if f.predicate != AT) | {at(place)}
-    literals = sorted(facts)
+    literals = sorted([facts] if isinstance(facts, str) else facts)
     if not literals:
         return state
     fails = [literal.removeprefix("!").strip() for literal in literals if literal.startswith("!")]
     holds = [literal for literal in literals if not literal.startswith("!")]
     _check("fact", [*holds, *fails], _known_facts(mission, model))
+    if moved := [name for name in holds if Fact.parse(name).predicate == AT]:
+        what = f"{moved[0]} cannot be supposed among other facts: the vehicle is at one place"
+        raise MissionError(what, hint="say the place: --at PLACE, or at= in Python")
     return state.union(map(Fact.parse, holds)).difference(fails)
 
 
@@ -48,7 +51,7 @@ def supposed_withdrawn(model: TaskModel, without: Iterable[str] = ()) -> frozens
     Raises:
         MissionError: no skill assumes one of them.
     """
-    names = sorted(without)
+    names = sorted([without] if isinstance(without, str) else without)
     _check("belief", names, model.beliefs)
     return frozenset(map(Fact.parse, names))
 

@@ -132,6 +132,15 @@ def test_a_subtree_is_defined_once_and_used_by_its_name(load: Load, good: str) -
     assert tree == Steps((Subtree("visit", Steps((Act("move(*, A)"), see))), see))
 
 
+@pytest.mark.parametrize("node", ["called", "{watch: '!called', do: [found]}"])
+def test_what_is_there_for_a_moment_no_node_sees(load: Load, good: str, node: str) -> None:
+    called = "events:\n  called: {when: COMMAND.MAV_CMD_USER_3%s}"
+    latched = good.replace("events:", called % ", latch: true")
+    assert load(with_tree(latched, f"  - {node}")).tree is not None
+    with pytest.raises(MissionError, match="called is there for a moment"):
+        load(with_tree(good.replace("events:", called % ""), f"  - {node}"))
+
+
 @pytest.mark.parametrize(
     ("subtrees", "tree", "line", "what"),
     [

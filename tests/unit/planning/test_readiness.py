@@ -69,6 +69,7 @@ def test_places_that_are_too_far_are_named() -> None:
         "has 29 s",
     )
     assert "B is too far for answer" in str(none.value)
+    assert none.value.explanation.no_route == ()  # there is one, which takes too long
 
 
 def test_a_way_that_is_closed_is_none() -> None:
@@ -104,6 +105,9 @@ BASE: dict[str, Any] = {
 }
 
 
+AWAY = {"east_m": 5, "north_m": 0, "up_m": 2, "radius_m": 3, "found_by": "alarm"}
+
+
 @pytest.mark.parametrize(
     ("change", "what"),
     [
@@ -128,6 +132,14 @@ BASE: dict[str, Any] = {
             "ready[0]: answer may be dropped, so no plan keeps it ready",
         ),
         ({"tree": ["stay(H)"]}, "ready[0]: answer stands beside a tree by hand"),
+        (
+            {
+                "places": BASE["places"] | {"P": AWAY},
+                "events": {"alarm": {"when": "EVENT[p] > 0", "latch": True}},
+                "task": {"answer": "G (alarm -> F[<=90s] at(P))", "home": "G F at(H)"},
+            },
+            "ready[0]: answer cannot be ready: nobody knows where P is before it is found",
+        ),
     ],
 )
 def test_what_cannot_be_ready_is_refused(change: dict[str, Any], what: str) -> None:

@@ -6,11 +6,12 @@ from collections.abc import Collection
 
 import pytest
 
-from companion.errors import MissionError
+from companion.errors import CompanionError, MissionError
 from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.flight_times import flight_times
 from companion.planning.flown_ways import FlownWays
+from companion.planning.objective import Objective
 from companion.planning.planner import Planner
 
 
@@ -61,3 +62,24 @@ def test_a_name_that_the_mission_does_not_know(
     for ask in (planner.plan, planner.explain):
         with pytest.raises(MissionError, match=f"(?s){what}.*{hint}"):
             ask(at=at, facts=facts, without=without)
+
+
+@pytest.mark.parametrize("said", [{"at(A)"}, {"targetFound", "at(Home)"}])
+def test_where_the_vehicle_is_is_no_fact_among_others(planner: Planner, said: set[str]) -> None:
+    """It would be at two places."""
+    with pytest.raises(MissionError, match="the vehicle is at one place"):
+        planner.plan(facts=said)
+
+
+def test_one_name_is_one_name(planner: Planner) -> None:
+    """And not its letters."""
+    assert planner.plan(facts="targetFound") == planner.plan(facts={"targetFound"})
+    with pytest.raises(MissionError, match="no belief canUpload"):
+        planner.plan(without="canUpload")
+
+
+def test_objectives_have_names(planner: Planner) -> None:
+    found = planner.plan(facts={"targetFound"}, objective="sum")
+    assert found.objective is Objective.SUM
+    with pytest.raises(CompanionError, match="no objective 'smu'; there are lap, sum, bottleneck"):
+        planner.plan(objective="smu")
