@@ -35,7 +35,9 @@ def import_(
     ] = None,
     up_m: Annotated[
         float | None,
-        typer.Option(help="Metres above home, for what has no height in FILE.", min=1.0),
+        typer.Option(
+            help="Metres above home, for what has no height in FILE that can be used.", min=1.0
+        ),
     ] = None,
     payload: Annotated[
         int | None,

@@ -92,6 +92,7 @@ class _Drafting:
         if plan.unaddressed and given.payload is None:
             raise ItemsRefused(plan.unaddressed)
         self.told += plan.told
+        self._placed.tell_unused()
         placed = self._placed
         check_points(len(plan.waypoints) + len(plan.rally) + len(plan.spare))
         _all(partial(placed.with_height, waypoint) for waypoint in placed.of_known_height())
@@ -208,7 +209,9 @@ class _Drafting:
         zones: dict[str, tuple[LatLon, ...]],
     ) -> str | None:
         """The place at a point, which may be new; None where the vehicle may not be."""
-        height = point.height or self.places[HOME].height
+        height = point.height
+        if height is None and self.given.up_m is None:
+            height = self.places[HOME].height
         placed = self._placed.with_height(replace(point, height=height))
         try:
             self._check_inside(placed, fence, zones)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -17,6 +17,7 @@ from companion.plans.route_plan import (
     LatLon,
     RoutePlan,
     Send,
+    UnusedHeight,
     Waypoint,
     are_same,
     metres_between,
@@ -86,7 +87,8 @@ class Places:
             what = "says nothing of how high to fly"
             raise ItemRefused("", what, "say how high above home: --up-m 20")
         says_height = plan.takeoff_item if plan.takeoff else first.item if first else "home"
-        placed = self.with_height(Waypoint(says_height, HOME, home, height))
+        unused = first.unused if first else None
+        placed = self.with_height(Waypoint(says_height, HOME, home, height, unused=unused))
         self.places[HOME] = replace(placed, item="home")
         if plan.start_acts:
             self.stops.append(RouteStop(HOME, self._sent(plan.start_acts), "start"))
@@ -230,6 +232,9 @@ class Places:
         if height is None:
             if self.given.up_m is None:
                 what = "has no altitude above home or above the sea"
+                if waypoint.unused is not None:
+                    what = f"its altitude is {_in_words([waypoint.unused])}, and a mission knows"
+                    what += " altitudes above home or above the sea alone"
                 raise ItemRefused(waypoint.item, what, "say how high above home: --up-m 20")
             return replace(waypoint, height=Height(self.given.up_m))
         if height.is_amsl:
@@ -252,6 +257,16 @@ class Places:
         if place.height.is_amsl == other.height.is_amsl:
             return abs(place.height.metres - other.height.metres) >= SAME_M
         return self._home_amsl_m is None or abs(self.up_m(place) - self.up_m(other)) >= SAME_M
+
+    def tell_unused(self) -> None:
+        """That heights of the file are not used, and what stands in their place."""
+        up_m = self.given.up_m
+        instead = "the height of Home" if up_m is None else f"{up_m:g} m above home, by --up-m"
+        for above in dict.fromkeys(each.above for each in self.plan.unused):
+            heights = [each for each in self.plan.unused if each.above == above]
+            those = "1 altitude" if len(heights) == 1 else f"{len(heights)} altitudes"
+            words = _in_words(heights)
+            self.told.append(f"not used: {those} of the file, {words}; in place of that {instead}")
 
     @property
     def _home_amsl_m(self) -> float | None:
@@ -287,3 +302,13 @@ class Places:
             key: round(place.height.metres, 3),
             "radius_m": round(min(radius_m, 50.0), 2),
         }
+
+
+def _in_words(heights: Sequence[UnusedHeight]) -> str:
+    """Heights above the same.
+
+    >>> _in_words([UnusedHeight(metres, " above the ground") for metres in (12.0, 25.0, 18.0)])
+    '12 to 25 m above the ground'
+    """
+    low_m, high_m = (choose(each.metres for each in heights) for choose in (min, max))
+    return f"{low_m:g}{f' to {high_m:g}' if high_m > low_m else ''} m{heights[0].above}"

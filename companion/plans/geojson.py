@@ -1,9 +1,10 @@
 """GeoJSON (RFC 7946) as a flight plan: points, lines and polygons with their properties.
 
 Coordinates are [lon, lat]. A third one is metres above the ellipsoid, which is tens of metres from
-the sea and from home; it is not used. Heights are properties: `up_m` above home, `amsl_m` above the
-sea. Other properties: `name`, `kind` (shapes.py), `radius_m`. A MultiPoint, MultiLineString or
-MultiPolygon is its parts, one by one; mapping tools save single polygons as MultiPolygons.
+the sea and from home; it is not used, and that is told. Heights are properties: `up_m` above home,
+`amsl_m` above the sea. Other properties: `name`, `kind` (shapes.py), `radius_m`. A MultiPoint,
+MultiLineString or MultiPolygon is its parts, one by one; mapping tools save single polygons as
+MultiPolygons.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ from companion.plans.route_plan import (
     ItemRefused,
     LatLon,
     RoutePlan,
+    UnusedHeight,
     check_degrees,
     check_points,
 )
-from companion.plans.shapes import Line, Point, Polygon, Shape, plan_of, word
+from companion.plans.shapes import DrawnHeight, Line, Point, Polygon, Shape, plan_of, word
 
 WGS84 = ("CRS84", "4326")
 SPLIT = "split it into features of one shape each"
@@ -45,13 +47,11 @@ def read_geojson(text: str) -> RoutePlan:
         features = [read_json(text)]
     else:
         features = [{"type": "Feature", "properties": {}, "geometry": read_json(text)}]
-    told: list[str] = []
     entries = enumerate(features, 1)
-    shapes = [shape for index, entry in entries for shape in _shapes(entry, index, told)]
-    return plan_of("GeoJSON", shapes, told)
+    return plan_of("GeoJSON", [each for index, entry in entries for each in _shapes(entry, index)])
 
 
-def _shapes(entry: Any, index: int, told: list[str]) -> Iterator[Shape]:
+def _shapes(entry: Any, index: int) -> Iterator[Shape]:
     """The shapes of a feature."""
     feature = JsonObject(entry, f"feature {index}")
     if feature.text("type") != "Feature":
@@ -66,8 +66,6 @@ def _shapes(entry: Any, index: int, told: list[str]) -> Iterator[Shape]:
     if what not in (*PARTS, *PARTS.values()):
         raise ItemRefused(item, f"is a {what[:40]}, not a Point, LineString or Polygon", SPLIT)
     coordinates = geometry.list("coordinates")
-    if _height(properties) is None and _has_third(coordinates):
-        told.append(f"{item}: the third coordinate is above the ellipsoid, and is not used")
     if what not in PARTS:
         yield _shape(what, coordinates, JsonObject(properties.data, item), name, f"P{index}")
         return
@@ -86,14 +84,14 @@ def _shape(
     """One shape, by the name of its geometry in RFC 7946."""
     item = properties.item
     kind = properties.text("kind") if "kind" in properties else ""
-    height = _height(properties)
+    said = _height(properties)
     if what == "Point":
         radius_m = properties.number("radius_m") if "radius_m" in properties else None
-        position = _position(coordinates, item)
+        position, height = _corner(coordinates, item, said)
         return Point(item, name or point_name, kind, position, height, radius_m)
     if what == "LineString":
         check_points(len(coordinates))
-        corners = tuple((_position(each, item), height) for each in coordinates)
+        corners = tuple(_corner(each, item, said) for each in coordinates)
         return Line(item, name, kind, corners)
     check_points(sum(len(_list(one, item)) for one in coordinates))
     rings = [tuple(_position(each, item) for each in one) for one in coordinates]
@@ -108,15 +106,17 @@ def _list(value: Any, item: str) -> list[Any]:
     return value
 
 
-def _has_third(coordinates: Any) -> bool:
-    while isinstance(coordinates, list) and coordinates and isinstance(coordinates[0], list):
-        coordinates = coordinates[0]
-    return isinstance(coordinates, list) and len(coordinates) > 2
-
-
 def _position(value: Any, item: str) -> LatLon:
-    longitude, latitude = numbers(value, item, "a position", 2)[:2]
-    return check_degrees(item, latitude, longitude)
+    return _corner(value, item, None)[0]
+
+
+def _corner(value: Any, item: str, said: Height | None) -> tuple[LatLon, DrawnHeight]:
+    """A position, and its height: the one that the properties say, or one that is not used."""
+    longitude, latitude, *rest = numbers(value, item, "a position", 2)
+    height: DrawnHeight = said
+    if said is None and rest and rest[0] != 0:
+        height = UnusedHeight(rest[0], " above the ellipsoid (third coordinate)")
+    return check_degrees(item, latitude, longitude), height
 
 
 def _height(properties: JsonObject) -> Height | None:

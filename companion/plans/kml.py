@@ -4,8 +4,9 @@ The text goes through expat directly, which says line and column of what is not 
 document type is refused as soon as it begins: entities are declared nowhere else, so none is ever
 expanded, and nothing is fetched. Depth, elements and characters are limited.
 
-Heights count where altitudeMode is absolute (above the sea, as QGroundControl takes it); by default
-a shape is clamped to the ground, and has none. A placemark's `kind` may stand in its ExtendedData.
+Heights count where altitudeMode is absolute (above the sea, as QGroundControl takes it). By default
+a shape is clamped to the ground, and has none; a number that stands there all the same, and one
+above the ground, is not used, and that is told. A placemark's `kind` may stand in its ExtendedData.
 
 Source: OGC 12-007r2 (KML 2.3), sections 9 to 11.
 """
@@ -24,10 +25,11 @@ from companion.plans.route_plan import (
     ItemRefused,
     LatLon,
     RoutePlan,
+    UnusedHeight,
     check_degrees,
     check_points,
 )
-from companion.plans.shapes import Line, Point, Polygon, Shape, plan_of, word
+from companion.plans.shapes import DrawnHeight, Line, Point, Polygon, Shape, plan_of, word
 
 MAX_DEPTH = 60
 MAX_ELEMENTS = 100_000
@@ -43,6 +45,13 @@ UNREADABLE = (
     ValueError,
 )
 """What reading an archive may raise."""
+ABSOLUTE, CLAMPED = "absolute", frozenset({"clampToGround", "clampToSeaFloor"})
+ABOVE = {
+    "relativeToGround": " above the ground",
+    "relativeToSeaFloor": " above the sea floor",
+    "clampToGround": ", clamped to the ground",
+    "clampToSeaFloor": ", clamped to the sea floor",
+}
 
 
 @dataclass
@@ -85,12 +94,11 @@ def read_kml(data: bytes) -> RoutePlan:
     if root.tag != "kml":
         raise ItemRefused("", f"is XML, but no KML: it begins with {root.tag[:40]}")
     shapes: list[Shape] = []
-    told: list[str] = []
     for index, placemark in enumerate(root.all("Placemark"), 1):
-        shapes.extend(_shapes(placemark, index, told))
+        shapes.extend(_shapes(placemark, index))
     if not shapes:
         raise ItemRefused("", "has no placemark with a Point, LineString or Polygon", "draw one")
-    return plan_of("KML", shapes, told)
+    return plan_of("KML", shapes)
 
 
 def read_kmz(data: bytes) -> RoutePlan:
@@ -158,7 +166,7 @@ class _Builder:
         self._open[-1].texts.append(text)
 
 
-def _shapes(placemark: Element, index: int, told: list[str]) -> Iterator[Shape]:
+def _shapes(placemark: Element, index: int) -> Iterator[Shape]:
     """The shapes of a placemark."""
     name = placemark.child("name")
     spelt = word(name.text) if name else ""
@@ -168,7 +176,7 @@ def _shapes(placemark: Element, index: int, told: list[str]) -> Iterator[Shape]:
     item = f"placemark {index}" + (f" ({spelt})" if spelt else "")
     found = list(placemark.all("Point", "LineString", "Polygon", "LinearRing", "Model", "Track"))
     for geometry in found:
-        corners = _Corners(item, geometry, told)
+        corners = _Corners(item, geometry)
         if geometry.tag == "Point":
             ((position, height),) = corners.of(geometry)[:1]
             yield Point(item, spelt or f"P{index}", said, position, height)
@@ -186,8 +194,8 @@ def _shapes(placemark: Element, index: int, told: list[str]) -> Iterator[Shape]:
 class _Corners:
     """The coordinates of a geometry."""
 
-    def __init__(self, item: str, geometry: Element, told: list[str]) -> None:
-        self._item, self._told = item, told
+    def __init__(self, item: str, geometry: Element) -> None:
+        self._item = item
         mode = geometry.child("altitudeMode")
         self._mode = mode.text if mode else "clampToGround"
 
@@ -196,7 +204,7 @@ class _Corners:
             raise ItemRefused(self._item, "is a polygon without a LinearRing", "draw it anew")
         return tuple(position for position, _ in self.of(ring))
 
-    def of(self, element: Element) -> list[tuple[LatLon, Height | None]]:
+    def of(self, element: Element) -> list[tuple[LatLon, DrawnHeight]]:
         coordinates = element.child("coordinates")
         if coordinates is None or not coordinates.text:
             raise ItemRefused(self._item, f"its {element.tag} has no coordinates", "draw it anew")
@@ -204,15 +212,21 @@ class _Corners:
         check_points(len(corners))
         return [self._corner(text) for text in corners]
 
-    def _corner(self, text: str) -> tuple[LatLon, Height | None]:
+    def _corner(self, text: str) -> tuple[LatLon, DrawnHeight]:
         try:
             longitude, latitude, *rest = map(float, text.split(","))
         except ValueError:
             what = f"{text[:40]!r} is no position"
             raise ItemRefused(self._item, what, "KML has lon,lat[,alt] between blanks") from None
         position = check_degrees(self._item, latitude, longitude)
-        if self._mode != "absolute" or not rest:
-            return position, None
-        if not abs(rest[0]) < 100_000:
-            raise ItemRefused(self._item, f"the altitude {rest[0]:g} is nowhere")
-        return position, Height(rest[0], True)
+        return position, self._height(rest[0]) if rest else None
+
+    def _height(self, metres: float) -> DrawnHeight:
+        if self._mode in CLAMPED and metres == 0:
+            return None
+        if not abs(metres) < 100_000:
+            raise ItemRefused(self._item, f"the altitude {metres:g} is nowhere")
+        if self._mode == ABSOLUTE:
+            return Height(metres, True)
+        above = ABOVE.get(self._mode, " above something else")
+        return UnusedHeight(metres, f"{above} (altitudeMode {self._mode[:40]})")

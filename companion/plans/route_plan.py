@@ -43,6 +43,19 @@ class Height:
 
 
 @dataclass(frozen=True, slots=True)
+class UnusedHeight:
+    """A height that a file has, above something of which a mission does not know where it is.
+
+    Attributes:
+        metres: as the file has it.
+        above: what it is above, with what leads over to it: " above the ground".
+    """
+
+    metres: float
+    above: str
+
+
+@dataclass(frozen=True, slots=True)
 class Hold:
     """Stay for a time."""
 
@@ -87,6 +100,7 @@ class Waypoint:
         item: its name in messages, e.g. "item 7".
         name: a name for its place, a word.
         radius_m: that the file asks for; None if it does not.
+        unused: what the file has in place of a height that counts.
     """
 
     item: str
@@ -95,6 +109,7 @@ class Waypoint:
     height: Height | None
     acts: tuple[Act, ...] = ()
     radius_m: float | None = None
+    unused: UnusedHeight | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +142,7 @@ class RoutePlan:
         areas: inclusions and exclusions.
         rally: rally points; they have no acts.
         spare: other points that nothing flies to; so have they.
+        unused: heights of the file in whose place others stand.
         told: what a reader of the mission has to know, a line each.
         unaddressed: the commands for payloads, as they are refused where nobody says who gets them.
         correction: what to do about an item that cannot be meant.
@@ -147,6 +163,7 @@ class RoutePlan:
     areas: tuple[PlanArea, ...] = ()
     rally: tuple[Waypoint, ...] = ()
     spare: tuple[Waypoint, ...] = ()
+    unused: tuple[UnusedHeight, ...] = ()
     told: tuple[str, ...] = ()
     unaddressed: tuple[ItemRefused, ...] = ()
     correction: str = "correct it in the program that has drawn it"

@@ -22,6 +22,7 @@ from companion.plans.route_plan import (
     LatLon,
     PlanArea,
     RoutePlan,
+    UnusedHeight,
     Waypoint,
     are_same,
     check_points,
@@ -30,6 +31,8 @@ from companion.plans.route_plan import (
 
 FENCE, KEEP_OUT = "fence", "keep_out"
 HOME = "home"
+DrawnHeight = Height | UnusedHeight | None
+"""What a file says of how high a point is."""
 NO_WORD = re.compile(r"[^A-Za-z0-9_]+")
 
 
@@ -67,12 +70,12 @@ class Point:
     name: str
     kind: str
     position: LatLon
-    height: Height | None
+    height: DrawnHeight
     radius_m: float | None = None
 
     def draw(self, drawn: Drawn) -> None:
         """As its kind says."""
-        point = Waypoint(self.item, self.name, self.position, self.height, (), self.radius_m)
+        point = _waypoint(self.item, self.name, self.position, self.height, self.radius_m)
         if not self.kind and self.name.lower() == HOME:
             drawn.named_home.append(point)
         elif self.kind in ("", "place"):
@@ -92,7 +95,7 @@ class Line:
     item: str
     name: str
     kind: str
-    corners: tuple[tuple[LatLon, Height | None], ...]
+    corners: tuple[tuple[LatLon, DrawnHeight], ...]
 
     def draw(self, drawn: Drawn) -> None:
         """Each corner is a waypoint."""
@@ -110,7 +113,7 @@ class Line:
         first = len(drawn.route)
         for index, (position, height) in enumerate(self.corners, 1):
             item = f"corner {index} of {self.item}"
-            drawn.route.append(Waypoint(item, f"W{first + index}", position, height))
+            drawn.route.append(_waypoint(item, f"W{first + index}", position, height))
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +140,15 @@ class Polygon:
         for index, hole in enumerate(self.holes, 1):
             item = f"hole {index} of {self.item}"
             drawn.areas.append(PlanArea(item, f"{name}_hole_{index}", ring(item, hole), False))
+
+
+def _waypoint(
+    item: str, name: str, position: LatLon, height: DrawnHeight, radius_m: float | None = None
+) -> Waypoint:
+    """A point, with its height if that is one which counts."""
+    if isinstance(height, UnusedHeight):
+        return Waypoint(item, name, position, None, (), radius_m, unused=height)
+    return Waypoint(item, name, position, height, (), radius_m)
 
 
 def _unknown(item: str, kind: str, known: str) -> ItemRefused:
@@ -180,6 +192,7 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
     if is_ordered and len(waypoints) > len(drawn.route):
         extra = ", ".join(point.item for point in waypoints[len(drawn.route) :][:10])
         drawn.told.append(f"not on the line, and so never flown to: {extra}")
+    drawn_points = [*waypoints, *drawn.rally, *([home] if home else [])]
     route = waypoints[: len(drawn.route)] if is_ordered else waypoints
     return RoutePlan(
         kind=kind,
@@ -193,6 +206,7 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
         areas=tuple(drawn.areas),
         rally=tuple(drawn.rally),
         spare=tuple(waypoints[len(route) :]),
+        unused=tuple(each.unused for each in drawn_points if each.unused and not each.height),
         told=tuple(drawn.told),
     )
 
@@ -219,5 +233,6 @@ def _as_point(corner: Waypoint, points: Sequence[Waypoint]) -> Waypoint:
     """The point that a corner of the line stands for, if there is one."""
     for point in points:
         if are_same(point.position, corner.position):
-            return replace(point, height=point.height or corner.height)
+            height, unused = point.height or corner.height, point.unused or corner.unused
+            return replace(point, height=height, unused=unused)
     return corner

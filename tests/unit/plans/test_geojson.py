@@ -109,8 +109,13 @@ def test_heights_above_the_ellipsoid_are_not_used(tmp_path: Path) -> None:
     drawn = collection(feature("Point", lon_lat(30, 0, 540.0), name="A"))
     text, draft = imported(tmp_path, drawn, "map.geojson", UP)
     assert load_mission(text).places["A"].position[2] == pytest.approx(-20)
-    assert any("above the ellipsoid, and is not used" in line for line in draft.told)
-    assert "no altitude" in refusal(tmp_path, drawn, Given(home=HOME))
+    above = "540 m above the ellipsoid (third coordinate)"
+    instead = "in place of that 20 m above home, by --up-m"
+    assert f"not used: 1 altitude of the file, {above}; {instead}" in draft.told
+    assert f"its altitude is {above}" in refusal(tmp_path, drawn, Given(home=HOME))
+    for point in (lon_lat(30, 0, 0.0), lon_lat(30, 0)):
+        draft = imported(tmp_path, feature("Point", point), "map.geojson", UP)[1]
+        assert not any("not used" in line for line in draft.told)
 
 
 @pytest.mark.parametrize("kind", ["rally", "place"])

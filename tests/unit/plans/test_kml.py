@@ -98,6 +98,59 @@ def test_heights_count_where_they_are_above_the_sea(tmp_path: Path) -> None:
     assert "no altitude" in refusal(tmp_path, kml(PATH), given=Given())
 
 
+def moded(mode: str, *heights_m: float) -> str:
+    """A path whose corners have these heights."""
+    corners = [(*at(30 * nth, 0), up_m) for nth, up_m in enumerate(heights_m)]
+    listed = " ".join(f"{east!r},{north!r},{up_m}" for north, east, up_m in corners)
+    said = f"<altitudeMode>{mode}</altitudeMode>" if mode else ""
+    return placemark(f"<LineString>{said}<coordinates>{listed}</coordinates></LineString>", "Path")
+
+
+@pytest.mark.parametrize(
+    ("mode", "words"),
+    [
+        ("relativeToGround", "12 to 25 m above the ground (altitudeMode relativeToGround)"),
+        ("relativeToSeaFloor", "12 to 25 m above the sea floor (altitudeMode relativeToSeaFloor)"),
+        ("clampToGround", "12 to 25 m, clamped to the ground (altitudeMode clampToGround)"),
+        ("", "12 to 25 m, clamped to the ground (altitudeMode clampToGround)"),
+        ("other", "12 to 25 m above something else (altitudeMode other)"),
+    ],
+)
+def test_heights_that_a_mission_cannot_have_are_told(mode: str, words: str, tmp_path: Path) -> None:
+    drawn = kml(moded(mode, 12, 18, 25), placemark(polygon(90)))
+    text, draft = imported(tmp_path, drawn, "map.kml", Given(up_m=30.0))
+    assert {place.position[2] for place in load_mission(text).places.values()} == {-30.0}
+    instead = "in place of that 30 m above home, by --up-m"
+    told = f"not used: 3 altitudes of the file, {words}; {instead}"
+    assert told in draft.told and told in text
+    said = refusal(tmp_path, drawn, given=Given())
+    assert f"its altitude is {words.replace(' to 25', '')}, and a mission knows" in said
+    assert "--up-m 20" in said
+
+
+def test_no_height_is_none_that_is_not_used(tmp_path: Path) -> None:
+    for path in (PATH, moded("", 0, 0), moded("clampToGround", 0, 0)):
+        told = imported(tmp_path, kml(path), "map.kml", UP)[1].told
+        assert not any("not used" in line for line in told)
+    said = refusal(tmp_path, kml(moded("", 0, 0)), given=Given())
+    assert "has no altitude above home or above the sea" in said
+
+
+def test_up_m_is_for_points_that_nothing_flies_to_as_well(tmp_path: Path) -> None:
+    mode = "<altitudeMode>absolute</altitudeMode>"
+    path = f"<LineString>{mode}{coordinates(HOME, at(30, 0), up_m=510)}</LineString>"
+    points = [placemark(f"<Point>{coordinates(at(0, 30))}</Point>", "Tree")]
+    points += [placemark(f"<Point>{coordinates(at(30, 30), up_m=7)}</Point>", "Base", "rally")]
+    drawn = kml(placemark(path), *points)
+    for up_m, instead in ((None, "the height of Home"), (9.0, "9 m above home, by --up-m")):
+        given = Given(home=HOME, home_amsl_m=488.0, up_m=up_m)
+        text, draft = imported(tmp_path, drawn, "map.kml", given)
+        places = load_mission(text).places
+        heights = {places["Tree"].amsl_m, places["Base"].amsl_m}
+        assert heights == ({510.0} if up_m is None else {None})
+        assert any(line.endswith(f"in place of that {instead}") for line in draft.told)
+
+
 def test_an_archive_is_its_first_kml_file(tmp_path: Path) -> None:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
