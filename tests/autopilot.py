@@ -59,7 +59,7 @@ class Autopilot:
         self.battery_percent = 80
         self.parameters = {"COM_OF_LOSS_T": 1.0, "COM_OBL_RC_ACT": 5.0, "COM_LOW_BAT_ACT": 3.0}
         self.parameters |= {"GF_ACTION": 2.0, "COM_RCL_EXCEPT": 0.0, "RTL_RETURN_ALT": 30.0}
-        self.parameters |= {"GF_MAX_HOR_DIST": 0.0, "GF_MAX_VER_DIST": 0.0}
+        self.parameters |= {"GF_MAX_HOR_DIST": 0.0, "GF_MAX_VER_DIST": 0.0, "MIS_TAKEOFF_ALT": 2.5}
         self.results: dict[int, list[int | None]] = {}
         self.is_idle = False
         self.unsent: set[str] = set()

@@ -348,6 +348,7 @@ class FakeVehicle:
             "RTL_RETURN_ALT": 30.0,
             "GF_MAX_HOR_DIST": 0.0,
             "GF_MAX_VER_DIST": 0.0,
+            "MIS_TAKEOFF_ALT": 2.5,
         }
         self._now_s = self._since_s = 0.0
 

@@ -20,8 +20,8 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from companion.errors import NoPlanError
-from companion.mission.facts import AT, Fact
-from companion.mission.model import Mission
+from companion.mission.facts import AT, Fact, at
+from companion.mission.model import Mission, Place
 from companion.planning.domain import Action
 from companion.planning.instances import departures, instantiate
 from companion.planning.lasso import Conjunct, Problem
@@ -39,9 +39,11 @@ class WorldModel:
         events: the facts that the vehicle cannot choose.
         closed_moves: flights to some places that the mission describes, and for which there is no
             route on the map.
+        enclosed: a line for each of some places that lies in the region of another one.
     """
 
     events: frozenset[Fact] = frozenset()
+    enclosed: Callable[[frozenset[str]], tuple[str, ...]] = lambda places: ()
     closed_moves: Callable[[frozenset[str]], Iterable[Action]] = lambda places: ()
 
 
@@ -69,8 +71,25 @@ def world_of(
         anywhere = departures(mission, flight_time)
         return (action for action in (*described, *anywhere) if action.name not in known)
 
+    def enclosed(places: frozenset[str]) -> tuple[str, ...]:
+        task = mission.task_facts
+        others = [p for p in mission.places.values() if at(p.name) in task and not p.found_by]
+        pairs = [(mission.places[name], other) for name in sorted(places) for other in others]
+        return tuple(
+            f"{place.name} lies in the region of {other.name}, seen from above, which no way "
+            "enters, at any height"
+            for place, other in pairs
+            if place is not other and _is_over(place, other)
+        )
+
     events = frozenset(event.fact for event in mission.events.values())
-    return WorldModel(events, closed_moves)
+    return WorldModel(events, enclosed, closed_moves)
+
+
+def _is_over(place: Place, other: Place) -> bool:
+    """Whether a place lies in the region of another one, seen from above."""
+    level = (*place.position[:2], other.position[2])
+    return other.region.away_m(other.position, level) <= 0
 
 
 IsSolvable = Callable[[Problem], bool | None]
@@ -215,6 +234,7 @@ def why_no_plan(
     concerned = needed if unreachable or no_route else mentioned | _in_the_way(problem)
     short = shortages(problem.only(core)) if problem.energy is not None else ()
     too_late = late(problem.only(core))
+    named = frozenset(fact.arguments[0] for fact in mentioned if fact.predicate == AT)
     lost = [problem.conjuncts[i] for i in core if not problem.automaton_states[i]]
     violated = tuple(conjunct.name for conjunct in lost)
     is_known = bool(short or too_late) or any(conjunct.bound for conjunct in lost)
@@ -229,7 +249,7 @@ def why_no_plan(
         restoring=tuple(restoring),
         shortages=short,
         late=too_late,
-        remarks=remarks_on(conflict, problem.facts),
+        remarks=(*remarks_on(conflict, problem.facts), *world.enclosed(named)),
         violated=violated,
     )
 

@@ -11,6 +11,9 @@ Where the offboard loss or the fence makes it return, that must not be above the
 Besides the fence that can be uploaded PX4 has a cylinder about home, of a radius and a height.
 Where the mission may be flown beyond it, the autopilot would end the flight there.
 
+A take-off climbs to MIS_TAKEOFF_ALT at least, whatever altitude is asked for: that must not be
+above the ceiling either.
+
 Where plans know of energy, what they leave lies above the charge at which the autopilot acts.
 
 Source: PX4 v1.16, parameter reference (COM_*, GF_*, RTL_*).
@@ -72,6 +75,7 @@ RETURNING = ("COM_OBL_RC_ACT", "GF_ACTION")
 """What may make the vehicle return because of the companion."""
 
 FENCE_RADIUS, FENCE_HEIGHT = "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"
+TAKEOFF_ALTITUDE = "MIS_TAKEOFF_ALT"
 HEADROOM_M = 0.5
 """So far above its ceiling a vehicle may climb for a moment."""
 
@@ -80,6 +84,7 @@ PARAMETERS = (
     RETURN_ALTITUDE,
     FENCE_RADIUS,
     FENCE_HEIGHT,
+    TAKEOFF_ALTITUDE,
 )
 """What has to be asked for."""
 
@@ -114,7 +119,8 @@ def weaknesses(
         flown: in what the mission stays.
         reserve: the charge, 0 to 1, that plans leave; None where they know of none.
     """
-    lines = _return_above(values, flown.ceiling_m) + _fenced_in(values, flown)
+    lines = _return_above(values, flown.ceiling_m) + _take_off_above(values, flown.ceiling_m)
+    lines += _fenced_in(values, flown)
     if reserve is not None:
         lines += _acts_before(values[CRITICAL_CHARGE], reserve)
     for requirement in REQUIREMENTS:
@@ -132,6 +138,17 @@ def _return_above(values: Mapping[str, float | None], ceiling_m: float) -> list[
     return [
         f"{RETURN_ALTITUDE} {_is_now(height_m)}; set {ceiling_m:g} or less: {' and '.join(why)} 3 "
         f"returns, and climbs so high first, where the mission stays below {ceiling_m:g} m"
+    ]
+
+
+def _take_off_above(values: Mapping[str, float | None], ceiling_m: float) -> list[str]:
+    """That a take-off would leave the mission's limits, if it would."""
+    height_m = values[TAKEOFF_ALTITUDE]
+    if height_m is not None and height_m <= ceiling_m:
+        return []
+    return [
+        f"{TAKEOFF_ALTITUDE} {_is_now(height_m)}; set {ceiling_m:g} or less: a take-off climbs so "
+        f"high at least, and the mission stays below {ceiling_m:g} m (limits.up_m)"
     ]
 
 

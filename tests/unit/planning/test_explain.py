@@ -311,3 +311,13 @@ def test_the_error_carries_its_explanation_and_says_it() -> None:
     error = NoPlan(found)
     assert error.explanation is found
     assert str(error) == str(found)
+
+
+def test_a_place_above_another_one_is_told() -> None:
+    """Routes enter the region of no other place that the task mentions, at any height."""
+    asked = mission({"both": "F at(A) & F at(B)"})
+    above = replace(asked.places["B"], position=(*asked.places["A"].position[:2], -3.5))
+    asked = replace(asked, places=asked.places | {"B": above})
+    text = why(Planner(asked))
+    assert "no route leads to A on the map" in text
+    assert "lies in the region of A, seen from above, which no way enters, at any height" in text

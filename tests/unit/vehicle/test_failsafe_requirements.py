@@ -17,6 +17,7 @@ STRONG: dict[str, float | None] = {
     "RTL_RETURN_ALT": 4.0,
     "GF_MAX_HOR_DIST": 0.0,
     "GF_MAX_VER_DIST": 0.0,
+    "MIS_TAKEOFF_ALT": 2.5,
 }
 FLOWN = FlownWithin(ceiling_m=4.0, away_m=25.3)
 
@@ -66,6 +67,18 @@ def test_the_autopilots_own_cylinder_is_no_narrower_than_the_mission(
     assert [line] in found.values()
     (unknown,) = weaknesses({**STRONG, parameter: None}, FLOWN)
     assert unknown.startswith(f"{parameter} was not answered; set 0 (no limit) or ")
+
+
+@pytest.mark.parametrize(("height_m", "is_weak"), [(1.5, False), (4.0, False), (4.1, True)])
+def test_a_take_off_stays_below_the_ceiling(height_m: float, is_weak: bool) -> None:
+    lines = weaknesses({**STRONG, "MIS_TAKEOFF_ALT": height_m}, FLOWN)
+    told = (
+        "MIS_TAKEOFF_ALT is 4.1; set 4 or less: a take-off climbs so high at least, and the "
+        "mission stays below 4 m (limits.up_m)"
+    )
+    assert lines == [told] * is_weak
+    (unknown,) = weaknesses({**STRONG, "MIS_TAKEOFF_ALT": None}, FLOWN)
+    assert unknown.startswith("MIS_TAKEOFF_ALT was not answered; set 4 or less")
 
 
 def test_a_weakness_says_what_to_do() -> None:
