@@ -48,6 +48,25 @@ class CompanionError(Exception):
         super().__init__(printable(text))
 
 
+def check_kind(value: object, kinds: type | tuple[type, ...], expected: str) -> None:
+    """Refuses an argument that is of another kind than a function takes.
+
+    >>> check_kind("hall.yaml", int, "a number")
+    Traceback (most recent call last):
+    companion.errors.CompanionError: expected a number, and this is a str
+
+    Args:
+        value: what was given.
+        kinds: what it may be.
+        expected: that, in words.
+
+    Raises:
+        CompanionError: it is none of them.
+    """
+    if not isinstance(value, kinds):
+        raise CompanionError(f"expected {expected}, and this is a {type(value).__name__}")
+
+
 @dataclass(frozen=True, slots=True)
 class Location:
     """A place in a file; line and column count from 1."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from companion.api.results import FlightResult
+from companion.errors import check_kind
 from companion.record import audit as auditing
 from companion.record.audit import Audit
 from companion.record.events import read_events, record_of
@@ -26,7 +27,9 @@ def audit(run: Path | str | FlightResult) -> Audit:
     Raises:
         MissionError: it is no run folder, a line of it is not as documented, or no plan was made.
         TranslationLimit: the monitor of a conjunct would be too large.
+        CompanionError: it is nothing of these kinds.
     """
     if isinstance(run, FlightResult):
         return auditing.audit(record_of(run.events))
+    check_kind(run, (Path, str), "a flight, or a run folder")
     return auditing.audit(read_events(Path(run)))

@@ -12,10 +12,11 @@ import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from types import NoneType
 
 from companion.acting.contingencies.listing import Contingencies, ContingencyQuestion
 from companion.acting.contingencies.table import Contingency, ContingencyTable
-from companion.errors import CompanionError
+from companion.errors import CompanionError, check_kind
 from companion.mission.model import Mission
 
 FEW_ANSWERS = 100
@@ -44,8 +45,10 @@ def contingencies(
 
     Raises:
         NoPlanError: the mission has no first plan.
-        CompanionError: the mission has a tree of its own; or a process has ended early.
+        CompanionError: it is no mission, or has a tree of its own; or a process has ended early.
     """
+    check_kind(mission, Mission, "a mission, as of load_mission")
+    check_kind(jobs, (int, NoneType), "a number of jobs")
     asked = Contingencies(mission)
     questions = asked.questions
     total = sum(len(question.positions) for question in questions)

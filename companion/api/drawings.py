@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import NoneType
 from typing import Any
 
-from companion.errors import CompanionError, MissionError, NoPlanError
+from companion.errors import CompanionError, MissionError, NoPlanError, check_kind
 from companion.flight_events.plans import PlanMade, PlannedLasso, PlanReplaced
 from companion.geometry import GlobalOrigin, enu_from_ned, horizontal_distance
 from companion.mavlink.framing import MavlinkCodec, dialect, message_id, source
@@ -44,9 +45,11 @@ def mission_drawing(mission: Mission, home: GlobalOrigin | None) -> Drawing:
             degrees, which says that itself, its altitude counts alone.
 
     Raises:
-        CompanionError: it is in metres, and nobody says where; or it is in degrees, and begins
-            elsewhere.
+        CompanionError: it is no mission; or it is in metres, and nobody says where; or it is in
+            degrees, and begins elsewhere.
     """
+    check_kind(mission, Mission, "a mission, as of load_mission")
+    check_kind(home, (GlobalOrigin, NoneType), "where home lies, as GlobalOrigin has it")
     zero = mission.anchor or home
     if zero is None:
         raise CompanionError(

@@ -11,6 +11,7 @@ from types import FrameType
 from companion.acting.flight_limit import FlightLimit
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.sortie_terms import SortieTerms
+from companion.api.flight_arguments import check_flight_arguments
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
 from companion.clock import ScaledClock
@@ -72,7 +73,9 @@ def run(
     Raises:
         ValueError: an argument has no value of those above; nothing has been opened then.
         LinkError: the link, or the port for events, cannot be opened; or no vehicle is heard.
+        CompanionError: it is no mission, or another argument is of another kind.
     """
+    check_flight_arguments(mission, folder, on_event, laps, limit_s, timeout_s, connect, events)
     arming = _arming(accepts_weak_failsafes, autopilot_fence, rally_points)
     terms, memory = SortieTerms(arming, FlightLimit(laps, limit_s)), _remembered_beside(folder)
     with (

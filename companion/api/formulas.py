@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from companion.errors import check_kind
+
 if TYPE_CHECKING:
     from companion.ltl.automaton import BuchiAutomaton
     from companion.ltl.formula import Formula
@@ -23,9 +25,11 @@ def parse_formula(text: str) -> Formula:
 
     Raises:
         FormulaError: the text is no formula; with a caret under what cannot be read.
+        CompanionError: it is no text.
     """
     from companion.ltl.parser import parse
 
+    check_kind(text, str, "the text of a formula")
     return parse(text)
 
 
@@ -46,8 +50,12 @@ def translate(formula: Formula | str, *, exclusive: Iterable[str] = ()) -> Buchi
     Raises:
         FormulaError: the text is no formula.
         TranslationLimit: the automaton would be too large, or take too long.
+        CompanionError: it is neither a formula nor a text.
     """
     from companion.ltl import translate as translation
+    from companion.ltl.formula import Formula
 
     made = parse_formula(formula) if isinstance(formula, str) else formula
+    check_kind(made, Formula, "a formula, or its text")
+    check_kind(exclusive, Iterable, "the names of propositions")
     return translation.translate(made, exclusive=frozenset(exclusive))

@@ -14,10 +14,11 @@ from typing import TYPE_CHECKING, TypeAlias
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
 from companion.acting.function_port import FunctionPort
 from companion.acting.sortie_terms import SortieTerms
+from companion.api.flight_arguments import check_flight_arguments
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
 from companion.documents import Given, Source, read_source
-from companion.errors import Aborted, Collided, CompanionError
+from companion.errors import Aborted, Collided, CompanionError, check_kind
 from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
@@ -90,7 +91,10 @@ def simulate(
     Raises:
         MissionError: the scenario cannot be read, or does not fit.
         LibraryMissing: jsbsim is not installed.
+        CompanionError: it is no mission, or another argument is of another kind.
     """
+    check_flight_arguments(mission, folder, on_event, laps, limit_s, timeout_s)
+    check_kind(seed, int, "a whole number as seed")
     world = world_of(mission, scenario)
     limit = FlightLimit(laps, limit_s)
     flying = flight_of(mission, world, seed, folder=folder, on_event=on_event, limit=limit)

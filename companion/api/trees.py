@@ -8,7 +8,7 @@ from pathlib import Path
 from companion.acting.preparation import prepare
 from companion.api.results import FlightResult, Recording
 from companion.api.tree_xml import to_xml
-from companion.errors import MissionError
+from companion.errors import MissionError, check_kind
 from companion.flight_events.tree import NodeType, PlanNode, TreeBuilt
 from companion.mission.model import Mission
 from companion.mission_run import Run
@@ -71,9 +71,11 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
         NoPlan: the mission has none; its `explanation` says why.
         SearchLimit: the search for a plan was given up.
         MissionError: it is no run folder, a line of it is not as documented, or nothing was flown.
+        CompanionError: it is nothing of these kinds.
     """
     if isinstance(of, Mission):
         return BehaviourTree(_planned(of).nodes)
+    check_kind(of, (FlightResult, Path, str), "a mission, a flight, or a run folder")
     record = record_of(of.events) if isinstance(of, FlightResult) else read_events(Path(of))
     if record.tree is None:
         raise MissionError("no behaviour tree was ticked in this run")

@@ -45,12 +45,15 @@ def read_source(given: Given, kind: str, folder: Path | None = None) -> Source:
             or the current one.
 
     Raises:
-        MissionError: the file cannot be read.
+        MissionError: the file cannot be read, or it is none of these.
     """
     if isinstance(given, Mapping):
         return Source(given, kind, folder or Path(), None)
     if isinstance(given, str) and ("\n" in given or given.lstrip().startswith("{")):
         return Source(given, f"<{kind}>", folder or Path(), None)
+    if not isinstance(given, str | Path):
+        what = f"a {kind} is a path, a YAML text or a dict, and this is a {type(given).__name__}"
+        raise MissionError(what)
     path = Path(given)
     return Source(_text(path, kind), str(path), folder or path.parent, path)
 

@@ -9,6 +9,7 @@ Source: https://graphviz.org/doc/info/lang.html.
 
 from __future__ import annotations
 
+from companion.errors import check_kind
 from companion.ltl.automaton import BuchiAutomaton, Transition
 
 
@@ -27,7 +28,11 @@ def to_dot(automaton: BuchiAutomaton) -> str:
       0 -> 0 [label="p\\n{0}"]
       0 -> 0 [label="!p"]
     }
+
+    Raises:
+        CompanionError: it is no automaton.
     """
+    check_kind(automaton, BuchiAutomaton, "an automaton, as of translate")
     on_states = automaton.marks == 1 and automaton.has_state_acceptance
     lines = [f"digraph {_quoted(automaton.name)} {{", "  rankdir=LR", "  node [shape=circle]"]
     for state in sorted(automaton.initial):

@@ -7,6 +7,7 @@ Source: https://adl.github.io/hoaf/.
 
 from __future__ import annotations
 
+from companion.errors import check_kind
 from companion.ltl.automaton import BuchiAutomaton, Label, statistics
 
 
@@ -27,7 +28,9 @@ def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
 
     Raises:
         ValueError: marks are wanted on states, but the automaton has no state acceptance.
+        CompanionError: it is no automaton.
     """
+    check_kind(automaton, BuchiAutomaton, "an automaton, as of translate")
     if marks_on_states and not automaton.has_state_acceptance:
         raise ValueError("some state has transitions with different marks")
     number_of = {name: number for number, name in enumerate(automaton.propositions)}

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from companion.documents import did_you_mean
-from companion.errors import MissionError
+from companion.errors import MissionError, check_kind
 from companion.mission.facts import HERE, at
 from companion.mission.model import Mission
 from companion.motion.departure import Departure, at_rest
@@ -85,7 +85,9 @@ def from_table(mission: Mission, table: Mapping[tuple[str, str], float]) -> Flig
 
     Raises:
         MissionError: the mission does not have a place of the table.
+        CompanionError: it is no table.
     """
+    check_kind(table, Mapping, "flight times as a function or a table")
     for pair in table:
         for name in pair:
             if name not in mission.places and name != HERE:

@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from companion.errors import CompanionError
+from companion.errors import CompanionError, check_kind
 from companion.ltl.monitor import Runs
 from companion.mission.facts import HERE, Fact
 from companion.mission.model import Fly, Mission
@@ -67,7 +67,7 @@ class Planner(Solver):
         energy: of a mission with a battery; made if absent, but not for given flight times.
 
     Raises:
-        CompanionError: flight times are given for a mission with a battery, and no energy.
+        CompanionError: it is no mission; or one with a battery has flight times and no energy.
 
     Attributes:
         flight_time: as given; a flight sets one that knows where its vehicle is.
@@ -81,6 +81,7 @@ class Planner(Solver):
         clock: Callable[[], float] = lambda: 0.0,
         energy: MissionEnergy | None = None,
     ) -> None:
+        check_kind(mission, Mission, "a mission, as of load_mission")
         if flight_time is None:
             ways = FlownWays(route_map(mission))
             flight_time = flight_times(mission, ways)
@@ -91,7 +92,7 @@ class Planner(Solver):
                 "flight times say nothing of energy, and the mission has a battery\n"
                 "    leave out flight_time, or the mission's battery"
             )
-        elif isinstance(flight_time, Mapping):
+        elif not callable(flight_time):
             flight_time = from_table(mission, flight_time)
         start_s = clock()
         self.energy = energy

@@ -27,13 +27,13 @@ def supposed_facts(
         facts: what else holds; with `!` before it, what does not hold.
 
     Raises:
-        MissionError: the mission does not know a fact or the place.
+        MissionError: the mission does not know a fact or the place, or one of them is no text.
     """
     state = mission.initially
     if place is not None:
-        _check("place", [place], mission.places)
+        _check("place", _texts("place", [place]), mission.places)
         state = frozenset(f for f in state if f.predicate != AT) | {at(place)}
-    literals = sorted([facts] if isinstance(facts, str) else facts)
+    literals = _texts("fact", facts)
     if not literals:
         return state
     fails = [literal.removeprefix("!").strip() for literal in literals if literal.startswith("!")]
@@ -49,11 +49,20 @@ def supposed_withdrawn(model: TaskModel, without: Iterable[str] = ()) -> frozens
     """The beliefs that are withdrawn in a supposed state.
 
     Raises:
-        MissionError: no skill assumes one of them.
+        MissionError: no skill assumes one of them, or one is no text.
     """
-    names = sorted([without] if isinstance(without, str) else without)
+    names = _texts("belief", without)
     _check("belief", names, model.beliefs)
     return frozenset(map(Fact.parse, names))
+
+
+def _texts(kind: str, given: Iterable[str]) -> list[str]:
+    """The names that are given, one or several."""
+    listed = [given] if isinstance(given, str) or not isinstance(given, Iterable) else [*given]
+    for each in listed:
+        if not isinstance(each, str):
+            raise MissionError(f"a {kind} is a text, and this is a {type(each).__name__}")
+    return sorted(listed)
 
 
 def _known_facts(mission: Mission, model: TaskModel) -> frozenset[Fact]:

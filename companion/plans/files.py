@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from companion.errors import KeyPath, MissionError
+from companion.errors import KeyPath, MissionError, check_kind
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.planning.low_places import low_among, too_low
@@ -38,7 +38,7 @@ Reader = Callable[[bytes, frozenset[str]], RoutePlan]
 
 
 def import_plan(
-    path: Path, given: Given, leave_out: frozenset[str], name: str
+    path: Path | str, given: Given, leave_out: frozenset[str] = frozenset(), name: str = ""
 ) -> tuple[str, Draft]:
     """The YAML text of the mission that a file means, which can be flown, and what it was made of.
 
@@ -50,7 +50,11 @@ def import_plan(
 
     Raises:
         MissionError: it cannot be read, or a mission cannot mean it: its item and why.
+        CompanionError: an argument is of another kind.
     """
+    check_kind(path, (Path, str), "the path of a plan")
+    check_kind(given, Given, "what the file does not say, as Given has it")
+    path = Path(path)
     try:
         plan = _reader(path)(_bytes(path), leave_out)
         drafted = draft(plan, given, name or _name(path))
