@@ -6,7 +6,8 @@ expanded, and nothing is fetched. Depth, elements and characters are limited.
 
 Heights count where altitudeMode is absolute (above the sea, as QGroundControl takes it). By default
 a shape is clamped to the ground, and has none; a number that stands there all the same, and one
-above the ground, is not used, and that is told. A placemark's `kind` may stand in its ExtendedData.
+above the ground, is not used, and that is told. The altitude of home is that of the ground there. A
+placemark's `kind` may stand in its ExtendedData.
 
 Source: OGC 12-007r2 (KML 2.3), sections 9 to 11.
 """
@@ -17,7 +18,7 @@ import io
 import zipfile
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from xml.parsers import expat
 
 from companion.plans.route_plan import (
@@ -98,7 +99,17 @@ def read_kml(data: bytes) -> RoutePlan:
         shapes.extend(_shapes(placemark, index))
     if not shapes:
         raise ItemRefused("", "has no placemark with a Point, LineString or Polygon", "draw one")
-    return plan_of("KML", shapes)
+    return _on_the_ground(plan_of("KML", shapes))
+
+
+def _on_the_ground(plan: RoutePlan) -> RoutePlan:
+    """The plan, with the altitude of a home that is drawn as that of the ground there."""
+    drawn = plan.takeoff
+    if drawn is None:
+        return plan
+    told = f"home lies {drawn.metres:g} m above the sea, as {plan.takeoff_item} has it"
+    note = f"{plan.home_note}; {told}" if plan.home_note else told
+    return replace(plan, home_amsl_m=drawn.metres, home_note=note, takeoff=None, takeoff_item="")
 
 
 def read_kmz(data: bytes) -> RoutePlan:

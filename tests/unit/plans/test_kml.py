@@ -74,6 +74,22 @@ def test_a_placemark_named_home_is_where_the_mission_begins(tmp_path: Path) -> N
     assert "home is placemark 2 (HOME), by its name" in draft.told
 
 
+@pytest.mark.parametrize("kind", ["", "home"])
+def test_the_altitude_of_home_is_how_high_it_lies(kind: str, tmp_path: Path) -> None:
+    mode = "<altitudeMode>absolute</altitudeMode>"
+    home = placemark(f"<Point>{mode}{coordinates(HOME, up_m=488)}</Point>", "Home", kind)
+    corners = coordinates(at(30, 0), at(30, 40), up_m=510)
+    path = placemark(f"<LineString>{mode}{corners}</LineString>")
+    text, draft = imported(tmp_path, kml(home, path), "map.kml", Given())
+    assert {place.amsl_m for place in load_mission(text).places.values()} == {510.0}
+    assert draft.data["limits"]["up_m"] == [7.0, 37.0]
+    said = "home lies 488 m above the sea, as placemark 1 (Home) has it"
+    assert any(line.endswith(said) for line in draft.told)
+    high = Given(home=at(-5, 0), home_amsl_m=480.0)
+    draft = imported(tmp_path, kml(home, path), "map.kml", high)[1]
+    assert draft.data["limits"]["up_m"] == [15.0, 45.0]
+
+
 def test_points_without_a_path_are_visited_in_any_order(tmp_path: Path) -> None:
     points = [placemark(f"<Point>{coordinates(at(n, 9))}</Point>") for n in (20, -20)]
     given = Given(home=HOME, up_m=20.0)
