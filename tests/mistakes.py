@@ -181,7 +181,9 @@ EVENTS: Table = {
     "two conditions": _event('"EVENT[a] > 0 and EVENT[b] > 0"', "make an event of each"),
     "a message misspelt": _event("BATERY_STATUS.battery_remaining < 3", "mean BATTERY_STATUS?"),
     "a field misspelt": _event("BATTERY_STATUS.remaining < 30", "fields are id"),
-    "a number with its unit": _event('"BATTERY_STATUS.battery_remaining < 30%"', "without %"),
+    "a number with its unit": _event(
+        '"BATTERY_STATUS.battery_remaining < 30%"', "number alone: 30"
+    ),
     "a command alone": _event("MAV_CMD_USER_1", "write COMMAND.MAV_CMD_USER_1"),
     "a share": _event("BATTERY_STATUS.battery_remaining < 0.3", "write percent: 30"),
     "true": _event('"EVENT[alarm] == true"', "> 0 for true"),
@@ -195,6 +197,11 @@ EVENTS: Table = {
 
 PLACES: Table = {
     "a unit": Mistake("speed_mps: 5", "speed_mps: 5 m/s", "  speed", "the number alone: 5."),
+    "another unit": Mistake("speed_mps: 5", "speed_mps: 30 km/h", "  speed", "second: 8.33."),
+    "feet": Mistake("up_m: 6}", "up_m: 20 ft}", "  Home:", "write metres: 6.1."),
+    "a unit of something else": Mistake(
+        "speed_mps: 5", "speed_mps: 5 min", "  speed", "a number of metres per second."
+    ),
     "a comment at once": Mistake("speed_mps: 5", "speed_mps: 5#m/s", "  speed", "space before #"),
     "PX4's name of a zone": Mistake(
         "  fence:", "  no_fly: {a: [[0, 0], [1, 0], [1, 1]]}\n  fence:", "  no_fly", "keep_out?"
@@ -250,6 +257,8 @@ DEGREES: Table = {
     ),
     "a hemisphere": Mistake("47.397742, lon_deg: 8.546125", "47.397742N, lon_deg: 8.546125",
                             "  A:", "the number alone: 47.397742"),
+    "the south": Mistake("47.397742, lon_deg: 8.546125", "47.397742 S, lon_deg: 8.546125",
+                         "  A:", "the number alone: -47.397742"),
     "lat": Mistake("lat_deg: 47.397742, lon", "lat: 47.397742, lon", "  Home:", "mean lat_deg?"),
     "WGS84": Mistake("frame: wgs84", "frame: WGS84", "frame", "Did you mean wgs84?"),
 }  # fmt: skip
@@ -329,6 +338,7 @@ WORLDS: Table = {
     ),
     "a condition for a time": Mistake("at_s: 40", "when: 40", "  - ", "Did you mean at_s?"),
     "a wind with its unit": Mistake("east_mps: 3", "east_mps: 3 m/s", "wind", "alone: 3."),
+    "a wind in another unit": Mistake("east_mps: 3", "east_mps: 18 km/h", "wind", "second: 5."),
     "a wind of one number": Mistake("wind: {", "wind: 5\n# {", "wind", "keys are east_mps"),
     "a time without its unit": Mistake("at_s: 40", "at: 40", "  - ", "Did you mean at_s?"),
     "another word for report": Mistake("report: {", "event: {", "  - ", "Did you mean report?"),

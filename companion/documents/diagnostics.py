@@ -17,19 +17,11 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from companion.documents.model_schema import Schema, alone, schema_at
+from companion.documents.numbers import number_meant
 from companion.errors import Keys
 
 Detail = Mapping[str, Any]
 
-_UNIT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*[A-Za-z%°/]+[A-Za-z0-9/²]*\s*")
-"""A number with a unit behind it."""
-_OTHER_MINUS = re.compile(r"\s*[\u2010-\u2015\u2212](\d+(?:\.\d+)?)\s*")
-"""A number behind a dash, or behind the minus of books."""
-_PERCENT = re.compile(r"\s*(\d+(?:\.\d+)?)\s*%\s*")
-_COMMENT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)#.*")
-"""A number with a comment that no space is before."""
-_COMMA = re.compile(r"\s*([-+]?\d+),(\d+)\s*")
-"""A number with a decimal comma."""
 NO_NAME = "[key]"
 """What pydantic adds to the location of a key that is no name."""
 _SIMILAR = 0.6  # difflib's own cutoff for close matches
@@ -233,32 +225,12 @@ def _wrong_value(
     hint = explained
     if isinstance(value, str):
         words = [w for phrase in expected for w in phrase.replace(" or ", ", ").split(", ")]
-        number = _number_in(value, is_share) if "a number" in expected else ""
+        number = number_meant(value, keys, is_share) if "a number" in expected else ""
         hint = f"{number or did_you_mean(value, words)} {hint}".strip()
     elif isinstance(value, bool | int | float) and "a text" in expected:
         hint = f'put quotes around it: "{_short(value)}". {hint}'
     what = f"{subject} is {_describe(value)}, expected {' or '.join(expected)}"
     return Diagnostic(what, keys, hint, False)
-
-
-def _number_in(text: str, is_share: bool = False) -> str:
-    """What to write for a text that is nearly a number; empty if it is none.
-
-    >>> _number_in("2,5"), _number_in("2.5 m/s"), _number_in("fast")
-    ('write a point: 2.5.', 'write the number alone: 2.5.', '')
-    >>> _number_in("50 %", is_share=True)
-    'write a share: 0.5.'
-    """
-    if is_share and (percent := _PERCENT.fullmatch(text)):
-        return f"write a share: {float(percent[1]) / 100:g}."
-    if minus := _OTHER_MINUS.fullmatch(text):
-        return f"write the minus of the keyboard: -{minus[1]}."
-    if comment := _COMMENT.fullmatch(text):
-        return f"write a space before #, after {comment[1]}."
-    if comma := _COMMA.fullmatch(text):
-        return f"write a point: {comma[1]}.{comma[2]}."
-    number = _UNIT.fullmatch(text)
-    return f"write the number alone: {number[1]}." if number else ""
 
 
 _TEXTS = {

@@ -18,6 +18,7 @@ import re
 from pymavlink.dialects.v20 import common
 
 from companion.documents import did_you_mean, most_similar
+from companion.documents.units import number_in_unit, unit_called
 from companion.errors import FormulaError
 from companion.mission.signals import (
     COMMAND,
@@ -65,7 +66,7 @@ def parse_condition(text: str) -> AnyCondition:
     Raises:
         FormulaError: not a condition, or a message, field or command that is not in `common`.
     """
-    match = _REPORT.fullmatch(text) or _CONDITION.fullmatch(text)
+    match = _compared(text)
     if match is None:
         longest = _REPORT.match(text) or _CONDITION.match(text)
         offset = longest.end() if longest else 0
@@ -89,6 +90,10 @@ def parse_condition(text: str) -> AnyCondition:
     return Condition(signal, "!=", 0.0)
 
 
+def _compared(text: str) -> re.Match[str] | None:
+    return _REPORT.fullmatch(text) or _CONDITION.fullmatch(text)
+
+
 def _remedy(text: str, offset: int) -> str:
     """What to write in place of what follows an offset."""
     rest = text[offset:].strip()
@@ -102,14 +107,28 @@ def _remedy(text: str, offset: int) -> str:
         return "compare with a number: > 0 for true, == 0 for false"
     if re.match(r"[=!<>]=?\s*[A-Za-z]", rest):
         return "compare with a NUMBER: names of values are not known here"
-    if re.match(r"[A-Za-z%°]", rest) and text[:offset].rstrip()[-1:].isdigit():
-        return f"write the number alone, without {rest}"
+    if re.match(r"[A-Za-z%°]", rest) and (begun := _compared(text[:offset])):
+        return _without_unit(begun, rest)
     if named := _NAMED_ALONE.match(rest):
         return f"write {named[1]}.value"
     return (
         "write MESSAGE.field > NUMBER, MESSAGE[name].field > NUMBER, EVENT[name] > NUMBER"
         " or COMMAND.MAV_CMD_NAME"
     )
+
+
+def _without_unit(begun: re.Match[str], unit: str) -> str:
+    """What to write in place of a threshold with a unit behind it.
+
+    Args:
+        begun: the condition up to its threshold.
+        unit: what follows.
+    """
+    message, threshold = _MESSAGES.get(begun["message"]), begun["threshold"]
+    units = message.fieldunits_by_name if message is not None else {}
+    if threshold and units and (wanted := unit_called(units.get(begun["field"], ""))):
+        return number_in_unit(threshold, unit, wanted)
+    return f"write the number alone, without {unit}"
 
 
 def _demand_change(condition: Condition, match: re.Match[str]) -> None:
