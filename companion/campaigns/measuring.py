@@ -3,23 +3,25 @@
 What counts is where the vehicle truly was. Each tick is looked at for what changes under way: the
 walls, the setpoint, the battery, the phase. The fence and the altitude band are held against the
 whole track afterwards. A flight ends early where its row turns out to be unfair, and at the
-campaign's limit of simulated time.
+campaign's limit of simulated time. What is so there is told of the true vehicle, too.
 """
 
 from __future__ import annotations
 
 import hashlib
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
+from companion.acting.authority import loss_of_link
 from companion.api.simulating import flight_of, verdict
 from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome, rounded
 from companion.campaigns.rows import Row
 from companion.campaigns.tracks import simplified
-from companion.errors import CompanionError
+from companion.errors import CompanionError, LinkError
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.flight_events.word import ConjunctViolated
@@ -116,6 +118,7 @@ def fly(mission: Mission, world: World, row: Row, limit_s: float) -> FlownRow:
                 if flight.simulation.set_down_m < SET_DOWN_M:
                     return FlownRow(row, RowOutcome.INVALID, reason="an obstacle on the vehicle")
                 if flight.now_s >= limit_s:
+                    failure = _lost_for_good(flight)
                     break
             else:
                 flight.simulation.settle()
@@ -124,6 +127,24 @@ def fly(mission: Mission, world: World, row: Row, limit_s: float) -> FlownRow:
             failure = error
         failure = failure or verdict(flight.companion.failure, flight.simulation.is_damaged)
         return _measured(mission, flight, recorder, watch, row, failure, limit_s)
+
+
+def _lost_for_good(flight: LockstepFlight) -> LinkError | None:
+    """What ends a flight whose vehicle is down, and whose companion does not hear so.
+
+    The companion waits for a vehicle that it believes in the air; this one is not armed again.
+    """
+    state = flight.companion.telemetry.state
+    if state is None or flight.simulation.is_armed:
+        return None
+    return loss_of_link(replace(state, is_armed=False, is_landed=True), flight.now_s)
+
+
+def _stance(flight: LockstepFlight) -> str:
+    """How the vehicle truly is, in words."""
+    if not flight.simulation.flight.is_on_ground:
+        return "in the air"
+    return f"on the ground, {'' if flight.simulation.is_armed else 'not '}armed"
 
 
 def _measured(
@@ -144,7 +165,7 @@ def _measured(
         mission.places.values(), key=lambda place: math.dist(place.position[:2], (north_m, east_m))
     )
     events = [stamped.event for stamped in recorder.events]
-    reason = "cut off at the limit of the campaign" if is_cut else str(failure or "")
+    reason = f"cut off at the limit, {_stance(flight)}" if is_cut else str(failure or "")
     return FlownRow(
         row,
         outcome,
