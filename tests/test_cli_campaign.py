@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from types import SimpleNamespace
+from typing import TYPE_CHECKING, cast
 
 import pytest
 from commands import Companion
@@ -11,7 +12,10 @@ from rich.progress import Progress
 
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
-from companion.cli.campaigns import Tell
+from companion.cli.campaigns import Tell, tell_outcomes
+
+if TYPE_CHECKING:
+    from companion.campaigns.campaign import Campaign
 
 HEADER = "# format: 1\n# scenario: {scenario}\n# seed: 0\n# limit_s: 1800\nindex,outcome,score\n"
 
@@ -55,6 +59,27 @@ def test_rows_that_were_there_already_make_no_campaign_quicker(
         tell.kept(flown)
     tell(flown)
     assert capsys.readouterr().err == "flown      10 of 10, 0 failed, 0.50 flights/s\n"
+
+
+@pytest.mark.parametrize(
+    ("is_search", "told"),
+    [(False, "FAILED      1  crash                        50.0 % (1.3 to 98.7 %)"),
+     (True, "FAILED      1  crash")],
+)  # fmt: skip
+def test_rows_of_a_search_have_no_rates(
+    capsys: pytest.CaptureFixture[str], is_search: bool, told: str
+) -> None:
+    rows = [
+        FlownRow(Row(0, 0, {}), RowOutcome.CRASH),
+        FlownRow(Row(1, 1, {}), RowOutcome.SATISFIED),
+    ]
+    tell_outcomes(cast("Campaign", SimpleNamespace(rows=rows)), is_search)
+    assert told in capsys.readouterr().out.splitlines()
+
+
+def test_the_folder_of_a_search_is_told_as_it_is(companion: Companion) -> None:
+    assert "falsify-NAME" in companion("falsify", "--help").out
+    assert "campaign-NAME" in companion("campaign", "--help").out
 
 
 def test_rows_of_which_nobody_knows_the_number_are_told_ten_by_ten(

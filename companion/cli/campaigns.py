@@ -41,6 +41,10 @@ OutFolder = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Where it is written.", show_default="campaign-NAME"),
 ]
+SearchFolder = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Where it is written.", show_default="falsify-NAME"),
+]
 ResumedFolder = Annotated[
     Path | None,
     typer.Option(
@@ -187,15 +191,17 @@ def finish(flights: Campaign, mission: Path, command: str) -> Path:
     return table
 
 
-def tell_outcomes(flights: Campaign) -> None:
-    """Says how many rows ended how."""
+def tell_outcomes(flights: Campaign, is_search: bool = False) -> None:
+    """Says how many rows ended how; those of a search were chosen, so they have no rates."""
     from companion.campaigns.statistics import Rate
     from companion.campaigns.summary import summary, why_invalid
 
+    valid = sum(each.outcome.is_valid for each in flights.rows)
     for name, count, is_failure in summary(flights.rows):
-        valid = sum(each.outcome.is_valid for each in flights.rows)
-        rate = str(Rate.of(count, valid)) if name != "invalid" else why_invalid(flights.rows)
-        typer.echo(f"{'FAILED ' if is_failure else '       '}{count:>6}  {name:<28} {rate}")
+        rate = "" if is_search else str(Rate.of(count, valid))
+        said = rate if name != "invalid" else why_invalid(flights.rows)
+        line = f"{'FAILED ' if is_failure else '       '}{count:>6}  {name:<28} {said}"
+        typer.echo(line.rstrip())
 
 
 @contextmanager

@@ -14,9 +14,9 @@ from companion.cli.campaigns import (
     CampaignSeed,
     DaskAddress,
     Jobs,
-    OutFolder,
     ResumedFolder,
     RowLimit,
+    SearchFolder,
     begun,
     command_line,
     engine_of,
@@ -34,7 +34,7 @@ def falsify(
     scenario: ScenarioFile = None,
     jobs: Jobs = None,
     limit_s: RowLimit = LIMIT_S,
-    out: OutFolder = None,
+    out: SearchFolder = None,
     resume: ResumedFolder = None,
     dask: DaskAddress = None,
 ) -> None:
@@ -73,7 +73,7 @@ def falsify(
             tell.begin("simpler", None)
         simple = minimise(search, failures, lambda kit: engine_of(kit, jobs, dask), tell)
         cases = checked(search, mission, simple)
-        tell_outcomes(search)
+        tell_outcomes(search, is_search=True)
         typer.echo(f"table      {search.folder / 'table.csv'}")
         typer.echo(f"report     {write_report(search, mission, command, is_search=True)}")
         for each in cases:
