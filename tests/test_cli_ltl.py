@@ -61,6 +61,17 @@ def test_monolithic_makes_one(ltl: Ltl) -> None:
     assert names(ltl("F a & F b", "--monolithic")) == ["F a & F b"]
 
 
+@pytest.mark.parametrize("name", ["patroling", "patrol", "Patrolling"])
+def test_a_name_near_to_a_pattern_is_noticed(ltl: Ltl, name: str) -> None:
+    ended = ltl(f"{name}(A, B)")
+    said = "is read as a proposition. Did you mean patrolling(place, place, ...)?"
+    assert (ended.code, ended.err) == (0, f"notice     {name}(A, B) {said}\n")
+
+
+def test_other_names_are_not_noticed(ltl: Ltl) -> None:
+    assert ltl("F (at(A) & uploaded & visible(A))").err == ""
+
+
 def test_stats_are_a_table(ltl: Ltl) -> None:
     first, second = table(ltl("G F a & X b", "--format", "stats"))
     times = [float(row.pop("milliseconds")) for row in (first, second)]

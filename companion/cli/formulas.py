@@ -6,6 +6,7 @@ import re
 import time
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass, replace
+from difflib import get_close_matches
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
@@ -38,6 +39,8 @@ COLUMNS = (
     "formula",
 )
 """What --format stats prints of each automaton; --batch puts a column `line` before them."""
+_NEAR = 0.75
+"""Similarity from which a name is near to another one, as `patrol` to `patrolling`."""
 
 
 def ltl(
@@ -131,6 +134,7 @@ class _Request:
         from companion.ltl.parser import parse
 
         formula, budget = parse(text), Budget()
+        _notice_patterns(formula)
         parts = (formula,) if self.monolithic else conjuncts(formula)
         for automaton, milliseconds in [self._translated(part, budget) for part in parts]:
             self._print(automaton, milliseconds, line)
@@ -162,6 +166,20 @@ class _Request:
             typer.echo(to_dot(automaton), nl=False)
         else:
             typer.echo(to_hoa(automaton, marks_on_states=self.by_states), nl=False)
+
+
+def _notice_patterns(formula: Formula) -> None:
+    """Says which propositions are called nearly as a mission pattern."""
+    from companion.ltl.formula import atoms
+    from companion.ltl.patterns import PATTERNS
+
+    for proposition in sorted(atoms(formula)):
+        name, bracket, _ = proposition.partition("(")
+        near = get_close_matches(name.lower(), PATTERNS, 1, _NEAR) if bracket else []
+        for pattern in near:
+            signature = PATTERNS[pattern].signature
+            notice = f"{proposition} is read as a proposition. Did you mean {signature}?"
+            typer.echo(f"notice     {notice}", err=True)
 
 
 def _print_row(cells: Iterable[object]) -> None:
