@@ -138,6 +138,7 @@ def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
     ended = companion("sim", HOP, "--speed", "max", "--monitor", "192.0.2.1:8080")
     assert ended.code == 0
     assert "the monitor cannot listen on 192.0.2.1:8080" in ended.err
+    assert "world      an open field, without wind (there is no hop.sim.yaml" in ended.out
     assert "task satisfied, landed" in ended.out
 
 

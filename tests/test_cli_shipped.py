@@ -40,6 +40,17 @@ def test_what_is_neither_is_refused_with_the_names_there_are() -> None:
     assert ", ".join(names()) in str(error.value)
 
 
+@pytest.mark.parametrize("ending", ["yaml", "yml"])
+def test_a_file_whose_ending_is_left_out_is_asked_for(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, ending: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / f"t4.{ending}").write_text("")
+    (tmp_path / f"t4.sim.{ending}").write_text("")
+    with pytest.raises(MissionError, match=rf"did you mean t4\.{ending}\?"):
+        mission_file("t4")
+
+
 def test_a_program_without_its_missions_leaves_the_path_to_the_reader(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -94,7 +94,8 @@ def test_the_first_use_installs_and_the_second_does_not(clone: Path) -> None:
     assert out == f"companion sim {clone}/missions/surveillance.yaml --speed max\n"
     assert len(err.splitlines()) == 1
     assert "installing" in err
-    assert fly(clone, "other.yaml", "--help") == ("companion sim other.yaml --help\n", "")
+    for mission in ("other.yaml", "other.yml", "surveillance"):
+        assert fly(clone, mission, "--help") == (f"companion sim {mission} --help\n", "")
     assert installations(clone) == [f"{clone}[{SHOWN}]"]
 
 

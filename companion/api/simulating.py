@@ -21,6 +21,7 @@ from companion.documents import Given, Source, read_source
 from companion.errors import Aborted, Collided, CompanionError, check_kind
 from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
+from companion.mission.world_files import worlds_beside
 from companion.mission_run import Recorder
 from companion.skills.runner import FunctionRunner
 
@@ -204,8 +205,24 @@ def verdict(failure: CompanionError | None, is_damaged: bool) -> CompanionError 
 
 def scenario_beside(mission: Mission) -> Path | None:
     """The scenario NAME.sim.yaml beside a mission file NAME.yaml; None if there is none."""
-    beside = Path(mission.path).with_suffix(".sim.yaml") if mission.path else None
-    return beside if beside is not None and beside.exists() else None
+    beside = worlds_beside(Path(mission.path)) if mission.path else []
+    return next((path for path in beside if path.exists()), None)
+
+
+def world_in_words(mission: Mission, scenario: Path | None) -> str:
+    """The world that a mission is flown in, for a line of the terminal.
+
+    Args:
+        mission: what is flown.
+        scenario: its file; None for the world of a mission that has none.
+    """
+    if scenario is not None:
+        return str(scenario)
+    is_field = mission.grid.is_open and not mission.walls
+    alone = "an open field" if is_field else "the mission's own map"
+    beside = worlds_beside(Path(mission.path))[:1] if mission.path else []
+    missing = "".join(f" (there is no {path.name} beside it)" for path in beside)
+    return f"{alone}, without wind{missing}"
 
 
 def world_alone(mission: Mission) -> dict[str, object]:

@@ -122,10 +122,12 @@ def command_line(name: str, mission: Path, scenario: Path | None, **options: obj
 
 def kit_of(mission: Path, scenario: Path | None, limit_s: float) -> Kit:
     """The kit of a mission file and its scenario."""
-    from companion.api.simulating import varied_world_of
+    from companion.api.simulating import scenario_beside, varied_world_of, world_in_words
     from companion.campaigns.kit import Kit
 
     loaded = load(mission)
+    world = world_in_words(loaded, scenario or scenario_beside(loaded))
+    typer.echo(f"world      {world}", err=True)
     return Kit.of(loaded, varied_world_of(loaded, scenario), limit_s)
 
 

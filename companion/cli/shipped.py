@@ -11,10 +11,10 @@ from pathlib import Path
 
 import companion
 from companion.errors import MissionError
+from companion.mission.world_files import YAML, missions_in
 
 DISTRIBUTION = "mav-companion"
 """As pyproject.toml names it; its version is written there, and nowhere else."""
-SCENARIO = ".sim.yaml"
 _FOLDER = "missions"
 _ONE_OF_THEM = "surveillance.yaml"
 
@@ -37,14 +37,13 @@ def folder() -> Path | None:
 def names() -> list[str]:
     """The shipped missions, sorted."""
     lies_in = folder()
-    files = lies_in.glob("*.yaml") if lies_in is not None else ()
-    return sorted(path.stem for path in files if not path.name.endswith(SCENARIO))
+    return [path.stem for path in missions_in(lies_in)] if lies_in is not None else []
 
 
 def completions(begun: str) -> list[str]:
     """What a shell may put for a MISSION that is begun: names, YAML files, and folders."""
     paths = [f"{path}/" if Path(path).is_dir() else path for path in glob(f"{escape(begun)}*")]
-    files = [path for path in paths if path.endswith(("/", ".yaml", ".yml"))]
+    files = [path for path in paths if path.endswith(("/", *YAML))]
     return [name for name in names() if name.startswith(begun)] + sorted(files)
 
 
@@ -60,8 +59,10 @@ def mission_file(text: str) -> Path:
     shipped = names()
     if text in shipped:
         return lies_in / f"{text}.yaml"
-    files = [str(file) for file in path.parent.glob("*.yaml") if not file.match(f"*{SCENARIO}")]
-    near = get_close_matches(text, files, n=1) or get_close_matches(path.stem, shipped, n=1)
+    files = [str(file) for file in missions_in(path.parent)]
+    unended = [file for file in files if Path(file).stem == path.name]
+    near = unended or get_close_matches(text, files, n=1)
+    near = near or get_close_matches(path.stem, shipped, n=1)
     meant = f"did you mean {near[0]}? " if near else ""
     advice = f"{meant}companion new NAME writes one; these are shipped: {', '.join(shipped)}"
     raise MissionError(f"there is no file {text}", hint=advice)

@@ -96,6 +96,7 @@ def sim(
         closing(FunctionRunner(folder.folder, is_lockstep=factor is None)) as functions,
         _report_address(events) as reports,
     ):
+        terminal.say(f"world      {simulating.world_in_words(loaded, path)}")
         page.show(folder.folder)
         if factor is None:
             made = partial(simulating.lockstep, seed=seed, instance=instance, limit=limit)

@@ -67,6 +67,6 @@ def _text(path: Path, kind: str) -> str:
         reason = getattr(error, "strerror", None) or error
         advice = f"{path} is a folder: name a file in it" if path.is_dir() else ""
         if isinstance(error, FileNotFoundError):
-            near = [each.name for each in path.absolute().parent.glob("*.yaml")]
+            near = [each.name for each in path.absolute().parent.glob("*.y*ml")]
             advice = did_you_mean(path.name, near)
         raise MissionError(f"the {kind} {path} cannot be read: {reason}", hint=advice) from error

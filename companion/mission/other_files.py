@@ -9,9 +9,9 @@ import re
 
 from companion.documents import Source
 from companion.errors import Location, MissionError
+from companion.mission.world_files import mission_of
 
 _BEGIN = 2000  # characters
-_WORLD = ".sim.yaml"
 _PLANS = {
     r"\s*QGC WPL \d": "a list of waypoints (QGC WPL)",
     r'\s*\{[\s\S]*"fileType"\s*:\s*"Plan"': "a plan of QGroundControl",
@@ -37,7 +37,7 @@ def refuse_other_files(source: Source) -> None:
     if all(re.search(rf"^{key}:", begin, re.M) for key in ("image", "resolution", "origin")):
         hint = f"name it in a mission: map: {source.name}"
         raise MissionError("the file is a map, and no mission", where, hint)
-    if source.name.endswith(_WORLD) and not re.search(r"^(task|skills|places):", begin, re.M):
-        mission = source.name.removesuffix(_WORLD) + ".yaml"
+    is_mission = re.search(r"^(task|skills|places):", begin, re.M)
+    if (mission := mission_of(source.name)) and not is_mission:
         hint = f"companion sim {mission} flies the mission in it"
         raise MissionError("the file is the world of a mission", where, hint)

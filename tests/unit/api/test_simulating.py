@@ -18,7 +18,7 @@ from companion import (
     load_mission,
     simulate,
 )
-from companion.api.simulating import verdict, world_of
+from companion.api.simulating import scenario_beside, verdict, world_in_words, world_of
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.reading import read_line
@@ -53,6 +53,8 @@ MISSION: dict[str, Any] = {
     "initially": ["at(Home)"],
     "goal": "at(A)",
 }
+
+HOP = Path(__file__).parents[2] / "data" / "hop.yaml"
 
 
 @pytest.fixture(scope="module")
@@ -124,6 +126,36 @@ def test_a_scenario_beside_the_mission_is_taken(surveillance: Mission) -> None:
     assert scenario.wind != (0.0, 0.0, 0.0)
     assert scenario.map is not None
     assert grid is not surveillance.grid
+
+
+@pytest.mark.parametrize(
+    ("mission_ending", "world_endings", "taken"),
+    [
+        (".yaml", [".sim.yaml"], ".sim.yaml"),
+        (".yml", [".sim.yml", ".sim.yaml"], ".sim.yml"),
+        (".yml", [".sim.yaml"], ".sim.yaml"),
+        (".yaml", [".sim.yml"], ".sim.yml"),
+    ],
+)
+def test_a_world_may_end_with_yml(
+    tmp_path: Path, mission_ending: str, world_endings: list[str], taken: str
+) -> None:
+    path = tmp_path / f"hop{mission_ending}"
+    path.write_text(HOP.read_text(encoding="utf-8"), encoding="utf-8")
+    for ending in world_endings:
+        (tmp_path / f"hop{ending}").write_text(TEXT, encoding="utf-8")
+    mission = load_mission(path)
+    beside = scenario_beside(mission)
+    assert beside == tmp_path / f"hop{taken}"
+    assert world_in_words(mission, beside) == str(beside)
+
+
+def test_the_world_of_a_mission_without_one_is_told(tmp_path: Path, surveillance: Mission) -> None:
+    path = tmp_path / "hop.yaml"
+    path.write_text(HOP.read_text(encoding="utf-8"), encoding="utf-8")
+    without = "without wind (there is no hop.sim.yaml beside it)"
+    assert world_in_words(load_mission(path), None) == f"an open field, {without}"
+    assert world_in_words(surveillance, None).startswith("the mission's own map, without wind")
 
 
 TEXT = "version: 1\nwind: {east_mps: 2}\n"
