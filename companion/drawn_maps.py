@@ -20,7 +20,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from companion.errors import MissionError
 from companion.geometry import FAR_M, NorthEast
-from companion.maps import MANY, MAX_EDGE_CELLS, check_cells
+from companion.maps import MANY, MAX_CELLS, MAX_EDGE_CELLS, check_cells
 from companion.motion.grid import LowWalls, OccupancyGrid
 from companion.motion.polygons import cells_of, cells_touched, problem_of, without_repeats
 
@@ -208,9 +208,10 @@ def drawn_map(
     if is_open and fence is not None:
         east_m, north_m = _around(fence, 1), _around(fence, 0)
         cell_m = entry.cell_m or _open_cell_m(east_m[1] - east_m[0], north_m[1] - north_m[0])
-    west, cols = _cells("east_m", east_m, cell_m)
-    south, rows = _cells("north_m", north_m, cell_m)
-    check_cells(cols, rows)
+    spans = {"east_m": east_m, "north_m": north_m}
+    fits = _fitting_cell_m([span for span in spans.values() if span is not None])
+    (west, cols), (south, rows) = (_cells(key, spans[key], cell_m, fits) for key in spans)
+    check_cells(cols, rows, fits)
     empty = OccupancyGrid(np.zeros((rows, cols), dtype=np.bool_), cell_m, (south, west), is_open)
     return walled(empty, walls)
 
@@ -242,10 +243,24 @@ def _open_cell_m(*edges_m: float) -> float:
     return next(fits, CELLS_M[-1])
 
 
-def _cells(key: str, span: tuple[float, float] | None, cell_m: float) -> tuple[float, int]:
+def _fitting_cell_m(spans: Sequence[tuple[float, float]]) -> str:
+    """What to write for an area that has too many cells."""
+    edges_m = [last - first for first, last in spans]
+
+    def is_allowed(cell_m: float) -> bool:
+        cells = [math.ceil(min(edge_m / cell_m, MANY)) for edge_m in edges_m]
+        return max(cells, default=0) <= MAX_EDGE_CELLS and math.prod(cells) <= MAX_CELLS
+
+    fits = next(filter(is_allowed, CELLS_M), None)
+    return f"write cell_m: {fits:g}, or more" if fits else "write a smaller area"
+
+
+def _cells(
+    key: str, span: tuple[float, float] | None, cell_m: float, remedy: str
+) -> tuple[float, int]:
     """Where the cells of an area begin along an axis, and how many they are."""
     if span is None:
-        hint = "write east_m and north_m: [from, to], or neither, and a fence in limits"
+        hint = "write east_m and north_m: [from, to], or neither: then it is that of the fence"
         raise MissionError(f"the map has no {key}", hint=hint)
     first, last = span
     if not first < last:
@@ -253,7 +268,6 @@ def _cells(key: str, span: tuple[float, float] | None, cell_m: float) -> tuple[f
         raise MissionError(f"{key} of the map: {first:g} to {last:g} is no range", hint=hint)
     needed = (last - first) / cell_m - _ROUNDING
     if needed > MAX_EDGE_CELLS:
-        hint = f"At most {MAX_EDGE_CELLS} cells along an edge; use a larger cell_m."
         what = f"{key} of the map: {math.ceil(min(needed, MANY))} cells are too many"
-        raise MissionError(what, hint=hint)
+        raise MissionError(what, hint=f"at most {MAX_EDGE_CELLS} along an edge: {remedy}")
     return first, math.ceil(needed)

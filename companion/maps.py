@@ -65,11 +65,11 @@ def read_map(path: Path) -> OccupancyGrid:
     return OccupancyGrid(np.ascontiguousarray(~is_free[::-1]), resolution_m, (north_m, east_m))
 
 
-def check_cells(east: int, north: int) -> None:
+def check_cells(east: int, north: int, remedy: str = "use larger cells") -> None:
     """Refuses a map that takes too much memory, whatever its edges."""
     if east * north > MAX_CELLS:
         what = f"the map has {east} x {north} cells, at most {MAX_CELLS:,} are allowed"
-        raise MissionError(what, hint="use larger cells")
+        raise MissionError(what, hint=remedy)
 
 
 def image_of(path: Path) -> Path:

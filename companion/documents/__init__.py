@@ -2,6 +2,7 @@
 
 from companion.documents.diagnostics import did_you_mean, most_similar
 from companion.documents.document import Document, TextDocument, begin_reading, validate
+from companion.documents.model_schema import schema_at
 from companion.documents.reading import DocumentReading
 from companion.documents.sources import Given, Source, read_source
 
@@ -15,5 +16,6 @@ __all__ = [
     "did_you_mean",
     "most_similar",
     "read_source",
+    "schema_at",
     "validate",
 ]

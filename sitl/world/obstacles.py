@@ -32,6 +32,12 @@ class Obstacle:
     radius_m: float
     is_present: bool
 
+    @property
+    def corners(self) -> tuple[NorthEast, NorthEast]:
+        """The south-western and north-eastern corner of what it fills."""
+        (south, west), (north, east), r = self.south_west, self.north_east, self.radius_m
+        return (south - r, west - r), (north + r, east + r)
+
     def distance_m(self, point: NorthEast) -> float:
         """How far a point is from it; 0 within.
 

@@ -51,18 +51,9 @@ def read_obstacles(
     model: ScenarioModel, document: Document, reading: DocumentReading
 ) -> tuple[Obstacle, ...]:
     """The obstacles; each has a name and a shape of its own."""
-    if reading.is_whole("map"):
-        reading.read(partial(_refuse_nowhere, model, document), "obstacles")
     parts = [partial(_obstacle, model, document, i) for i in range(len(model.obstacles))]
     read = [reading.read(part, "obstacles", i) for i, part in enumerate(parts)]
     return tuple(obstacle for obstacle in read if obstacle)
-
-
-def _refuse_nowhere(model: ScenarioModel, document: Document) -> None:
-    if model.obstacles and model.map is None:
-        raise MissionError(
-            "obstacles need a map", document.where("obstacles"), "say which with the key map"
-        )
 
 
 def _obstacle(model: ScenarioModel, document: Document, i: int) -> Obstacle:

@@ -72,6 +72,7 @@ from sitl.world.vary import Data, Factor, read_factors
 from sitl.world.visits import Circle
 
 DEFAULT_MAP = "the default map"
+_AREA = "write east_m and north_m: [from, to], or neither: it spans walls and obstacles then"
 PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)  # PX4's default in SITL: Irchelpark, Zurich
 
 
@@ -160,7 +161,7 @@ def read_scenario(
     has_walls = default_map is not None and bool(default_map.occupied.any())
     stands_in = DEFAULT_MAP if has_walls else MapEntry()
     scenario, document = _parse(source, default_home, stands_in if default_map else None)
-    grid = _grid(scenario.map, document) or default_map
+    grid = _grid(scenario, document) or default_map
     now = TrueMap(grid, scenario.obstacles).grid
     radius_m = scenario.vehicle.radius_m
     if now and now.at(0.0).clearance_m(scenario.start[:2]) < radius_m:
@@ -190,6 +191,8 @@ def _parse(
     model, document, reading = begin_reading(
         source.content, source.name, ScenarioModel, {("version",): 1}
     )
+    if model.map is None and default_map is None and model.obstacles:
+        model = model.model_copy(update={"map": MapEntry()})  # an open field
     map_ = source.folder / model.map if isinstance(model.map, str) else model.map
     if map_ is None:
         model = model.model_copy(update={"map": default_map})
@@ -260,14 +263,19 @@ def _on_earth(place: GlobalModel) -> GlobalOrigin:
     return GlobalOrigin(place.latitude_deg, place.longitude_deg, place.altitude_m)
 
 
-def _grid(map_: Path | MapEntry | None, document: Document) -> OccupancyGrid | None:
-    """The map that a scenario names or draws; one without an area is that of its walls."""
+def _grid(scenario: Scenario, document: Document) -> OccupancyGrid | None:
+    """The map that a scenario names or draws; one without an area spans what stands there."""
+    map_ = scenario.map
     try:
         if not isinstance(map_, MapEntry):
             return read_map(map_) if map_ else None
         walls = walls_of(map_)
         corners = [corner for wall in walls for corner in wall.corners]
-        return drawn_map(map_, walls, corners or None)
+        corners += [corner for obstacle in scenario.obstacles for corner in obstacle.corners]
+        if (map_.east_m is None) != (map_.north_m is None):
+            missing = "east_m" if map_.east_m is None else "north_m"
+            raise MissionError(f"the map has no {missing}", hint=_AREA)
+        return drawn_map(map_, walls, corners or [scenario.start[:2]])
     except MissionError as error:
         where = error.where or document.where("map")
         raise MissionError(error.what, where, error.hint) from error

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from companion.documents import Source, validate
+from companion.drawn_maps import MapEntry
 from companion.geometry import GlobalOrigin
 from companion.motion.grid import OccupancyGrid
 from sitl.world.distributions import Chance
@@ -87,4 +88,6 @@ def read_varied(
     portable = {**data, "vehicle": vehicle}
     if isinstance(data.get("map"), str):
         del portable["map"]
+    elif data.get("map") is None and isinstance(scenario.map, MapEntry):
+        portable["map"] = {}  # drawn anew in each row, where its obstacles are
     return VariedScenario(data, portable, grid, default_home, scenario.factors, source.folder)

@@ -9,18 +9,22 @@ may be varied too; an entry of a list has to be there. The path of an entry itse
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from companion.documents import Document, did_you_mean
+from companion.documents import Document, did_you_mean, schema_at
 from companion.errors import MissionError
-from sitl.world.distributions import Chance, Distribution, Value
+from sitl.world.distributions import Chance, Distribution, Normal, Uniform, Value
+from sitl.world.schema import ScenarioModel
 from sitl.world.vary_schema import VaryEntry, distribution
 
 Data = Mapping[str, Any]
 Values = Mapping[str, Value]
 """Path of a key -> its value in a row."""
+_LISTED = 9
+"""So many whole numbers are listed; of more, about as many, evenly apart."""
 _LEFT_OUT = "what needs it may be left out instead, such as an event of it by {chance: ...}"
 
 
@@ -72,12 +76,35 @@ def read_factors(
             try:
                 read(with_values(data, factors, {factor.path: value}))
             except MissionError as error:
+                whole = _as_whole_numbers(factor, data, factors, read)
                 raise MissionError(
                     f"{factor.path} cannot be {_shown(factor, value)}: {error.what}",
                     document.where("vary", factor.path),
-                    _LEFT_OUT if factor.is_entry else error.hint,
+                    _LEFT_OUT if factor.is_entry else whole or error.hint,
                 ) from error
     return factors
+
+
+def _as_whole_numbers(
+    factor: Factor, data: Data, factors: Sequence[Factor], read: Callable[[Data], object]
+) -> str:
+    """What to write for a range, if the key takes whole numbers alone; else ""."""
+    if not isinstance(factor.distribution, Uniform | Normal):
+        return ""
+    numbers = range(math.ceil(factor.distribution.low), math.floor(factor.distribution.high) + 1)
+
+    def takes(number: float) -> bool:
+        try:
+            read(with_values(data, factors, {factor.path: number}))
+        except MissionError:
+            return False
+        return True
+
+    if not numbers or takes(float(numbers[0])) or not takes(numbers[0]):
+        return ""
+    some = [*numbers[:: len(numbers) // _LISTED], numbers[-1]] if numbers[_LISTED:] else numbers
+    listed = ", ".join(map(str, dict.fromkeys(some)))
+    return f"a range has any numbers: write {{choice: [{listed}]}}"
 
 
 def with_values(data: Data, factors: Sequence[Factor], values: Values) -> dict[str, Any]:
@@ -127,6 +154,12 @@ def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Fact
             keys.append(_entry_of(here, step, path, document))
             here = here[int(keys[-1])]
         elif isinstance(here, dict) or here is None:
+            if here is None and _is_list(keys):
+                raise MissionError(
+                    f"{path}: the file has no {'.'.join(map(str, keys))}",
+                    document.key_at("vary", path),
+                    "an entry of a list has to be there to be varied",
+                )
             keys.append(step)
             here = here.get(step) if here else None
         else:
@@ -145,6 +178,11 @@ def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Fact
         )
     usual = here if isinstance(here, bool | int | float | str) else None
     return Factor(path, tuple(keys), chosen, usual, is_entry)
+
+
+def _is_list(keys: Sequence[str | int]) -> bool:
+    """Whether what a scenario has at some keys is a list."""
+    return schema_at(ScenarioModel.model_json_schema(), tuple(keys)).get("type") == "array"
 
 
 def _entry_of(entries: list[Any], step: str, path: str, document: Document) -> int:

@@ -160,3 +160,34 @@ def test_mistakes_in_a_vehicle_are_placed(
 def test_a_missing_file_is_an_input_error(tmp_path: Path) -> None:
     with pytest.raises(MissionError, match="cannot be read"):
         read_scenario(tmp_path / "no.sim.yaml")
+
+
+CRATE = "obstacles: [{name: crate, circle: {east_m: 200, north_m: 20, radius_m: 1}}]"
+
+
+@pytest.mark.parametrize("map_", ["", "map: {}", "map: {walls: []}"])
+def test_obstacles_stand_in_an_open_field_where_no_map_is_named(map_: str) -> None:
+    _, grid = read_scenario(f"version: 1\n{CRATE}\n{map_}\n")
+    assert grid is not None
+    assert grid.is_open
+    assert grid.contains(*grid.cell((19.0, 201.0)))
+
+
+def test_a_field_with_nothing_on_it_is_a_map() -> None:
+    scenario, grid = read_scenario("version: 1\nmap: {}\n")
+    assert grid is not None
+    assert grid.clearance_m(scenario.start[:2]) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("area", "hint"),
+    [
+        ("east_m: [-80, 250], north_m: [-60, 250]", "write cell_m: 0.2, or more"),
+        ("east_m: [-800, 2500], north_m: [0, 9]", "at most 4000 along an edge: write cell_m: 1,"),
+        ("east_m: [0, 9]", "or neither: it spans walls and obstacles then"),
+    ],
+)
+def test_a_map_that_is_too_large_or_half_says_what_to_write(area: str, hint: str) -> None:
+    with pytest.raises(MissionError) as error:
+        read_scenario(f"version: 1\nmap: {{{area}}}\n")
+    assert hint in error.value.hint

@@ -7,9 +7,11 @@ from typing import Any
 
 import pytest
 
+from companion.documents import Source
 from companion.errors import MissionError
 from sitl.world.distributions import Chance, Choice, Normal, Uniform
 from sitl.world.scenario import Scenario, parse_scenario
+from sitl.world.varied_scenario import read_varied
 from sitl.world.vary import Factor, with_values
 
 WORLD = """\
@@ -138,3 +140,49 @@ def test_entries_within_entries_that_are_left_out_are_those_that_were_meant() ->
 def test_a_scenario_is_flown_as_it_stands_whatever_varies() -> None:
     plain, varied = parse(""), parse("wind.east_mps: [-3, 3]")
     assert varied.wind == plain.wind and varied.events == plain.events
+
+
+@pytest.mark.parametrize(
+    ("vary", "hint"),
+    [
+        ("cameras.0.capacity: [1, 5]", "write {choice: [1, 2, 3, 4, 5]}"),
+        ("cameras.0.capacity: {normal: [5, 0.5]}", "write {choice: [3, 4, 5, 6, 7]}"),
+        ("cameras.0.capacity: [0, 1000]", "write {choice: [0, 111, 222, 333, 444, "),
+        ("battery.charge: [0, 5]", "state of charge, 0 to 1"),
+    ],
+)
+def test_a_range_of_a_key_of_whole_numbers_is_answered_with_a_choice(vary: str, hint: str) -> None:
+    text = f"version: 1\ncameras: [{{component: 100}}]\nvary: {{{vary}}}"
+    with pytest.raises(MissionError) as error:
+        parse_scenario(text, Path("a.sim.yaml"))
+    assert hint in error.value.hint
+
+
+@pytest.mark.parametrize(
+    ("path", "missing"),
+    [
+        ("happens.0.at_s", "happens"),
+        ("obstacles.crate.circle.east_m", "obstacles"),
+        ("payload.answers.0.after_s", "payload.answers"),
+    ],
+)
+def test_an_entry_of_a_list_that_is_not_there_is_told_so(path: str, missing: str) -> None:
+    with pytest.raises(MissionError) as error:
+        parse_scenario(f"version: 1\nvary: {{{path}: [0, 5]}}", Path("a.sim.yaml"))
+    assert error.value.what == f"{path}: the file has no {missing}"
+    assert error.value.hint == "an entry of a list has to be there to be varied"
+
+
+def test_the_field_of_obstacles_is_drawn_where_each_row_has_them() -> None:
+    crate = {"name": "crate", "circle": {"east_m": 5, "north_m": 9, "radius_m": 1}}
+    world = {
+        "version": 1,
+        "obstacles": [crate],
+        "vary": {"obstacles.crate.circle.east_m": [5, 500], "obstacles.0": {"chance": 0.5}},
+    }
+    varied = read_varied(Source(world, "scenario", Path(), None))
+    _, far = varied.world({"obstacles.crate.circle.east_m": 400.0})
+    assert far is not None
+    assert far.contains(*far.cell((9.0, 400.0)))
+    scenario, _ = varied.world({"obstacles.0": False})
+    assert scenario.obstacles == ()
