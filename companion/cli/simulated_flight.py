@@ -108,9 +108,8 @@ def sim(
         path = path or _written(simulating.world_alone(loaded), folder.folder / "world.sim.yaml")
         told = f"simulated, {factor:g} x real time; ground station on UDP port {ground_port}"
         terminal.say(f"vehicle    {told}")
-        options = ["--scenario", path, "--seed", seed, "--ground-port", ground_port]
-        options += ["--speed", factor, "--instance", instance]
-        options += ["--home", world[0].home, "--reports", reports]
+        options = ["--scenario", path, "--seed", seed, "--speed", factor, "--instance", instance]
+        options += ["--ground-port", ground_port, "--home", world[0].home, "--reports", reports]
         link_of = partial(Link, UdpPort("127.0.0.1", OFFBOARD_PORT + instance))
         with simulator(options, folder.folder / "sitl.log") as child:
             fly_over(companion, terminal, factor, timeout * factor, link_of=link_of, events=reports)
