@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+from companion.acting.far_away import far_away
 from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
 from companion.errors import Aborted, CompanionError, LinkError
@@ -20,7 +21,7 @@ from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import EXACT_M, greatest_error_m
 from companion.outcomes import Refusal
-from companion.vehicle.port import Mode, VehicleState
+from companion.vehicle.port import FrameLocation, Mode, VehicleState
 
 LINK_LOST_S = 10.0
 """Silence after which a sortie is given up whose vehicle was on the ground, disarmed."""
@@ -64,6 +65,7 @@ def not_at_home(
     home: Place,
     is_fixed: bool = False,
     is_recalled: bool = False,
+    location: FrameLocation | None = None,
 ) -> Aborted | None:
     """Returns why the mission may not begin where the vehicle stands; None if it may.
 
@@ -77,13 +79,13 @@ def not_at_home(
         home: where the mission begins.
         is_fixed: that lies where it does wherever the vehicle stands.
         is_recalled: that is where another program's flights have begun.
+        location: where the frames lie on the earth, if that is known.
     """
     landing_m = LANDING_M if is_fixed and state.accuracy_m > EXACT_M else 0.0
     if gap_m <= home.inner_m + greatest_error_m(state.accuracy_m) + landing_m:
         return None
     if gap_m > FAR_M:
-        what = f"the vehicle is {gap_m / 1000:.0f} km from {home.name}, where the mission begins"
-        return Aborted(f"{what}; are lat and lon exchanged?")
+        return far_away(gap_m, state, home, location)
     what = f"the vehicle stands {gap_m:.1f} m from {home.name}, where the mission begins"
     advice = _way_out(state, home, is_fixed, is_recalled)
     return Aborted("\n    ".join([f"{what}; put it there", *advice]))

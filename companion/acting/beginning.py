@@ -55,7 +55,8 @@ class Beginning:
                 self._tell_settling(state)
                 return Progress.RUNNING
             fixed, recalled = vehicle.is_home_fixed, vehicle.is_home_recalled
-            if elsewhere := not_at_home(gap_m, state, home, fixed, recalled):
+            place = vehicle.location
+            if elsewhere := not_at_home(gap_m, state, home, fixed, recalled, place):
                 return elsewhere
             if (loaded := self._load()) is not Progress.DONE:
                 return loaded

@@ -186,7 +186,7 @@ class LatLon:
             "latitude and longitude are exchanged"
             if is_swapped
             else f"nothing of a mission lies more than {FAR_M // 1000} km from {self._home}, where "
-            "it begins; are lat and lon exchanged?",
+            "it begins",
         )
 
     def _check_altitude(self, name: str, entry: PlaceEntry) -> None:

@@ -22,11 +22,12 @@ from companion.acting.flight import PlanProgress
 from companion.errors import CompanionError, LinkError
 from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
+from companion.geometry import GlobalOrigin
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.motion.region import Disc
 from companion.outcomes import Refusal
-from companion.vehicle.port import Failed, Mode, Takeover, VehicleState
+from companion.vehicle.port import Failed, FrameLocation, Mode, Takeover, VehicleState
 
 NOW_S = 10_000.0
 FLYING = on_hold(NOW_S)
@@ -155,7 +156,29 @@ def test_a_home_that_is_further_than_ten_kilometres_is_a_slip(gap_m: float) -> N
         assert told.startswith("the vehicle stands 10000.0 m from Home")
     else:
         far = f"the vehicle is {gap_m / 1000:.0f} km from Home, where the mission begins"
-        assert told == f"{far}; are lat and lon exchanged?"
+        assert told.splitlines()[0] == far
+        assert "exchanged" not in told
+
+
+@pytest.mark.parametrize(
+    ("home_at", "remedy"),
+    [
+        ((-33.4497, -70.6995), "sitl --home -33.4497,-70.6995,ALTITUDE puts a simulated"),
+        ((8.54559, 47.3977), "latitude and longitude are exchanged in one of them"),
+        ((48.5, 108.6), "is it the right mission for this vehicle?"),
+    ],
+)
+def test_where_both_are_is_told_of_a_vehicle_far_away(
+    home_at: tuple[float, float], remedy: str
+) -> None:
+    zero = GlobalOrigin(*home_at, 488.0)
+    state = replace(STANDING, position=zero.to_local(47.3977, 8.54559, 488.0))
+    location = FrameLocation(zero, zero, is_asked_for=True, residual_m=0.0)
+    told = reason(not_at_home(9e6, state, HOME, location=location))
+    here, there = "47.3977, 8.54559", ", ".join(f"{degrees:g}" for degrees in home_at)
+    assert f"where the mission begins: it is at {here}, and Home is at {there}\n" in told
+    assert remedy in told
+    assert ("exchanged" in told) is ("exchanged" in remedy)
 
 
 # -- control ---------------------------------------------------------------------------------------

@@ -115,7 +115,7 @@ WRONG: list[tuple[dict[str, Any], str, str]] = [
     (
         {"lat_deg": FAR[0], "lon_deg": FAR[1], "up_m": 5},
         "place A is 123 km from Home",
-        "are lat and lon exchanged?",
+        "nothing of a mission lies more than 10 km from Home",
     ),
     (
         {"lat_deg": A["lon_deg"], "lon_deg": A["lat_deg"], "up_m": 5},
