@@ -3,10 +3,12 @@
     CompanionError            exit 1, anything of ours
     +- MissionError           exit 2, a file from outside is wrong: file:line:column
     |  +- FormulaError        with a caret under the offending token
+    +- RequestError           exit 2, what is asked for cannot be, whatever the files say
     +- LibraryMissing         exit 2, something is not installed; with the line that installs it
     +- NoPlanError            exit 3, the task cannot be done, and why
     +- LinkError              exit 4, no vehicle to talk to
     |  +- LinkTimeout
+    |  +- AddressError        exit 2, an address that is none
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
     +- TaskViolated           exit 6, a recorded flight does not satisfy its task
     +- SearchLimit            exit 7, a search was given up: whether there is a plan is not known
@@ -213,6 +215,13 @@ class FormulaError(MissionError):
         )
 
 
+class RequestError(CompanionError):
+    """What a command line or a call asks for cannot be: options that do not go together, a key
+    that is none, another mission than the one that is to be gone on with."""
+
+    exit_code = 2
+
+
 class LibraryMissing(CompanionError):
     """A library that is asked for is not installed.
 
@@ -241,6 +250,12 @@ class LinkError(CompanionError):
 
 class LinkTimeout(LinkError):
     """Nothing usable was heard in time."""
+
+
+class AddressError(LinkError):
+    """An address, of a vehicle or of reports, that is none; the message has their forms."""
+
+    exit_code = 2
 
 
 class Aborted(CompanionError):

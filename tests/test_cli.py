@@ -262,9 +262,19 @@ def test_no_vehicle(companion: Companion, free_port: int) -> None:
 
 def test_a_bare_udp_url_is_answered_with_both_corrections(companion: Companion) -> None:
     ended = companion("run", SURVEILLANCE, "--connect", "udp://192.168.1.10:14540")
-    assert ended.code == 4
+    assert ended.code == 2
     assert "udpin://192.168.1.10:14540" in ended.err
     assert "udpout://192.168.1.10:14540" in ended.err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["run", "sim"])
+def test_an_address_of_reports_that_is_none_is_refused_before_anything_begins(
+    companion: Companion, command: str
+) -> None:
+    ended = companion(command, SURVEILLANCE, "--events", "foo")
+    assert (ended.code, ended.out) == (2, "")
+    assert "cannot hear reports on foo\n    write unix:/run/companion/events, or" in ended.err
 
 
 @pytest.mark.slow

@@ -103,7 +103,7 @@ def test_its_options_go_with_it(companion: Companion, option: tuple[str, str]) -
 
 def test_a_tree_by_hand_is_refused(companion: Companion) -> None:
     ended = companion(*ASKED, str(MISSIONS / "by_hand.yaml"))
-    assert ended.code == 1
+    assert ended.code == 2
     assert "a tree of its own, which nothing replaces in flight" in ended.err
 
 

@@ -118,7 +118,7 @@ def test_what_knows_of_no_energy_is_refused(
     companion: Companion, tmp_path: Path, options: list[str], what: str
 ) -> None:
     ended = companion("plan", written(tmp_path), *options)
-    assert ended.code == 1
+    assert ended.code == 2
     assert what in ended.err
 
 
@@ -127,7 +127,7 @@ def test_a_flight_with_an_engine_is_refused_before_it_begins(
 ) -> None:
     options = ["--speed", "max", "--engine", "fast-downward"]
     ended = companion("sim", written(tmp_path), *options)
-    assert ended.code == 1
+    assert ended.code == 2
     assert "the engine fast-downward knows of no energy" in ended.err
     assert "arming" not in ended.out
 

@@ -21,7 +21,7 @@ def test_a_key_is_made_and_shown(companion: Companion, tmp_path: Path) -> None:
     shown = companion("key", "show", path)
     assert (shown.code, shown.out) == (0, f"{secret}\n")
     again = companion("key", "make", path)
-    assert again.code == 1 and "File exists" in again.err
+    assert again.code == 2 and f"{path} is there already" in again.err
 
 
 def test_a_passphrase_is_asked_for(
@@ -42,7 +42,7 @@ def test_a_key_that_others_can_read_is_used_by_no_command(
     make_key(path := tmp_path / "vehicle.key", None)
     path.chmod(0o644)
     ended = companion(*command, "--signing-key", path, "--connect", "udpin://127.0.0.1:0")
-    assert ended.code == 1 and "chmod 600" in ended.err
+    assert ended.code == 2 and "chmod 600" in ended.err
 
 
 def test_an_unsigned_vehicle_needs_a_key(companion: Companion) -> None:

@@ -140,7 +140,7 @@ def test_export_writes_what_can_be_imported_again(field: Path, companion: Compan
 
 def test_a_mission_in_metres_is_put_on_the_earth(field: Path, companion: Companion) -> None:
     refused = companion("export", SURVEILLANCE, "-o", "hall.geojson")
-    assert refused.code == 1 and "--home LAT,LON" in refused.err
+    assert refused.code == 2 and "--home LAT,LON" in refused.err
     home = ("--home", "47.4,8.5,450")
     assert companion("export", SURVEILLANCE, "-o", "hall.geojson", *home).code == 0
     assert companion("export", SURVEILLANCE, "-o", "hall.plan", *home).code == 0

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any
 
-from companion.errors import CompanionError, MissionError, NoPlanError, check_kind
+from companion.errors import MissionError, NoPlanError, RequestError, check_kind
 from companion.flight_events.plans import PlanMade, PlannedLasso, PlanReplaced
 from companion.geometry import GlobalOrigin, enu_from_ned, horizontal_distance
 from companion.mavlink.framing import MavlinkCodec, dialect, message_id, source
@@ -52,7 +52,7 @@ def mission_drawing(mission: Mission, home: GlobalOrigin | None) -> Drawing:
     check_kind(home, (GlobalOrigin, NoneType), "where home lies, as GlobalOrigin has it")
     zero = mission.anchor or home
     if zero is None:
-        raise CompanionError(
+        raise RequestError(
             f"{mission.name} is in metres from home, and a map needs to know where that is\n"
             "    say it: --home LAT,LON"
         )
@@ -75,7 +75,7 @@ def _check_home(mission: Mission, home: GlobalOrigin, zero: GlobalOrigin) -> Non
     start = zero.to_global((*mission.places[start_of(mission)].position[:2], 0.0))[:2]
     away_m = metres_between(start, (home.latitude_deg, home.longitude_deg))
     if away_m > SAME_M:
-        raise CompanionError(
+        raise RequestError(
             f"{mission.name} is in degrees, and begins {away_m:.0f} m from the --home that it is "
             "given\n"
             f"    leave --home out, or say {start[0]:.7f},{start[1]:.7f}"

@@ -42,10 +42,22 @@ Instance = Annotated[
 GroundPort = Annotated[
     int, typer.Option(help="UDP port of the ground station, for all instances.", min=1, max=65535)
 ]
+
+
+def _reported_to(address: str | None) -> str | None:
+    """An address of reports, which is refused before anything begins if it is none."""
+    from companion.vehicle.report_port import place_of
+
+    if address is not None:
+        place_of(address)
+    return address
+
+
 Events = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
+        callback=_reported_to,
         help="Where other programs on board report events, EVENT[name] in the mission: unix:PATH "
         "or udpin:HOST:PORT. [default: nowhere]",
     ),

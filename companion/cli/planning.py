@@ -15,7 +15,7 @@ from companion.cli.arguments import MissionFile, load
 from companion.cli.engine_options import BUILT_IN, EncodingOption, EngineOption
 from companion.cli.log_lines import Verbose
 from companion.cli.task_places import placed
-from companion.errors import CompanionError
+from companion.errors import CompanionError, RequestError
 from companion.planning.objective import Encoding, Objective
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def plan(
     facts = [*(holds or ()), *(f"!{fact}" for fact in fails or ())]
     problem, histories = planner.initial_problem(at=at, facts=facts, without=without or ())
     if planner.mission.tree:
-        raise CompanionError("the mission has a tree of its own, so there is nothing to plan")
+        raise RequestError("the mission has a tree of its own, so there is nothing to plan")
     if pddl is not None:
         _write_pddl(planner, problem, histories, pddl, encoding, objective)
         return
@@ -196,11 +196,9 @@ def _write_pddl(
     from companion.planning.compilation.pddl import to_pddl
 
     if problem.energy is not None:
-        raise CompanionError(
-            "PDDL is written without energy; remove battery: from the mission first"
-        )
+        raise RequestError("PDDL is written without energy; remove battery: from the mission first")
     if problem.clocks_ms:
-        raise CompanionError(
+        raise RequestError(
             "PDDL is written without bounds in time; remove them from the task first"
         )
     problem, histories, _ = planner.kept(problem, histories)

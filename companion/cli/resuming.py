@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.cli.arguments import load
-from companion.errors import CompanionError
+from companion.errors import RequestError
 
 if TYPE_CHECKING:
     from companion.acting.journal import JournalledFlight
@@ -66,13 +66,13 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
     begun = journalled.begun
     mission = asked or load(Path(begun.path))
     if digest(mission) != begun.digest:
-        raise CompanionError(
+        raise RequestError(
             f"{folder} was cut off while it flew {begun.mission}, which is not {mission.path}"
             " as it is now\n    give that mission to go on with it; or see to the vehicle, and"
             " start without --resume"
         )
     if mission.tree is not None:
-        raise CompanionError(
+        raise RequestError(
             f"{folder} was cut off, and a mission with a tree of its own is not gone on with\n"
             "    see to the vehicle, and start without --resume"
         )

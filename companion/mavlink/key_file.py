@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from companion.errors import CompanionError
+from companion.errors import CompanionError, RequestError
 from companion.mavlink.signing import (
     KEY_BYTES,
     LATEST,
@@ -50,6 +50,9 @@ def make_key(path: Path, passphrase: str | None) -> None:
     try:
         with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, OWNER_ONLY), "w") as f:
             f.write(key.secret.hex() + "\n")
+    except FileExistsError:
+        hint = "remove it if nothing is signed with it any more, or choose another"
+        raise RequestError(f"{path} is there already\n    {hint}") from None
     except OSError as error:
         raise CompanionError(f"cannot make the key file {path}: {error.strerror}") from error
 
@@ -64,21 +67,21 @@ def read_key(path: Path) -> SigningKey:
         with path.open(encoding="ascii") as file:
             mode, text = os.fstat(file.fileno()).st_mode, file.read(4 * KEY_BYTES)
     except OSError as error:
-        raise CompanionError(
+        raise RequestError(
             f"cannot read the key file {path}: {error.strerror}\n"
             f"    companion key make {path} makes one"
         ) from error
     except ValueError:
         mode, text = 0, ""
     if mode & OTHERS:
-        raise CompanionError(
+        raise RequestError(
             f"others may read the key file {path}\n"
             f"    chmod 600 {path}; if others could have read it, make another key"
         )
     try:
         return SigningKey.from_hex(text.strip())
     except CompanionError as error:
-        raise CompanionError(f"{path}: {error}") from None
+        raise RequestError(f"{path}: {error}") from None
 
 
 @contextmanager

@@ -28,7 +28,7 @@ from functools import cache
 from operator import add
 from typing import NamedTuple
 
-from companion.errors import CompanionError
+from companion.errors import RequestError
 from companion.mavlink.framing import checksum, dialect, message_id, split_frames
 from companion.mavlink.intake import is_news
 
@@ -104,7 +104,7 @@ class SigningKey:
 
     def __init__(self, secret: bytes) -> None:
         if len(secret) != KEY_BYTES:
-            raise CompanionError(f"a signing key has {KEY_BYTES} bytes, not {len(secret)}")
+            raise RequestError(f"a signing key has {KEY_BYTES} bytes, not {len(secret)}")
         self.secret = secret
 
     @classmethod
@@ -122,7 +122,7 @@ class SigningKey:
         try:
             return cls(bytes.fromhex(text))
         except ValueError:
-            raise CompanionError(f"a signing key is {2 * KEY_BYTES} hexadecimal digits") from None
+            raise RequestError(f"a signing key is {2 * KEY_BYTES} hexadecimal digits") from None
 
     def __repr__(self) -> str:
         return "SigningKey(...)"

@@ -18,7 +18,7 @@ from multiprocessing.connection import Connection
 from types import FrameType
 from typing import Any
 
-from companion.errors import CompanionError
+from companion.errors import CompanionError, RequestError
 from companion.planning.compilation.classical import ClassicalProblem
 from companion.planning.compilation.decode import decode
 from companion.planning.compilation.encode import encode
@@ -52,6 +52,12 @@ class EngineError(CompanionError):
 
 class EngineMissing(EngineError):
     """There is no planner of that name here; the message says what to install, or which are."""
+
+    exit_code = 2
+
+
+class EngineUnfit(EngineError):
+    """What a planner is asked for is beyond it; the message says what to ask instead."""
 
     exit_code = 2
 
@@ -140,8 +146,10 @@ def run(
         classical = question.compiled()
         planners.append(_planner(engine, _parameters(engine, classical)))
         answer = _answer(planners[0], classical, engine)
-    except EngineMissing as error:
+    except (EngineMissing, EngineUnfit) as error:
         answer = error
+    except RequestError as error:
+        answer = EngineUnfit(str(error))
     except CompanionError as error:
         answer = EngineError(str(error))
     except _TimeIsOver:
@@ -202,13 +210,13 @@ def _parameters(engine: str, classical: ClassicalProblem) -> dict[str, Any]:
     }
 
 
-def _unsupported(encoding: Encoding, engine: str, features: list[str]) -> EngineError:
+def _unsupported(encoding: Encoding, engine: str, features: list[str]) -> EngineUnfit:
     if encoding is not Encoding.V5:
-        return EngineError(
+        return EngineUnfit(
             f"the engine {engine} cannot take encoding {encoding}, which has conditional "
             "effects; use encoding v5"
         )
-    return EngineError(
+    return EngineUnfit(
         f"the engine {engine} cannot take plain problems with costs ({', '.join(features)}); "
         f"use {FAST_DOWNWARD}"
     )

@@ -26,6 +26,7 @@ from companion.planning.engine_process import (
     EngineAnswer,
     EngineError,
     EngineQuestion,
+    EngineUnfit,
 )
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
@@ -110,7 +111,7 @@ def require(engine: str, encoding: Encoding, mission: Mission | None) -> None:
 
     Raises:
         EngineMissing: it is not here.
-        EngineError: it cannot take the encoding, or what the mission has.
+        EngineUnfit: it cannot take the encoding, or what the mission has.
     """
     if mission is not None:
         _refuse(engine, mission.battery is not None, mission.is_timed)
@@ -118,14 +119,14 @@ def require(engine: str, encoding: Encoding, mission: Mission | None) -> None:
 
 
 def _refuse(engine: str, has_energy: bool, has_bounds: bool) -> None:
-    """Raises an EngineError for what no engine knows of."""
+    """Raises an EngineUnfit for what no engine knows of."""
     if has_energy:
-        raise EngineError(
+        raise EngineUnfit(
             f"the engine {engine} knows of no energy, and the mission has a battery; leave the "
             "engine out, so that the built-in search plans, or remove battery:"
         )
     if has_bounds:
-        raise EngineError(
+        raise EngineUnfit(
             f"the engine {engine} knows of no bounds in time, and the task has some; leave the "
             "engine out, so that the built-in search plans, or remove the bounds"
         )

@@ -8,7 +8,7 @@ from __future__ import annotations
 from enum import StrEnum
 from typing import TypeVar
 
-from companion.errors import CompanionError
+from companion.errors import RequestError
 
 
 class Objective(StrEnum):
@@ -51,5 +51,5 @@ def named(kind: type[E], name: str) -> E:
         CompanionError: there is none.
     """
     if name not in [each.value for each in kind]:
-        raise CompanionError(f"no {kind.__name__.lower()} {name!r}; there are {', '.join(kind)}")
+        raise RequestError(f"no {kind.__name__.lower()} {name!r}; there are {', '.join(kind)}")
     return kind(name)

@@ -16,7 +16,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from companion.errors import CompanionError, check_kind
+from companion.errors import CompanionError, RequestError, check_kind
 from companion.ltl.monitor import Runs
 from companion.mission.facts import HERE, Fact
 from companion.mission.model import Fly, Mission
@@ -88,7 +88,7 @@ class Planner(Solver):
             if mission.battery is not None:
                 energy = energy or MissionEnergy(mission, ways)
         elif mission.battery is not None and energy is None:
-            raise CompanionError(
+            raise RequestError(
                 "flight times say nothing of energy, and the mission has a battery\n"
                 "    leave out flight_time, or the mission's battery"
             )
@@ -171,7 +171,7 @@ class Planner(Solver):
         known = self.all_actions()
         found = {name: tuple(a for a in known if is_named(a, name)) for name in actions(tree)}
         if missing := sorted(name for name, meant in found.items() if not meant):
-            raise CompanionError(f"the tree cannot do {missing[0]}: no such action, or no route")
+            raise RequestError(f"the tree cannot do {missing[0]}: no such action, or no route")
         return found
 
     def problem(

@@ -10,7 +10,7 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from companion.errors import CompanionError, SearchLimit
+from companion.errors import CompanionError, RequestError, SearchLimit
 from companion.mission.model import Mission
 from companion.planning import optional_lines
 from companion.planning.builtin.search import Search
@@ -180,7 +180,7 @@ class Solver:
             why, kept = "with a battery", "its reserve"
             if problem.energy is None:
                 why, kept = "with bounds in time", "them"
-            raise CompanionError(
+            raise RequestError(
                 f"the objective {objective.value} is not for missions {why}: plans that "
                 f"keep {kept} are those of the shortest lap; leave the objective out"
             )

@@ -15,7 +15,7 @@ import re
 from dataclasses import dataclass
 from typing import ClassVar
 
-from companion.errors import LinkError
+from companion.errors import AddressError
 
 MAX_PORT = 65535
 HELP = """\
@@ -87,7 +87,7 @@ def parse_url(url: str) -> Endpoint:
     """The endpoint of a URL such as udpin://0.0.0.0:14540 or serial:///dev/ttyTHS1:921600.
 
     Raises:
-        LinkError: with the URL that was perhaps meant.
+        AddressError: with the URL that was perhaps meant.
     """
     scheme, _, rest = url.partition(":")
     rest = rest.removeprefix("//")
@@ -96,7 +96,7 @@ def parse_url(url: str) -> Endpoint:
         if match is not None and int(match["baud"]) > 0:
             return SerialPort(match["device"], int(match["baud"]))
         device = rest.partition(":")[0] or "/dev/ttyTHS1"
-        raise LinkError(
+        raise AddressError(
             f"cannot connect to {url}\n"
             f"    write {SerialPort(device, 921600)}, with the speed of the port in baud"
         )
@@ -112,7 +112,7 @@ def parse_url(url: str) -> Endpoint:
                 case "tcpout" | "tcp":
                     return TcpServer(there.host, port)
                 case "udp":
-                    raise LinkError(
+                    raise AddressError(
                         f"udp: is ambiguous in {url}\n"
                         f"    write {here} to listen on that port, as for PX4 on 14540\n"
                         f"    or {there} to send to that address first"
@@ -120,5 +120,5 @@ def parse_url(url: str) -> Endpoint:
     if url.startswith("/dev/"):
         device, _, baud = url.partition(":")
         meant = SerialPort(device, int(baud) if baud.isdecimal() else 57600)
-        raise LinkError(f"cannot connect to {url}\n    write {meant}, with its speed in baud")
-    raise LinkError(f"cannot connect to {url}\n{HELP}")
+        raise AddressError(f"cannot connect to {url}\n    write {meant}, with its speed in baud")
+    raise AddressError(f"cannot connect to {url}\n{HELP}")

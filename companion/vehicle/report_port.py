@@ -14,13 +14,30 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
-from companion.errors import LinkError
+from companion.errors import AddressError, LinkError
 from companion.vehicle.detections import LONGEST, MOST
 
 MODE = 0o660
 HELP = """\
     write unix:/run/companion/events, or udpin:127.0.0.1:14600 for a UDP port of this machine"""
 _UDP = re.compile(r"(?://)?(?P<host>[^:/]*):(?P<port>\d+)")
+
+
+def place_of(address: str) -> Path | tuple[str, int]:
+    """The path, or the host and the port, of an address.
+
+    >>> place_of("unix:/run/events"), place_of("udpin::14600")
+    (PosixPath('/run/events'), ('127.0.0.1', 14600))
+
+    Raises:
+        AddressError: it is neither unix:PATH nor udpin:HOST:PORT.
+    """
+    scheme, _, rest = address.partition(":")
+    if scheme == "unix" and rest:
+        return Path(rest.removeprefix("//"))
+    if scheme == "udpin" and (match := _UDP.fullmatch(rest)):
+        return match["host"] or "127.0.0.1", int(match["port"])
+    raise AddressError(f"cannot hear reports on {address}\n{HELP}")
 
 
 class ReportPort:
@@ -30,20 +47,19 @@ class ReportPort:
         address: `unix:PATH` or `udpin:HOST:PORT`.
 
     Raises:
-        LinkError: it cannot be bound, or is no such address.
+        LinkError: it cannot be bound.
+        AddressError: it is no such address.
     """
 
     def __init__(self, address: str) -> None:
         self._path: Path | None = None
-        scheme, _, rest = address.partition(":")
+        place = place_of(address)
         try:
-            if scheme == "unix" and rest:
-                self._socket = self._bound_to_path(Path(rest.removeprefix("//")))
-            elif scheme == "udpin" and (match := _UDP.fullmatch(rest)):
-                self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-                self._socket.bind((match["host"] or "127.0.0.1", int(match["port"])))
+            if isinstance(place, Path):
+                self._socket = self._bound_to_path(place)
             else:
-                raise LinkError(f"cannot hear reports on {address}\n{HELP}")
+                self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+                self._socket.bind(place)
         except (OSError, OverflowError) as error:
             raise LinkError(f"cannot hear reports on {address}: {error}\n{HELP}") from error
         self._socket.setblocking(False)

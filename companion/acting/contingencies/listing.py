@@ -27,7 +27,7 @@ from companion.acting.contingencies.remembered_routes import RememberedRoutes
 from companion.acting.contingencies.supposed_flight import SupposedFlight
 from companion.acting.contingencies.table import Contingency, ContingencyTable, PlanPosition
 from companion.acting.preparation import prepare
-from companion.errors import CompanionError
+from companion.errors import RequestError
 from companion.mission.facts import Fact
 from companion.mission.model import Mission
 from companion.planning.domain import Action
@@ -80,7 +80,7 @@ class Contingencies:
 
     def __init__(self, mission: Mission) -> None:
         if mission.tree is not None:
-            raise CompanionError(
+            raise RequestError(
                 "the mission has a tree of its own, which nothing replaces in flight\n"
                 "    there is no table of contingencies; remove tree: to have it planned"
             )

@@ -7,7 +7,7 @@ prefix outweighs a shorter lap).
 
 from __future__ import annotations
 
-from companion.errors import CompanionError
+from companion.errors import RequestError
 from companion.planning.compilation.classical import ClassicalProblem
 from companion.planning.compilation.conditional import ConditionalEncoding
 from companion.planning.compilation.decomposed import parts
@@ -35,11 +35,11 @@ def encode(
         objective: `LAP` or `SUM`.
 
     Raises:
-        CompanionError: the encoding cannot express the objective or an action, or a fact or an
+        RequestError: the encoding cannot express the objective or an action, or a fact or an
             action has the name of an auxiliary one.
     """
     if objective is Objective.BOTTLENECK:
-        raise CompanionError(
+        raise RequestError(
             "a classical planner cannot minimise the bottleneck; "
             "use the built-in engine, or the objective lap or sum"
         )
@@ -59,7 +59,7 @@ def _check_names(problem: Problem) -> None:
         *sorted(skills & AUXILIARY_ACTIONS),
     ]
     if clashes:
-        raise CompanionError(
+        raise RequestError(
             f"{clashes[0]} is what the compiled task calls something of its own; "
             "give it another name in the mission"
         )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from companion.errors import CompanionError
+from companion.errors import RequestError
 from companion.planning.compilation.classical import ClassicalAction, Fluent
 from companion.planning.compilation.decomposed import (
     ACT,
@@ -40,7 +40,7 @@ class StripsEncoding(DecomposedEncoding):
         super().__init__(task, parts, objective)
         if task.has_conditional_effects:
             name = next(action.name for action in task.actions if action.conditional)
-            raise CompanionError(
+            raise RequestError(
                 f"encoding v5 has no conditional effects, but {name} has one; use v1 or v4"
             )
         alone = {facts[0] for facts in task.variables if len(facts) == 1}
