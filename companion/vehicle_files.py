@@ -25,7 +25,7 @@ from pydantic_core import PydanticCustomError
 from companion.documents import Document, did_you_mean, validate
 from companion.documents.sources import read_source
 from companion.errors import MissionError
-from companion.vehicle_profile import DEFAULT_VEHICLE, VehicleProfile
+from companion.vehicle_profile import DEFAULT_VEHICLE, LEAST_MPS, VehicleProfile
 
 FOLDER = "vehicles"
 
@@ -55,6 +55,10 @@ def _positive(description: str, most: float = 100) -> Any:
     return Field(gt=0, le=most, description=description)
 
 
+def _speed(description: str) -> Any:
+    return Field(ge=LEAST_MPS, le=100, description=description)
+
+
 def _not_negative(description: str) -> Any:
     return Field(ge=0, le=100, description=description)
 
@@ -64,9 +68,9 @@ Margin = Annotated[float, _not_negative("Stays free beside the vehicle, m.")]
 Deviation = Annotated[
     float, _not_negative("How much nearer than its route it may come to an obstacle, m.")
 ]
-Speed = Annotated[float, _positive("Greatest speed, m/s; a mission may allow less.")]
-Climb = Annotated[float, _positive("Greatest vertical speed upwards, m/s.")]
-Descent = Annotated[float, _positive("Greatest vertical speed downwards, m/s.")]
+Speed = Annotated[float, _speed("Greatest speed, m/s; a mission may allow less.")]
+Climb = Annotated[float, _speed("Greatest vertical speed upwards, m/s.")]
+Descent = Annotated[float, _speed("Greatest vertical speed downwards, m/s.")]
 Acceleration = Annotated[float, _positive("Acceleration of trajectories and plans, m/s2.")]
 Braking = Annotated[float, _positive("Deceleration before an obstacle without a way round, m/s2.")]
 MaxAcceleration = Annotated[

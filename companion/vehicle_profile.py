@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 DEFAULT_VEHICLE = "quad_35cm"
+LEAST_MPS = 0.1
+"""Of a greatest speed: who flies slower cannot be told from one that is held in the wind."""
 
 
 @dataclass(frozen=True, slots=True)

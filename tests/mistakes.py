@@ -199,6 +199,7 @@ PLACES: Table = {
     "a unit": Mistake("speed_mps: 5", "speed_mps: 5 m/s", "  speed", "the number alone: 5."),
     "another unit": Mistake("speed_mps: 5", "speed_mps: 30 km/h", "  speed", "second: 8.33."),
     "feet": Mistake("up_m: 6}", "up_m: 20 ft}", "  Home:", "write metres: 6.1."),
+    "no speed at all": Mistake("speed_mps: 5", "speed_mps: 1e-9", "  speed", "m/s"),
     "a unit of something else": Mistake(
         "speed_mps: 5", "speed_mps: 5 min", "  speed", "a number of metres per second."
     ),

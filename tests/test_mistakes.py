@@ -115,7 +115,7 @@ def test_commands_that_are_mistaken_are_answered_with_what_to_give(
         ended = companion(*command.split())
         told = " ".join(ended.err.replace("│", " ").split())
         assert words in told, f"{command}\n{ended.err}"
-        expected = 4 if "--connect" in command else 1 if "--log-dir" in command else 2
+        expected = 1 if "--log-dir" in command else 2
         assert ended.code == expected, command
     shutil.rmtree(tmp_path / "runs")
 

@@ -50,6 +50,9 @@ def new(
     spaces = {name.value: about for name, about in SPACES.items()}
     tasks = {name.value: each.question for name, each in TASKS.items()}
     where = space or StarterSpace(_asked("space", spaces, StarterSpace.FIELD))
+    if home is not None and where is not StarterSpace.EARTH:
+        reason = f"is of --space earth; a mission in the space {where} is in metres from home"
+        raise typer.BadParameter(reason, param_hint="--home")
     what = task or TaskName(_asked("task", tasks, TaskName.PATROL))
     made = starter(name, where, what, origin_of(home) or PX4_HOME)
     mission, world = Path(f"{name}.yaml"), Path(f"{name}.sim.yaml")

@@ -8,12 +8,13 @@ from pydantic import BeforeValidator, ConfigDict, Field, JsonValue
 
 from companion.drawn_maps import Corner, DrawnModel, Metres
 from companion.mission.keys import Name, Text, given
+from companion.vehicle_profile import LEAST_MPS
 
 
 class LimitsEntry(DrawnModel):
     """What no setpoint may leave."""
 
-    speed_mps: Annotated[float, Field(gt=0, le=20, description="Greatest speed, m/s.")]
+    speed_mps: Annotated[float, Field(ge=LEAST_MPS, le=20, description="Greatest speed, m/s.")]
     up_m: Annotated[
         tuple[Metres, Metres],
         Field(description="Lowest and highest flight altitude above home, metres: [0.5, 4.0]."),

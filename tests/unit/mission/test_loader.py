@@ -41,7 +41,7 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("speed_mps: 2.0", "speed_mps: §fast", "speed_mps is 'fast', expected a number", "m/s"),
     ("speed_mps: 2.0", "speed_mps: §'2.0'", "speed_mps is '2.0', expected a number", "m/s"),
     ("speed_mps: 2.0", "speed_mps: §.nan", ".nan is not a finite number", ""),
-    ("speed_mps: 2.0", "speed_mps: §-1", "speed_mps is -1, expected more than 0", "m/s"),
+    ("speed_mps: 2.0", "speed_mps: §-1", "speed_mps is -1, expected at least 0.1", "m/s"),
     ("speed_mps: 2.0", "speed_mps: §21", "speed_mps is 21, expected at most 20", "m/s"),
     ("up_m: [0.5, 4.0]", "up_m: [0.5, §4.0e+5]", "is 400000.0, expected at most 10000", ""),
     ("[10, 8.5]", "[§10000.5, 8.5]", "entry 1 in limits.fence.2 is 10000.5, expected at most", ""),

@@ -103,3 +103,14 @@ def test_a_home_that_is_none_is_refused(
     ended = companion("new", "first", "--space", "earth", "--task", "patrol", "--home", "north")
     assert ended.code == 2
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("space", ["hall", "field"])
+def test_a_home_where_a_mission_is_in_metres_is_refused(
+    companion: Companion, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, space: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    ended = companion("new", "first", "--space", space, "--task", "patrol", "--home", "47,8")
+    assert ended.code == 2
+    assert "is of --space earth" in ended.err
+    assert not list(tmp_path.iterdir())
