@@ -40,7 +40,8 @@ def make_key(path: Path, passphrase: str | None) -> None:
     """Makes a key file; its key is random, or QGroundControl's of a passphrase.
 
     Raises:
-        CompanionError: there is such a file already, or it cannot be written.
+        RequestError: there is such a file already.
+        CompanionError: it cannot be written.
     """
     key = (
         SigningKey(secrets.token_bytes(KEY_BYTES))
@@ -61,7 +62,7 @@ def read_key(path: Path) -> SigningKey:
     """The key of a file.
 
     Raises:
-        CompanionError: it cannot be read, others can read it, or it has no key.
+        RequestError: it cannot be read, others can read it, or it has no key.
     """
     try:
         with path.open(encoding="ascii") as file:

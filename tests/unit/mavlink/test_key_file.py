@@ -47,7 +47,7 @@ def test_a_key_of_a_passphrase(tmp_path: Path) -> None:
 
 def test_a_key_that_is_there_is_not_replaced(key_file: Path) -> None:
     before = key_file.read_bytes()
-    with pytest.raises(CompanionError, match="File exists"):
+    with pytest.raises(CompanionError, match="is there already"):
         make_key(key_file, None)
     assert key_file.read_bytes() == before
 
