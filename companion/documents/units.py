@@ -10,8 +10,10 @@ import math
 import re
 from dataclasses import dataclass
 
+from companion.geometry import GRAVITY_MPS2
+
 _KNOT_MPS = 1852 / 3600
-_MILE_M, _FOOT_M, _GRAVITY_MPS2 = 1609.344, 0.3048, 9.80665
+_MILE_M, _FOOT_M = 1609.344, 0.3048
 _LEAST_DIGITS = 3
 
 
@@ -48,7 +50,7 @@ _UNITS: dict[str, Unit] = {
     "ft/s fps": Unit("feet per second", "speed", _FOOT_M),
     "ft/min fpm": Unit("feet per minute", "speed", _FOOT_M / 60),
     "m/s2 m/s/s mps2": Unit("metres per second squared", "acceleration"),
-    "g": Unit("times gravity", "acceleration", _GRAVITY_MPS2),
+    "g": Unit("times gravity", "acceleration", GRAVITY_MPS2),
     "m/s3 mps3": Unit("metres per second cubed", "jerk"),
     "s sec secs second seconds": Unit("seconds", "time"),
     "us": Unit("microseconds", "time", 1e-6),
