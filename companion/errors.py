@@ -24,6 +24,8 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeVar
 
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
@@ -67,6 +69,28 @@ def check_kind(value: object, kinds: type | tuple[type, ...], expected: str) -> 
     """
     if not isinstance(value, kinds):
         raise CompanionError(f"expected {expected}, and this is a {type(value).__name__}")
+
+
+E = TypeVar("E", bound=StrEnum)
+
+
+def named(kind: type[E], name: str, argument: str) -> E:
+    """The value of a name, in an argument that may be one of a few.
+
+    >>> named(StrEnum("Meal", ["LUNCH", "DINNER"]), "lunch", "meal").name
+    'LUNCH'
+
+    Args:
+        kind: the values.
+        name: of one of them.
+        argument: what it is called.
+
+    Raises:
+        RequestError: there is none of that name.
+    """
+    if name not in [each.value for each in kind]:
+        raise RequestError(f"no {argument} {name!r}; there are {', '.join(kind)}")
+    return kind(name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from companion.acting.flight import Flight
+from companion.errors import RequestError
 from companion.flight_events.sortie import EndedAtLimit
 
 
@@ -22,7 +23,7 @@ class FlightLimit:
         duration_s: seconds since the vehicle was to arm.
 
     Raises:
-        ValueError: a limit that is reached before the flight begins.
+        RequestError: a limit that is reached before the flight begins.
     """
 
     laps: int | None = None
@@ -31,9 +32,9 @@ class FlightLimit:
     def __post_init__(self) -> None:
         """No flight ends before it begins."""
         if self.laps is not None and self.laps < 1:
-            raise ValueError(f"{self.laps} laps is no limit of a flight; 1 or more")
+            raise RequestError(f"{self.laps} laps is no limit of a flight; 1 or more")
         if self.duration_s is not None and not self.duration_s > 0:
-            raise ValueError(f"{self.duration_s:g} s is no limit of a flight; more than 0")
+            raise RequestError(f"{self.duration_s:g} s is no limit of a flight; more than 0")
 
     def reached(self, laps: int, flown_s: float) -> str | None:
         """The limit that is reached, in words; None if none is."""

@@ -85,7 +85,7 @@ TRANSITIONS = TransitionTable(
     StateTransition(_P.PAUSED, _E.TASK_GOES_ON, _P.TASK, "a new plan is made from here"),
     StateTransition(_P.PAUSED, _E.RETURN_GOES_ON, _P.RETURNING, "it flies home from here"),
     StateTransition(
-        _P.PAUSED, _E.CALLED_HOME, _P.RETURNING, "the same, but that a limit waits for its end"
+        _P.PAUSED, _E.CALLED_HOME, _P.RETURNING, "it flies home; a limit waits for the pause's end"
     ),
     StateTransition(_P.RETURNING, _E.PAUSED, _P.PAUSED, "it holds"),
     StateTransition(_P.RETURNING, _E.SATISFIED, _P.LANDING, _LANDS),

@@ -16,7 +16,7 @@ from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Record
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
-from companion.errors import CompanionError
+from companion.errors import CompanionError, named
 from companion.mission.model import Mission
 from companion.record.flight_memory_files import flight_memory_in
 from companion.skills.runner import FunctionRunner
@@ -71,9 +71,8 @@ def run(
         What happened; its trajectory is where the autopilot believed to be.
 
     Raises:
-        ValueError: an argument has no value of those above; nothing has been opened then.
         LinkError: the link, or the port for events, cannot be opened; or no vehicle is heard.
-        CompanionError: it is no mission, or another argument is of another kind.
+        CompanionError: an argument is not what it may be; nothing has been opened then.
     """
     check_flight_arguments(mission, folder, on_event, laps, limit_s, timeout_s, connect, events)
     arming = _arming(accepts_weak_failsafes, autopilot_fence, rally_points)
@@ -97,15 +96,9 @@ def _remembered_beside(folder: Path | str | None) -> FlightMemory | None:
 def _arming(accepts_weak_failsafes: bool, autopilot_fence: str, rally_points: str) -> ArmingTerms:
     return ArmingTerms(
         accepts_weak_failsafes,
-        fence=_policy("autopilot_fence", autopilot_fence),
-        rally_points=_policy("rally_points", rally_points),
+        fence=named(UploadPolicy, autopilot_fence, "autopilot_fence"),
+        rally_points=named(UploadPolicy, rally_points, "rally_points"),
     )
-
-
-def _policy(argument: str, value: str) -> UploadPolicy:
-    if value not in [policy.value for policy in UploadPolicy]:
-        raise ValueError(f"{argument} is {value!r}, and can be {', '.join(UploadPolicy)}")
-    return UploadPolicy(value)
 
 
 def _result(

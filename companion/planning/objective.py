@@ -6,9 +6,8 @@ They are kept apart from the rest, which takes long to import.
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import TypeVar
 
-from companion.errors import RequestError
+from companion.errors import named
 
 
 class Objective(StrEnum):
@@ -38,18 +37,10 @@ class Encoding(StrEnum):
     V5 = "v5"
 
 
-E = TypeVar("E", bound=StrEnum)
-
-
-def named(kind: type[E], name: str) -> E:
-    """The one of a name.
-
-    >>> named(Objective, "sum")
-    <Objective.SUM: 'sum'>
+def asked_for(objective: str, encoding: str) -> tuple[Objective, Encoding]:
+    """Both by their names.
 
     Raises:
-        CompanionError: there is none.
+        RequestError: there is none of that name.
     """
-    if name not in [each.value for each in kind]:
-        raise RequestError(f"no {kind.__name__.lower()} {name!r}; there are {', '.join(kind)}")
-    return kind(name)
+    return named(Objective, objective, "objective"), named(Encoding, encoding, "encoding")

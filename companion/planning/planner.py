@@ -34,7 +34,7 @@ from companion.planning.flight_times import flight_times, from_table, route_map
 from companion.planning.flown_ways import FlownWays
 from companion.planning.instances import FlightTime, Instances, task_model
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
-from companion.planning.objective import Encoding, Objective, named
+from companion.planning.objective import Encoding, Objective, asked_for
 from companion.planning.optional_lines import without_lines
 from companion.planning.solver import Solver
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
@@ -243,7 +243,7 @@ class Planner(Solver):
             SearchLimit: the search was given up: whether there is a plan is not known.
             CompanionError: the engine failed, or there is no such objective or encoding.
         """
-        objective, encoding = named(Objective, objective), named(Encoding, encoding)
+        objective, encoding = asked_for(objective, encoding)
         asked = self.initial_problem(at=at, facts=facts, without=without)
         problem, histories, dropped = self.kept(*asked)
         if engine == BUILT_IN:

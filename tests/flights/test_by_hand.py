@@ -6,6 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import meadow
 import pytest
 from lockstep import COMPANION, Lockstep
 
@@ -83,25 +84,9 @@ def test_after_a_pause_it_goes_on_with_what_was_under_way(undisturbed: Lockstep)
     assert word(flight) == word(undisturbed) != []
 
 
-OF_ITS_OWN = {
-    "version": 1,
-    "name": "meadow",
+OF_ITS_OWN = meadow.DATA | {
     "limits": {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [29, -9], [29, 9], [-9, 9]]},
-    "places": {
-        "Home": {"east_m": 0, "north_m": 0, "up_m": 3},
-        "A": {"east_m": 20, "north_m": 0, "up_m": 3},
-    },
-    "sets": {"Place": ["Home", "A"]},
     "events": {"alarm": {"when": "COMMAND.MAV_CMD_USER_3"}},
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        }
-    },
-    "initially": ["at(Home)"],
     "task": {"visit": "F at(A)", "answer": "G (alarm -> F at(Home))"},
 }
 

@@ -14,6 +14,7 @@ import pytest
 from ports import free_instance, own_ports
 
 from companion import FlightResult, LinkError, audit, load_mission, run
+from companion.errors import RequestError
 from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import StoppedAsAsked
@@ -89,13 +90,13 @@ def test_no_vehicle_is_an_error() -> None:
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"autopilot_fence": "uplod"}, "autopilot_fence is 'uplod', and can be upload, keep"),
-        ({"rally_points": "all"}, "rally_points is 'all'"),
+        ({"autopilot_fence": "uplod"}, "no autopilot_fence 'uplod'; there are upload, keep"),
+        ({"rally_points": "all"}, "no rally_points 'all'"),
         ({"laps": 0}, "0 laps is no limit"),
         ({"limit_s": -1.0}, "-1 s is no limit"),
     ],
 )
 def test_a_wrong_argument_opens_nothing(wrong: dict[str, Any], said: str, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(RequestError, match=said):
         run(load_mission(MISSION), folder=tmp_path / "run", **wrong)
     assert not (tmp_path / "run").exists()
