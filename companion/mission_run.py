@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 from companion.acting.assembly import assemble, envelope_of
@@ -41,6 +42,7 @@ from companion.mission.facts import Fact
 from companion.mission.installed_calls import functions_of
 from companion.mission.refinement import confirming
 from companion.mission.signals import Signal
+from companion.planning.planner import Planner
 from companion.vehicle.detections import Detections
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.offboard import MavlinkVehicle
@@ -78,19 +80,33 @@ class Recorder(Protocol):
         """The clocks were read."""
 
 
+@dataclass(frozen=True)
+class PreparedRun:
+    """A run that can begin.
+
+    Attributes:
+        mission: what to do.
+        recorder: told of everything that happens.
+        journalled: a run that was cut off; this one goes on with it, in the same record.
+        may_yield: wait for the operator when somebody else has taken control in flight.
+    """
+
+    mission: PreparedMission
+    recorder: Recorder
+    journalled: JournalledFlight | None = None
+    may_yield: bool = False
+
+
 class Run:
     """One mission flown once, all its parts put together; its reports count time from its start.
 
     Args:
         prepared: what to do.
-        recorder: told of everything that happens.
         wire: whose system the vehicle is.
         telemetry: what its autopilot says, and has said before this run.
         start_s: when it begins.
         terms: on which it is flown.
         memory: of earlier flights.
-        may_yield: wait for the operator when somebody else has taken control in flight.
-        journalled: a run that was cut off; this one goes on with it, in the same record.
 
     Raises:
         LookupError: that run was of another mission.
@@ -98,19 +114,16 @@ class Run:
 
     def __init__(
         self,
-        prepared: PreparedMission,
-        recorder: Recorder,
+        prepared: PreparedRun,
         wire: Wire,
         telemetry: Telemetry,
         start_s: float,
         terms: SortieTerms = USUAL_TERMS,
         memory: FlightMemory | None = None,
-        may_yield: bool = False,
-        journalled: JournalledFlight | None = None,
     ) -> None:
-        mission = prepared.mission
+        mission, journalled = prepared.mission.mission, prepared.journalled
         self._detector = detector = EventDetector(mission.events)
-        self.mission, self.recorder, self.start_s = mission, recorder, start_s
+        self.mission, self.recorder, self.start_s = mission, prepared.recorder, start_s
         self._wire, self._telemetry = wire, telemetry
         telemetry.anchor_at(mission.anchor)
         telemetry.words.take_news()  # of another flight
@@ -119,7 +132,7 @@ class Run:
         self.vehicle = self._vehicle(said, memory)
         self._other_systems = OtherSystems(SignalReader(said))
         self.awaited = frozenset(s.field for s in signals if s.is_pulse)
-        acting = assemble(prepared, self.vehicle, detector)
+        acting = assemble(prepared.mission, self.vehicle, detector)
         self.flight = acting.flight
         self._found = FoundPlaces(mission, acting.flight)
         self._detections = Detections(signals, self._found.reports)
@@ -127,7 +140,7 @@ class Run:
         self.flight.functions.prepare(functions_of(mission))
         self._seen_s = -math.inf
         self._clocks = RunClocks(wire, telemetry)
-        self._keep(prepared, journalled)
+        self._keep(prepared.mission.planner, journalled)
         speed_mps = mission.speed_limits.speed_mps
         resumption = Resumption(journalled, speed_mps, lambda: wire.system) if journalled else None
         self.sortie = Sortie(
@@ -135,13 +148,14 @@ class Run:
             acting.executive,
             mission,
             terms=terms,
-            may_yield=may_yield,
+            may_yield=prepared.may_yield,
             resumption=resumption,
         )
         self._surroundings = Surroundings(mission.grid, telemetry)
         self._sight = SightLimit(self.flight)
-        self._clearance = KeptClearance(self.flight, prepared.planner)
-        self._charge = ChargeReport(acting.flight, prepared.planner.energy)
+        planner = prepared.mission.planner
+        self._clearance = KeptClearance(self.flight, planner)
+        self._charge = ChargeReport(self.flight, planner.energy)
 
     def _vehicle(self, said: frozenset[Signal], memory: FlightMemory | None) -> MavlinkVehicle:
         """The vehicle, of which the mission needs to hear these signals."""
@@ -156,7 +170,7 @@ class Run:
             memory=memory,
         )
 
-    def _keep(self, prepared: PreparedMission, journalled: JournalledFlight | None) -> None:
+    def _keep(self, planner: Planner, journalled: JournalledFlight | None) -> None:
         """From now on the journal has what another process needs to go on."""
         flight, mission, journal = self.flight, self.mission, self.recorder.journal
         flight.journal, flight.now_s = journal, self.start_s
@@ -167,8 +181,8 @@ class Run:
             return
         self.start_s = journalled.begun.start_s
         self.executive.replans = journalled.replans
-        self._found.restore(journalled.found, prepared.planner)
-        self._report(restore(journalled, flight, prepared.planner, self._detector))
+        self._found.restore(journalled.found, planner)
+        self._report(restore(journalled, flight, planner, self._detector))
         if (seen := journalled.seen) is not None:
             self._telemetry.frame.keep(seen.origin, seen.altitude_m)
 

@@ -32,6 +32,7 @@ from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.flight_times import route_map
 from companion.record.run_folder import RunFolder
+from companion.run_sources.only_run import OnlyRun
 
 # What is drawn would depend on which modules a process has loaded: their constants are mixed in.
 providers.is_local_module_file = lambda path: False
@@ -137,7 +138,7 @@ def surveillance_run(surveillance: Mission, tmp_path_factory: pytest.TempPathFac
     run = RunFolder(
         tmp_path_factory.mktemp("runs") / "run", surveillance, 1_700_000_000.0, lambda report: None
     )
-    lockstep(surveillance, world_of(surveillance), run).fly()
+    lockstep(OnlyRun(surveillance, run), world_of(surveillance)).fly()
     run.close()
     return run.folder
 

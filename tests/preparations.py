@@ -7,7 +7,7 @@ from companion.mission.model import Mission
 
 
 class Polled:
-    """An `app.Preparation`.
+    """A `preparation.Preparation`.
 
     Args:
         mission: what is prepared.

@@ -389,7 +389,7 @@ def test_a_mission_is_prepared_before_the_link_is_opened(
         done.append("link")
         raise LinkError("nothing is flown here")
 
-    monkeypatch.setattr("companion.only_run.prepare", prepare_first)
+    monkeypatch.setattr("companion.run_sources.only_run.prepare", prepare_first)
     monkeypatch.setattr("companion.vehicle.link.Link", no_link)
     with pytest.raises(LinkError):
         run(SURVEILLANCE, log_dir=tmp_path, monitor="off")

@@ -30,6 +30,7 @@ from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import TaskSatisfied
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, decode, encode
+from companion.run_sources.only_run import OnlyRun
 
 HTTP_S = GONE_S = 300.0  # wall time that no answer and no end needs
 NAME = b"CMP_MONITOR"
@@ -40,7 +41,7 @@ class Flight(Notes):
 
     def __init__(self, page: Page | None) -> None:
         super().__init__()
-        self.companion = Companion(mission("F at(A)"), self, page=page)
+        self.companion = Companion(OnlyRun(mission("F at(A)"), self), page=page)
         self.told: list[str] = []
         self._autopilot, self._station = Autopilot(), MavlinkCodec(255, 190)
         self._ear = MavlinkCodec(0, 0)

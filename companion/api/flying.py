@@ -19,6 +19,7 @@ from companion.driving import fly
 from companion.errors import CompanionError, named
 from companion.mission.model import Mission
 from companion.record.flight_memory_files import flight_memory_in
+from companion.run_sources.only_run import OnlyRun
 from companion.skills.runner import FunctionRunner
 from companion.vehicle.endpoints import parse_url
 from companion.vehicle.flight_memory import FlightMemory
@@ -83,7 +84,8 @@ def run(
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
     ):
-        companion = Companion(mission, recorder, terms, memory=memory, functions=functions)
+        only = OnlyRun(mission, recorder, functions=functions)
+        companion = Companion(only, terms, memory=memory)
         with _stopped_by_interrupt(companion):
             fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
     return _result(mission, recorder, companion.failure, folder)

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from companion.acting.flight_limit import NO_LIMIT, FlightLimit
-from companion.acting.function_port import FunctionPort
 from companion.acting.sortie_terms import SortieTerms
 from companion.api.flight_arguments import check_flight_arguments
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
@@ -22,12 +21,11 @@ from companion.errors import Aborted, Collided, CompanionError, check_kind
 from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
 from companion.mission.world_files import worlds_beside
-from companion.mission_run import Recorder
+from companion.run_sources.only_run import OnlyRun
 from companion.skills.runner import FunctionRunner
 
 if TYPE_CHECKING:
     from companion.motion.grid import OccupancyGrid
-    from companion.planning.engine_port import Engine
     from sitl.harness import LockstepFlight as LockstepFlight
     from sitl.simulation import Simulation as Simulation
     from sitl.world.scenario import Scenario as Scenario
@@ -127,43 +125,30 @@ def flight_of(
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder else None, is_lockstep=True)) as functions,
     ):
-        made = lockstep(
-            mission,
-            world,
-            recorder,
-            seed=seed,
-            limit=limit,
-            functions=functions,
-            keeps_packets=folder is not None,
-        )
-        yield made, recorder
+        only = OnlyRun(mission, recorder, functions=functions)
+        keeps_packets = folder is not None
+        yield lockstep(only, world, seed=seed, limit=limit, keeps_packets=keeps_packets), recorder
 
 
 def lockstep(
-    mission: Mission,
+    run: OnlyRun,
     world: World,
-    recorder: Recorder,
     *,
     seed: int = 0,
     instance: int = 0,
     page: MonitorPage | None = None,
     limit: FlightLimit = NO_LIMIT,
-    engine: Engine | None = None,
-    functions: FunctionPort | None = None,
     keeps_packets: bool = True,
 ) -> LockstepFlight:
     """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
 
     Args:
-        mission: what to do.
+        run: what is flown, by whose plans, with who records it.
         world: of `world_of`.
-        recorder: told of everything that happens.
         seed: as for `simulate`.
         instance: the vehicle's system id is 1 + instance.
         page: the monitor page, if there is one.
         limit: after what the vehicle is called home.
-        engine: who plans; None for the built-in search.
-        functions: calls functions of installed packages; its owner closes it.
         keeps_packets: whether the recorder does; else what the companion does not read is not
             packed. The flight is the same.
     """
@@ -172,14 +157,7 @@ def lockstep(
     from sitl.simulation import Simulation
 
     scenario, grid = world
-    companion = Companion(
-        mission,
-        recorder,
-        SortieTerms(limit=limit),
-        page=page,
-        engine=engine,
-        functions=functions,
-    )
+    companion = Companion(run, SortieTerms(limit=limit), page=page)
     links, is_all_read = frozenset({LinkName.OFFBOARD}), keeps_packets or scenario.disturbs_links
     simulation = Simulation(
         scenario,

@@ -11,7 +11,7 @@ from companion.api.tree_xml import to_xml
 from companion.errors import MissionError, check_kind
 from companion.flight_events.tree import NodeType, PlanNode, TreeBuilt
 from companion.mission.model import Mission
-from companion.mission_run import Run
+from companion.mission_run import PreparedRun, Run
 from companion.record.events import read_events, record_of
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
@@ -84,7 +84,7 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
 
 def _planned(mission: Mission) -> TreeBuilt:
     """The tree of the first plan, made as before a flight; no vehicle is heard."""
-    run = Run(prepare(mission), Recording(), Wire(), Telemetry(), 0.0)
+    run = Run(PreparedRun(prepare(mission), Recording()), Wire(), Telemetry(), 0.0)
     if failure := run.executive.plan():
         raise failure
     events = (stamped.event for stamped in run.flight.collect_reports())

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class SortieHost:
-    """An `app.Host` with files: run folders and uploaded missions.
+    """A `run_sources.host.Host` with files: run folders and uploaded missions.
 
     Args:
         open_folder: makes and announces a run folder.

@@ -80,6 +80,7 @@ def sim(
     from companion.acting.sortie_terms import SortieTerms
     from companion.api import simulating
     from companion.app import Companion
+    from companion.run_sources.only_run import OnlyRun
     from companion.simulator import simulator
     from companion.skills.runner import FunctionRunner
     from companion.vehicle.endpoints import UdpPort
@@ -98,13 +99,12 @@ def sim(
     ):
         terminal.say(f"world      {simulating.world_in_words(loaded, path)}")
         page.show(folder.folder)
+        only = OnlyRun(loaded, folder, engine=planner, functions=functions)
         if factor is None:
             made = partial(simulating.lockstep, seed=seed, instance=instance, limit=limit)
-            flight = made(loaded, world, folder, page=page, engine=planner, functions=functions)
-            _fly_in_lockstep(flight, terminal, timeout)
+            _fly_in_lockstep(made(only, world, page=page), terminal, timeout)
             return
-        terms = SortieTerms(limit=limit)
-        companion = Companion(loaded, folder, terms, page=page, engine=planner, functions=functions)
+        companion = Companion(only, SortieTerms(limit=limit), page=page)
         path = path or _written(simulating.world_alone(loaded), folder.folder / "world.sim.yaml")
         told = f"simulated, {factor:g} x real time; ground station on UDP port {ground_port}"
         terminal.say(f"vehicle    {told}")

@@ -11,15 +11,16 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from companion.cli.monitoring import monitored
+from companion.cli.monitoring import Page, monitored
 from companion.cli.real_time import raise_failure
 from companion.cli.recording import close_run, flown_s, line, open_run, recorded
 from companion.cli.resuming import CutOffRun, cut_off_run
 from companion.cli.terminal import Terminal
 
 if TYPE_CHECKING:
+    from companion.acting.function_port import FunctionPort
     from companion.acting.sortie_terms import SortieTerms
     from companion.app import Companion
     from companion.flight_events.event import Stamped
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from companion.mission_run import Recorder
     from companion.planning.engine_port import Engine
     from companion.record.run_folder import RunFolder
+    from companion.run_sources.only_run import OnlyRun
+    from companion.run_sources.run_source import RunSource
 
 UPLOADS = "uploads"
 """Among the run folders: what ground stations have sent."""
@@ -65,7 +68,7 @@ class VehicleFlights:
             closing(FunctionRunner(folder.folder)) as functions,
         ):
             page.show(folder.folder)
-            companion = self._companion(mission, folder, cut_off, page=page, functions=functions)
+            companion = self._companion(self._run(mission, folder, functions, cut_off), page)
             self.fly(companion, terminal, 1.0, timeout_s, flown_s(cut_off))
             raise_failure(companion.failure)
 
@@ -79,6 +82,7 @@ class VehicleFlights:
         from companion.ground.checking import CheckChildren
         from companion.ground.uploads import Uploads
         from companion.mission.installed_calls import functions_of
+        from companion.run_sources.hosted_runs import HostedRuns
         from companion.skills.installed import read_all
         from companion.skills.runner import FunctionRunner
 
@@ -115,38 +119,38 @@ class VehicleFlights:
                 functions=functions,
                 installed=installed,
             )
-            recorder = host.resume_run(open_folder(cut_off.mission, cut_off)) if cut_off else None
-            mission = cut_off.mission if cut_off else mission
+            first = None
+            if cut_off is not None:
+                mission = cut_off.mission
+                recorder = host.resume_run(open_folder(mission, cut_off))
+                first = self._run(mission, recorder, functions, cut_off)
             functions.prepare(functions_of(mission) if mission else ())
-            companion = self._companion(mission, recorder, cut_off, host=host, page=page)
-            try:
+            companion = self._companion(HostedRuns(host, mission, first), page)
+            with closing(children), closing(uploads), closing(host):
                 what = f"to fly {mission.name}" if mission else "and a mission"
                 terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
                 self.fly(companion, terminal, 1.0, 0.0, flown_s(cut_off))
-            finally:
-                host.close()
-                uploads.close()
-                children.close()
 
     def _cut_off(self, mission: Mission | None) -> CutOffRun | None:
         return cut_off_run(self.log_dir, mission) if self.terms.resumes else None
 
-    def _companion(
+    def _run(
         self,
-        mission: Mission | None,
-        recorder: Recorder | None,
+        mission: Mission,
+        recorder: Recorder,
+        functions: FunctionPort,
         cut_off: CutOffRun | None,
-        **others: Any,
-    ) -> Companion:
+    ) -> OnlyRun:
+        """One run, from its beginning or where it was cut off."""
+        from companion.run_sources.only_run import OnlyRun
+
+        journalled = cut_off.journalled if cut_off else None
+        return OnlyRun(
+            mission, recorder, engine=self.engine, functions=functions, journalled=journalled
+        )
+
+    def _companion(self, runs: RunSource, page: Page) -> Companion:
         from companion.app import Companion
         from companion.record.flight_memory_files import flight_memory_in
 
-        return Companion(
-            mission,
-            recorder,
-            self.terms,
-            memory=flight_memory_in(self.log_dir),
-            journalled=cut_off.journalled if cut_off else None,
-            engine=self.engine,
-            **others,
-        )
+        return Companion(runs, self.terms, page=page, memory=flight_memory_in(self.log_dir))

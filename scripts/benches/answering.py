@@ -26,6 +26,7 @@ from companion.flight_events.tree import NodesChanged
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
+from companion.run_sources.only_run import OnlyRun
 from companion.vehicle.endpoints import UdpPort
 from companion.vehicle.link import Link
 from companion.vehicle.run_clocks import ClockReading
@@ -115,7 +116,7 @@ def answering(runs: int) -> Iterator[Row]:
         asked: list[tuple[bool, float]] = []
         try:
             terms = SortieTerms(arming=ArmingTerms(accepts_weak_failsafes=True))
-            companion = Asked(load_mission(PATROL), link, terms=terms)
+            companion = Asked(OnlyRun(load_mission(PATROL), link), terms)
             asking = threading.Thread(
                 target=ask, args=(companion, link, max(3, runs // 2), asked), daemon=True
             )

@@ -33,6 +33,7 @@ from companion.motion.range_scan import RangeScan
 from companion.motion.routes import CELLS_PER_TICK
 from companion.motion.sensed_map import SensedMap
 from companion.planning.flight_times import route_map
+from companion.run_sources.only_run import OnlyRun
 from companion.vehicle.run_clocks import ClockReading
 from sitl.flight.controllers import CONTROL_STEPS, Cascade, TrajectorySetpoint
 from sitl.flight.physics import Physics
@@ -202,7 +203,7 @@ def flying(runs: int) -> Iterator[Row]:
         peer_figure=physics_speed(steps),
     )
     seen = Flight()
-    lockstep(mission, world_of(mission), seen).fly()
+    lockstep(OnlyRun(mission, seen), world_of(mission)).fly()
     frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
     yield from signed([f for f in frames if f[6] == AUTOPILOT], runs)

@@ -14,6 +14,7 @@ from benches.missions import Tracking, timed_steps
 from companion.acting.flight_limit import FlightLimit
 from companion.api.simulating import lockstep
 from companion.mission.loader import load_mission
+from companion.run_sources.only_run import OnlyRun
 from sitl.world.scenario import read_scenario
 
 SIDE_M = 60.0
@@ -28,7 +29,7 @@ def flights(runs: int) -> Iterator[Row]:
     mission = load_mission(_patrol(sites))
     world = read_scenario(_world(duration_s), default_map=mission.grid)
     seen = Tracking()
-    flight = lockstep(mission, world, seen, limit=FlightLimit(duration_s=duration_s))
+    flight = lockstep(OnlyRun(mission, seen), world, limit=FlightLimit(duration_s=duration_s))
     seen.simulation, ticks_s = flight.simulation, timed_steps(flight.companion)
     gc.collect()
     gc.freeze()  # as before any flight by the clock

@@ -12,6 +12,7 @@ from companion.acting.flight_limit import FlightLimit
 from companion.api.simulating import lockstep, world_of
 from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached, RouteBlocked
+from companion.run_sources.only_run import OnlyRun
 
 MISSIONS = ("surveillance", "hall_of_20")
 FLOWN = FlightLimit(duration_s=60.0)
@@ -59,7 +60,7 @@ def flights(runs: int) -> Iterator[Row]:
         text = text.replace("map: maps/", f"map: {each.scenario.parent}/maps/")
         for name, errors in ERRORS.items():
             seen = Wandering()
-            flight = lockstep(mission, world_of(mission, text + errors), seen, limit=FLOWN)
+            flight = lockstep(OnlyRun(mission, seen), world_of(mission, text + errors), limit=FLOWN)
             seen.simulation = flight.simulation
             flight.fly()
             row = f"{each.name}, {name}"

@@ -10,6 +10,7 @@ from companion import load_mission
 from companion.api.simulating import lockstep, world_of
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.run_sources.only_run import OnlyRun
 from sitl.harness import LockstepFlight
 
 MISSIONS = ROOT / "missions"
@@ -34,7 +35,7 @@ class Shipped:
 
     def flight(self, mission: Mission, recorder: Recorder) -> LockstepFlight:
         """The flight, seed 0, that is still to be flown."""
-        return lockstep(mission, world_of(mission, self.scenario), recorder)
+        return lockstep(OnlyRun(mission, recorder), world_of(mission, self.scenario))
 
 
 def shipped() -> list[Shipped]:

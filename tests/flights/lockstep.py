@@ -28,6 +28,7 @@ from companion.mavlink.px4_modes import MODES
 from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
+from companion.run_sources.only_run import OnlyRun
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.run_clocks import ClockReading
 from sitl.link.routing import LinkName
@@ -259,16 +260,10 @@ class Lockstep(Happened):
         self.is_companion_alive = True
 
     def _companion(self, journalled: JournalledFlight | None) -> Companion:
-        return Companion(
-            self._mission,
-            self,
-            self._terms,
-            memory=self._memory,
-            journalled=journalled,
-            functions=self._functions,
-        )
+        only = OnlyRun(self._mission, self, functions=self._functions, journalled=journalled)
+        return Companion(only, self._terms, memory=self._memory)
 
-    # -- companion.app.Recorder ----------------------------------------------------------------
+    # -- companion.mission_run.Recorder ---------------------------------------------------------
 
     def report(self, stamped: Stamped) -> None:
         """In no phase does a setpoint outlive who flies."""

@@ -37,6 +37,7 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.run_sources.hosted_runs import HostedRuns
 from sitl.link.routing import LinkName
 from sitl.world.scenario import read_scenario
 
@@ -60,7 +61,7 @@ class Operated(Lockstep):
         self.uploads = None
         self.runs: list[list[Stamped]] = []
         if is_hosted:
-            self.companion = Companion(mission, None, host=self)
+            self.companion = Companion(HostedRuns(self, mission))
 
     def load(self, path: Path) -> Mission:
         return load_mission(path)

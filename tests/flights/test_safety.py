@@ -41,6 +41,7 @@ from companion.mavlink.framing import dialect
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Mission, Otherwise
 from companion.planning.task_state import TaskState
+from companion.run_sources.only_run import OnlyRun
 from companion.vehicle.port import hold_at
 from sitl.results import MavResult
 from sitl.world.scenario import read_scenario
@@ -188,7 +189,7 @@ def test_the_next_run_does_not_start_away_from_home(surveillance: Mission, start
     flight = on_the_way_to_b(start())
     flight.companion.stop()
     flight.until_the_end()
-    flight.companion = Companion(surveillance, flight)
+    flight.companion = Companion(OnlyRun(surveillance, flight))
     stopped_s = flight.now_s
     flight.until_the_end()
     assert flight.exit_code == Aborted.exit_code

@@ -38,6 +38,7 @@ from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.geometry import Ned, horizontal_distance, is_in_polygon
 from companion.mission.model import Mission
 from companion.record.run_folder import RunFolder
+from companion.run_sources.only_run import OnlyRun
 from companion.vehicle.run_clocks import ClockReading
 from companion.vehicle_profile import VehicleProfile
 from sitl.flight.physics import FlightState
@@ -111,7 +112,7 @@ class Witness:
 def fly(mission: Mission, hall: World, seed: int, path: Path) -> Flown:
     folder = RunFolder(path, mission, START_UNIX_S, lambda stamped: None)
     witness = Witness(folder)
-    flight = lockstep(mission, hall, witness, seed=seed)
+    flight = lockstep(OnlyRun(mission, witness), hall, seed=seed)
     flown = witness.flown = Flown(path, flight.simulation)
     flight.fly()
     folder.close()
@@ -314,6 +315,6 @@ def start_command(log_dir: Path, hash_seed: str) -> subprocess.Popen[str]:
 def test_a_vehicle_that_says_nothing_ends_the_wait(surveillance: Mission, hall: World) -> None:
     elsewhere = Simulation(*hall, seed=0, links=frozenset({LinkName.GCS}))
     with pytest.raises(LinkTimeout, match="no HEARTBEAT of an autopilot in 3 s") as caught:
-        LockstepFlight(Companion(surveillance, Notes()), elsewhere).fly(timeout_s=3.0)
+        LockstepFlight(Companion(OnlyRun(surveillance, Notes())), elsewhere).fly(timeout_s=3.0)
     assert caught.value.exit_code == 4
     assert elsewhere.flight.time_s == pytest.approx(3.0, abs=0.1)

@@ -22,6 +22,7 @@ from companion.geometry import horizontal_distance
 from companion.mavlink.framing import dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.run_sources.hosted_runs import HostedRuns
 from sitl.flight.estimate import Wander
 from sitl.world.scenario import Scenario
 
@@ -36,7 +37,7 @@ class Hosted(Lockstep):
 
     def __init__(self, flown: Mission, world: World, seed: int) -> None:
         super().__init__(flown, world, seed=seed, has_station=True)
-        self.companion = Companion(flown, None, host=self)
+        self.companion = Companion(HostedRuns(self, flown))
 
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing is uploaded")

@@ -54,3 +54,29 @@ def test_an_uploaded_mission_calls_what_is_installed_on_board_and_nothing_else(
         assert "weigh(Shelf) done" in on_board.printed
     os.kill(on_board.pid, signal.SIGINT)
     assert on_board.exit_code(ANSWER_S) == 0, on_board.printed
+
+
+def test_a_waiting_companion_that_was_killed_goes_on_and_calls_what_is_installed(
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Killed after the first of two calls; the second is made by the one that goes on."""
+    number = free_instance()
+    ground = ("--connect", f"udpin://0.0.0.0:{14550 + number}")
+    run("sitl", *own_ports(number)).until_printed(str(14550 + number), START_S)
+    install_template(tmp_path)
+    installed_in(tmp_path / "site", monkeypatch)
+    asked = ("companion", "run", "--wait", "--resume", "--monitor", "off")
+    asked += ("--connect", f"udpin://127.0.0.1:{14540 + number}", "--log-dir", tmp_path / "runs")
+    killed = run(*asked)
+    killed.until_printed("hosting", START_S)
+    upload = run("companion", "upload", WEIGHING, *ground, "--start")
+    assert upload.exit_code(ANSWER_S) == 0, upload.printed
+    killed.until_printed("weigh(Rack) failed", ANSWER_S)
+    os.kill(killed.pid, signal.SIGKILL)
+    assert killed.exit_code(ANSWER_S) == -signal.SIGKILL
+
+    resumed = run(*asked)
+    resumed.until_printed("landed", ANSWER_S)
+    assert "weigh(Shelf) done" in resumed.printed
+    os.kill(resumed.pid, signal.SIGINT)
+    assert resumed.exit_code(ANSWER_S) == 0, resumed.printed

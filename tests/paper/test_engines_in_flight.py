@@ -23,6 +23,7 @@ from companion.planning.engine_port import Engine, EngineFailure, EngineJob
 from companion.planning.engines import EngineTimeout
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding
+from companion.run_sources.only_run import OnlyRun
 from companion.vehicle.run_clocks import ClockReading
 
 MISSION = Path(__file__).parents[2] / "missions" / "paper_section_v.yaml"
@@ -46,7 +47,9 @@ class Flown(Happened):
     def __init__(self, engine: Engine) -> None:
         self.reports: list[Stamped] = []
         mission = load_mission(MISSION)
-        lockstep(mission, world_of(mission), self, engine=engine, keeps_packets=False).fly()
+        lockstep(
+            OnlyRun(mission, self, engine=engine), world_of(mission), keeps_packets=False
+        ).fly()
 
     def report(self, stamped: Stamped) -> None:
         self.reports.append(stamped)

@@ -29,6 +29,7 @@ from companion.record.backdrop import backdrop_of
 from companion.record.figure import figure_of
 from companion.record.run_folder import RunFolder
 from companion.record.trail import Trail
+from companion.run_sources.only_run import OnlyRun
 
 SCENARIO = Path(__file__).parents[2] / "missions" / "paper_section_v.sim.yaml"
 
@@ -64,7 +65,7 @@ def flown(section_v: Mission, tmp_path_factory: pytest.TempPathFactory) -> Flown
     reports: list[Stamped] = []
     path = tmp_path_factory.mktemp("figure7")
     folder = RunFolder(path, section_v, 0.0, reports.append)
-    lockstep(section_v, world_of(section_v), folder).fly()
+    lockstep(OnlyRun(section_v, folder), world_of(section_v)).fly()
     folder.close()
     return Flown(path, folder.trail, reports)
 

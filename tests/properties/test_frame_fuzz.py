@@ -25,6 +25,8 @@ from companion.mavlink.intake import Intake
 from companion.mavlink.signing import Signing, of_signed_vehicle
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.run_sources.hosted_runs import HostedRuns
+from companion.run_sources.only_run import OnlyRun
 
 TICK_S = 0.05
 ATTACKER, AUTOPILOT = ("127.0.0.1", 40000), ("127.0.0.1", 14580)
@@ -83,8 +85,8 @@ class Aboard:
         flown = mission("G F at(A) & G F at(B)")
         self.notes: Notes = Notes() if is_flying else Waiting()
         self.beats, self.asked = 0, list[bytes]()
-        self._companion = (
-            Companion(flown, self.notes) if is_flying else Companion(flown, None, host=self.notes)
+        self._companion = Companion(
+            OnlyRun(flown, self.notes) if is_flying else HostedRuns(self.notes, flown)
         )
         self._autopilot, self._intake = Autopilot(), Intake()
         self._answers: list[bytes] = []

@@ -32,6 +32,8 @@ from companion.ground.uploads import Uploads
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.run_sources.hosted_runs import HostedRuns
+from companion.run_sources.only_run import OnlyRun
 
 TASK = "G F at(A) & G F at(B)"
 PER_TICK = 4
@@ -98,8 +100,8 @@ class Aboard(Notes):
         self.runs = 0
         self.uploads = Uploads(root, lambda folder, mission: Refused()) if root else None
         flown = mission(TASK)
-        self.companion = (
-            Companion(flown, None, host=self) if self.uploads else Companion(flown, self)
+        self.companion = Companion(
+            HostedRuns(self, flown) if self.uploads else OnlyRun(flown, self)
         )
         self.beats_s: list[float] = []
         self.acknowledged = 0

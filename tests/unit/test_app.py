@@ -34,6 +34,7 @@ from companion.flight_events.sortie import (
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
+from companion.run_sources.only_run import OnlyRun
 from companion.slices import InSlices
 from companion.vehicle.run_clocks import ClockReading
 
@@ -79,7 +80,7 @@ class World:
 
     def __init__(self, asked: Mission, **options: Any) -> None:
         self.notes = Notes()
-        self.companion = Companion(asked, self.notes, **options)
+        self.companion = Companion(OnlyRun(asked, self.notes), **options)
         self.autopilot = Autopilot()
         self.now = 0.0
         self.late_s = 0.0

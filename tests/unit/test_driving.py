@@ -21,6 +21,7 @@ from companion.flight_events.event import FlightEvent, Stamped
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.run_sources.hosted_runs import HostedRuns
 
 UNDER_WAY_S = 0.002
 """From one end to the other."""
@@ -42,7 +43,7 @@ class Line(Notes):
 
     def __init__(self, asks_until_s: float) -> None:
         super().__init__()
-        self.companion = Companion(mission("F at(A)"), None, host=self)
+        self.companion = Companion(HostedRuns(self, mission("F at(A)")))
         self.now = 0.0
         self.steps_s: list[float] = []
         self.beats_s: list[float] = []

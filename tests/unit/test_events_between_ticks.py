@@ -27,6 +27,7 @@ from companion.flight_events.tree import NodesChanged
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Charge, Land, Mission, TakeOff
+from companion.run_sources.only_run import OnlyRun
 
 STREAM_S = 0.02
 """Between two messages of the autopilot, so that something else arrives as well."""
@@ -59,7 +60,7 @@ class Line(Notes):
     def __init__(self, mission: Mission, speed: float = 1.0, end_s: float = 12.0) -> None:
         super().__init__()
         self.clock = ScriptedClock(speed)
-        self.companion = Companion(mission, self)
+        self.companion = Companion(OnlyRun(mission, self))
         self.autopilot = Autopilot()
         self.steps: list[tuple[float, Ned | None]] = []
         self.said: list[float] = []

@@ -28,6 +28,7 @@ from companion.ground.operations import SystemStatus
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
+from companion.run_sources.hosted_runs import HostedRuns
 
 ACCEPTED, NOT_NOW = dialect.MAV_RESULT_ACCEPTED, dialect.MAV_RESULT_TEMPORARILY_REJECTED
 START = dialect.MAV_CMD_MISSION_START
@@ -69,14 +70,14 @@ class Hosted(Notes):
         self.preparation: Any = None
         self.autopilot = Autopilot()
         self.uploads = self
-        self.companion = Companion(flown, None, host=self)
+        self.companion = Companion(HostedRuns(self, flown))
         self.now_s = 0.0
         self._polls = polls
         self._station, self._ear = MavlinkCodec(255, 190), MavlinkCodec(0, 0)
         self._answers: list[bytes] = []
         self.pass_time(1.0)
 
-    # -- app.Host ------------------------------------------------------------------------------
+    # -- run_sources.host.Host -----------------------------------------------------------------
 
     def load(self, path: Path) -> Mission:
         assert self.upload is not None

@@ -33,6 +33,7 @@ from companion.monitor.page_events import (
 )
 from companion.monitor.scene import read_scene
 from companion.record.run_folder import RunFolder
+from companion.run_sources.only_run import OnlyRun
 
 KEPT_TEXT = "the autopilot keeps its fence (4 points, 1 area)"
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -201,7 +202,7 @@ def test_the_map_comes_with_its_distance_field(whole: Follower, surveillance: Mi
 def test_cells_that_were_seen_are_those_of_the_companions_own_map(tmp_path: Path) -> None:
     mission = load_mission(MISSIONS / "inspection.yaml")
     folder = RunFolder(tmp_path / "run", mission, 1.7e9, lambda stamped: None)
-    flight = lockstep(mission, world_of(mission), folder)
+    flight = lockstep(OnlyRun(mission, folder), world_of(mission))
     flight.fly()
     folder.close()
     occupied = mission.grid.occupied.copy()

@@ -1,0 +1,1 @@
+"""What a companion flies next: its only mission, or those that operators start."""
