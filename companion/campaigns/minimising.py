@@ -80,7 +80,7 @@ def _steps(failure: FlownRow, factors: Sequence[Factor]) -> Steps:
 def _nearer(best: FlownRow, failure: FlownRow, factor: Factor) -> Steps:
     """The failure with a number as near to that of the file as still fails alike."""
     usual, value = factor.usual, best.row.values.get(factor.path)
-    if not (_is_number(usual) and _is_number(value)):
+    if not (factor.is_range and _is_number(usual) and _is_number(value)):
         return best
     assert isinstance(usual, int | float) and isinstance(value, int | float)
     near, far = float(usual), float(value)

@@ -59,7 +59,9 @@ class VariedScenario:
         The vehicle is written out, as its profile lies in a folder that another file may not have.
         """
         data = with_values(self.data, self.factors, values)
-        return {**data, "vehicle": self.portable["vehicle"]} if "vehicle" in data else data
+        if "vehicle" in data:
+            data["vehicle"] = with_values(self.portable, self.factors, values)["vehicle"]
+        return data
 
     def with_optional_events(self) -> VariedScenario:
         """The same, where each entry of `happens` may be left out, too."""

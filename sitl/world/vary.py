@@ -25,6 +25,12 @@ Values = Mapping[str, Value]
 """Path of a key -> its value in a row."""
 _LISTED = 9
 """So many whole numbers are listed; of more, about as many, evenly apart."""
+_FILES: Mapping[tuple[str | int, ...], str] = {
+    ("map",): "fly a campaign for each map",
+    ("vehicle",): "write vehicle: {profile: NAME}, and vary its keys, e.g. vehicle.radius_m",
+    ("vehicle", "profile"): "vary other keys of the vehicle, e.g. vehicle.radius_m",
+}
+"""Keys that name a file, which does not travel with the rows of a campaign; what to do instead."""
 _LEFT_OUT = "what needs it may be left out instead, such as an event of it by {chance: ...}"
 
 
@@ -45,6 +51,11 @@ class Factor:
     distribution: Distribution
     usual: Value | None
     is_entry: bool = False
+
+    @property
+    def is_range(self) -> bool:
+        """Whether it may be any number between two of its values."""
+        return isinstance(self.distribution, Uniform | Normal)
 
 
 def read_factors(
@@ -166,8 +177,14 @@ def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Fact
             raise MissionError(
                 f"{path} leads into a value, not to a key",
                 document.key_at("vary", path),
-                f"write {'.'.join(str(key) for key in keys)}",
+                _FILES.get(tuple(keys)) or f"write {'.'.join(str(key) for key in keys)}",
             )
+    if tuple(keys) in _FILES:
+        raise MissionError(
+            f"{path} names a file, and cannot be varied",
+            document.key_at("vary", path),
+            _FILES[tuple(keys)],
+        )
     chosen = distribution(entry, path, document)
     is_entry = isinstance(keys[-1], int) and isinstance(here, dict)
     if isinstance(here, dict | list) and not (is_entry and isinstance(chosen, Chance)):

@@ -14,7 +14,7 @@ from companion.campaigns.minimising import minimised
 from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome
 from companion.campaigns.rows import Row, random_row
 from companion.campaigns.search import GENERATION, FailureSearch, first_points
-from sitl.world.distributions import Chance, Uniform
+from sitl.world.distributions import Chance, Choice, Uniform
 from sitl.world.vary import Factor
 
 NAMES = "abcdef"
@@ -123,6 +123,14 @@ def test_a_failure_is_made_of_what_it_needs_alone() -> None:
     assert dict(other.row.values) == {"happens.0": False, "happens.1": False}
     assert [row.index for row in flights.rows] == list(range(len(flights.rows)))
     assert len(flights.rows) < 30
+
+
+def test_a_failure_is_made_of_values_that_may_be_chosen() -> None:
+    factors = [Factor("wind", ("wind",), Choice((0.0, 8.0), (1.0, 1.0)), 0.0)]
+    flights = Windy()
+    (simple,) = minimised([flights.fly(Row(0, 0, {"wind": 8.0}))], factors, flights)
+    assert dict(simple.row.values) == {"wind": 8.0}
+    assert {row.values.get("wind", 0.0) for row in flights.rows} == {0.0}
 
 
 def test_any_seed_is_one_of_the_search() -> None:

@@ -85,6 +85,10 @@ def test_all_kinds_of_distributions_are_read() -> None:
         ("battery.charge: {choice: [1, 0.5], weights: [1]}", "weights"),
         ("battery.charge: {normal: [0.5, 0]}", "no values"),
         ("battery.charge: {chance: 1.5}", "at most 1"),
+        ("map: {choice: [maps/hall.yaml, maps/rooms.yaml]}", "fly a campaign for each map"),
+        ("vehicle: {choice: [quad_35cm]}", "write vehicle: {profile: NAME}, and "),
+        ("map.cell_m: [0.1, 0.2]", "fly a campaign for each map"),
+        ("vehicle.profile: {choice: [quad_35cm]}", "names a file, and cannot be varied"),
     ],
 )
 def test_a_mistake_is_told_with_its_place(vary: str, told: str) -> None:
@@ -171,6 +175,15 @@ def test_an_entry_of_a_list_that_is_not_there_is_told_so(path: str, missing: str
         parse_scenario(f"version: 1\nvary: {{{path}: [0, 5]}}", Path("a.sim.yaml"))
     assert error.value.what == f"{path}: the file has no {missing}"
     assert error.value.hint == "an entry of a list has to be there to be varied"
+
+
+def test_the_vehicle_in_the_file_of_a_row_is_that_of_the_row() -> None:
+    vehicle = {"profile": "quad_35cm", "radius_m": 0.4}
+    world = {"version": 1, "vehicle": vehicle, "vary": {"vehicle.radius_m": [0.2, 0.6]}}
+    varied = read_varied(Source(world, "scenario", Path(), None))
+    values = {"vehicle.radius_m": 0.25}
+    assert varied.world(values)[0].vehicle.radius_m == 0.25
+    assert varied.data_with(values)["vehicle"]["radius_m"] == 0.25
 
 
 def test_the_field_of_obstacles_is_drawn_where_each_row_has_them() -> None:
