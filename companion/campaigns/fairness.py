@@ -12,25 +12,27 @@ from typing import TYPE_CHECKING
 from companion.mission.model import Mission
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Set
 
     from companion.api.simulating import Scenario
-    from companion.campaigns.rows import Value
 
 AROUND_PLACE_M = 0.5
 """What has to be left free around a place, beside the vehicle itself."""
-OBSTACLES = "obstacles."
 
 
-def unfair(mission: Mission, scenario: Scenario, values: Mapping[str, Value]) -> str:
+def unfair(mission: Mission, scenario: Scenario, moved: Set[str]) -> str:
     """Why a row is unfair; "" if it is fair.
 
     An obstacle that no factor moves stands where the author of the scenario wants it, and is fair
-    wherever that is.
+    wherever that is. One that is never there is fair, too.
+
+    Args:
+        mission: what is flown.
+        scenario: of the row.
+        moved: names of the obstacles that the row has placed.
     """
-    moved = {path.split(".")[1] for path in values if path.startswith(OBSTACLES)}
-    for number, obstacle in enumerate(scenario.obstacles):
-        if not moved & {obstacle.name, str(number)}:
+    for obstacle in scenario.met_obstacles:
+        if obstacle.name not in moved:
             continue
         least_m = scenario.vehicle.radius_m + AROUND_PLACE_M
         for place in mission.places.values():

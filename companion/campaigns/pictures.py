@@ -103,7 +103,7 @@ class Pictures:
             scenario: Scenario = self._kit.scenario.world(flown.row.values)[0]
         except MissionError:  # the row is invalid
             return
-        for each in scenario.obstacles:
+        for each in scenario.met_obstacles:
             (south, west), (north, east), r = each.south_west, each.north_east, each.radius_m
             x, y = west - r - self._west, self._north - north - r
             width, height = east - west + 2 * r, north - south + 2 * r

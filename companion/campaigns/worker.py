@@ -42,10 +42,11 @@ class WorkerRefused:
 def begin() -> None:
     """What a process of a local pool does first.
 
-    Ctrl-C is for the campaign alone, which lets it finish its row. It ends with the campaign, also
-    when that is killed.
+    Ctrl-C is for the campaign alone, which lets it finish its row; while the process was not so
+    far it was blocked. It ends with the campaign, also when that is killed.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     if (parent := multiprocessing.parent_process()) is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
 
@@ -65,7 +66,8 @@ def fly_row(packed: bytes, row: Row) -> FlownRow | WorkerRefused:
             world = kit.scenario.world(row.values)
         except MissionError as error:
             return FlownRow(row, RowOutcome.INVALID, reason=error.what)
-        if reason := unfair(kit.mission, world[0], row.values):
+        moved = kit.scenario.moved_obstacles(row.values)
+        if reason := unfair(kit.mission, world[0], moved):
             return FlownRow(row, RowOutcome.INVALID, reason=reason)
         return fly(kit.mission, world, row, kit.limit_s)
     except Exception as error:

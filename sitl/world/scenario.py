@@ -136,6 +136,13 @@ class Scenario:
         return not kinds.isdisjoint({"link", "reboot"})
 
     @property
+    def met_obstacles(self) -> tuple[Obstacle, ...]:
+        """Those that are there at the start, or that an event lets appear."""
+        told = [value for event in self.events for key, value in event.effects if key == "obstacle"]
+        appear = {value.name for value in told if value.present}
+        return tuple(each for each in self.obstacles if each.is_present or each.name in appear)
+
+    @property
     def arming_refusals(self) -> tuple[str, ...]:
         """Reasons for which its events refuse arming."""
         values = [v for event in self.events for key, v in event.effects if key == "arming"]

@@ -63,6 +63,16 @@ class VariedScenario:
             data["vehicle"] = with_values(self.portable, self.factors, values)["vehicle"]
         return data
 
+    def moved_obstacles(self, values: Values) -> frozenset[str]:
+        """The names of the obstacles that these values place, or make larger or smaller."""
+        return frozenset(
+            self.data["obstacles"][factor.keys[1]]["name"]
+            for factor in self.factors
+            if factor.path in values
+            and factor.keys[0] == "obstacles"
+            and factor.keys[2:3] in (("circle",), ("box",))
+        )
+
     def with_optional_events(self) -> VariedScenario:
         """The same, where each entry of `happens` may be left out, too."""
         varied = {factor.path for factor in self.factors}
