@@ -10,7 +10,7 @@ from pathlib import Path
 from companion.api.simulating import varied_world_of
 from companion.campaigns.campaign import Campaign, random_rows
 from companion.campaigns.kit import Kit
-from companion.campaigns.outcomes import FlownRow
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.processes import RowEngine, accepted
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import WorkerRefused, fly_row
@@ -50,6 +50,11 @@ def fly_but_die(packed: bytes, row: Row) -> FlownRow | WorkerRefused:
     if row.seed == DEADLY:
         os._exit(1)
     return fly_row(packed, row)
+
+
+def tell_process(packed: bytes, row: Row) -> FlownRow | WorkerRefused:
+    """Flies nothing; the reason is the number of the process."""
+    return FlownRow(row, RowOutcome.SATISFIED, reason=str(os.getpid()))
 
 
 class ThisProcess:

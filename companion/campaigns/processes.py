@@ -128,7 +128,11 @@ class _Worker:
 
     def __init__(self) -> None:
         self._pool = ProcessPoolExecutor(1, get_context("spawn"), begin)
-        self._pid = self._pool.submit(os.getpid)
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # until `begin`
+        try:
+            self._pid = self._pool.submit(os.getpid)  # the process inherits the mask
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     @property
     def pid(self) -> int | None:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import gc
+import multiprocessing
 import os
 import signal
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from offered import TEMPLATE, install_template, installed_in
 from shipped import MISSIONS
-from varied import DEADLY, RUNS, ThisProcess, fly_but_die, short_kit, table_by
+from varied import DEADLY, RUNS, ThisProcess, fly_but_die, short_kit, table_by, tell_process
 
 from companion.api.simulating import varied_world_of, world_of
 from companion.app import Companion
@@ -54,6 +56,16 @@ def test_two_processes_one_of_which_is_killed(table: bytes, tmp_path: Path) -> N
 
     assert table_by(engine, tmp_path, kill) == table
     assert killed
+
+
+def test_ctrl_c_ends_no_process_that_is_still_starting() -> None:
+    before = {process.pid for process in multiprocessing.active_children()}
+    with closing(LocalProcesses(short_kit().packed, 1, tell_process)) as engine:
+        (started,) = {process.pid for process in multiprocessing.active_children()} - before
+        assert started is not None
+        os.kill(started, signal.SIGINT)
+        (flown,) = engine.fly([Row(0, 1)])
+    assert flown.reason == str(started)
 
 
 def test_a_campaign_that_was_cut_off_in_a_line_goes_on(
