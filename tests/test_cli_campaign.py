@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,7 +14,8 @@ from rich.progress import Progress
 
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
-from companion.cli.campaigns import Tell, tell_outcomes
+from companion.campaigns.table import read_table
+from companion.cli.campaigns import LIMIT_S, Tell, kit_of, tell_outcomes
 
 if TYPE_CHECKING:
     from companion.campaigns.campaign import Campaign
@@ -39,6 +41,83 @@ def test_a_table_that_cannot_be_compared_is_refused_before_a_flight(
     assert ended.code == 2
     assert why in ended.err
     assert not folder.exists()
+
+
+RETURN_HOME = Path(__file__).parents[1] / "missions" / "return_home.yaml"
+
+
+@pytest.fixture(scope="module")
+def header() -> str:
+    """The head of a table of return_home as it is flown here."""
+    lines = kit_of(RETURN_HOME, None, LIMIT_S).header(0, runs=1)
+    return "".join(f"# {key}: {value}\n" for key, value in lines.items())
+
+
+@pytest.mark.parametrize(
+    ("rows", "why"),
+    [
+        ("index,outcome,score\n0,crash,abc\n", "has a row that is none of a campaign"),
+        ("index,outcome,score\n0,cra", "has a row that is none of a campaign"),
+        ("index,outcome\n0,crash\n", "has a row that is none of a campaign"),
+        ("index,outcome,score\n0,invalid,1.0\n", "has no row that counts"),
+        ("", "has no row that counts"),
+    ],
+)
+def test_a_table_whose_rows_were_edited_is_refused_before_a_flight(
+    tmp_path: Path, companion: Companion, header: str, rows: str, why: str
+) -> None:
+    (tmp_path / "earlier.csv").write_text(header + rows)
+    against = ("--out", tmp_path / "flown", "--against", tmp_path / "earlier.csv")
+    ended = companion("campaign", "return_home", "--runs", 1, *against)
+    assert ended.code == 2 and why in ended.err
+    assert not (tmp_path / "flown").exists()
+
+
+def test_a_table_that_a_spreadsheet_has_saved_is_the_same(tmp_path: Path, header: str) -> None:
+    text = header + "index,outcome,score\n0,crash,-1.0\n"
+    saved = tmp_path / "saved.csv"
+    saved.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    plain = tmp_path / "plain.csv"
+    plain.write_text(text)
+    assert read_table(saved) == read_table(plain)
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        (["--runs", 50], "--runs 50 does not go with --resume: the campaign in "),
+        (["--seed", 1], "has 0"),
+        (["--limit-s", 60], "has 1800"),
+        (["--out", "elsewhere"], "--out elsewhere does not go with --resume"),
+    ],
+)
+def test_other_options_than_those_of_the_campaign_to_resume_are_refused(
+    tmp_path: Path, companion: Companion, options: list[object], why: str
+) -> None:
+    begun = {"format": "1", "seed": "0", "limit_s": "1800", "runs": "24"}
+    (tmp_path / "rows.jsonl").write_text(json.dumps(begun) + "\n")
+    ended = companion("campaign", "return_home", "--resume", tmp_path, *options)
+    assert ended.code == 2 and why in ended.err
+
+
+def test_a_header_without_numbers_is_none_of_a_campaign(
+    tmp_path: Path, companion: Companion
+) -> None:
+    (tmp_path / "rows.jsonl").write_text('{"runs": "many", "seed": "0", "limit_s": "9"}\n')
+    ended = companion("campaign", "return_home", "--resume", tmp_path)
+    assert ended.code == 2 and "is none of a campaign" in ended.err
+
+
+def test_a_limit_is_what_the_header_says() -> None:
+    assert kit_of(RETURN_HOME, None, 1234567.8).limit_s == 1234570.0
+
+
+def test_an_address_without_a_port_is_none_of_a_scheduler(
+    tmp_path: Path, companion: Companion
+) -> None:
+    pytest.importorskip("distributed")
+    ended = companion("campaign", "return_home", "--out", tmp_path / "f", "--dask", "host")
+    assert ended.code == 2 and "write tcp://HOST:8786" in ended.err
 
 
 def test_a_search_in_which_nothing_varies_is_refused(tmp_path: Path, companion: Companion) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import os
 import re
+import shlex
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -80,7 +81,8 @@ def write_case(kit: Kit, mission: Path, name: Path, flown: FlownRow) -> Case:
     """Writes the scenario of a row, as NAME.sim.yaml."""
     file = name.with_name(f"{name.name}.sim.yaml")
     file.parent.mkdir(parents=True, exist_ok=True)
-    line = f"companion sim {mission} --scenario {file} --seed {flown.row.seed} --speed max"
+    options = ["--scenario", file, "--seed", flown.row.seed, "--speed", "max"]
+    line = shlex.join(map(str, ["companion", "sim", mission, *options]))
     write_whole(file, _text(kit, flown, file, line))
     return Case(flown, file, line)
 

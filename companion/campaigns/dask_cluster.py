@@ -21,7 +21,7 @@ from companion.campaigns.outcomes import FlownRow
 from companion.campaigns.processes import Deaths, accepted, died
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import fly_row
-from companion.errors import CompanionError, LibraryMissing, LinkError
+from companion.errors import AddressError, CompanionError, LibraryMissing, LinkError
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -41,6 +41,7 @@ class DaskCluster:
 
     Raises:
         LibraryMissing: Dask is not installed.
+        AddressError: it is none of a scheduler.
         LinkError: no scheduler answers.
     """
 
@@ -49,7 +50,12 @@ class DaskCluster:
             remedy = "pip install 'mav-companion[cluster]', in the release of the cluster"
             raise LibraryMissing("--dask needs Dask, which is not installed", remedy)
         from distributed import Client
+        from distributed.comm import get_address_host_port
 
+        try:
+            get_address_host_port(address)
+        except ValueError as error:
+            raise AddressError(f"--dask {address}: {error}\n    write tcp://HOST:8786") from error
         logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # we tell it ourselves
         try:
             self._client: Client = Client(address, timeout=CONNECT_S, set_as_default=False)

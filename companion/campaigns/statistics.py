@@ -51,11 +51,13 @@ class Comparison:
     """Two versions on the same rows.
 
     Attributes:
+        rows: how many both have.
         worse: rows that failed now and not before.
         better: the other way round.
         p: how likely rows differ as unevenly as that if neither version is better.
     """
 
+    rows: int
     worse: tuple[int, ...]
     better: tuple[int, ...]
     p: float
@@ -82,7 +84,7 @@ def compare(before: Sequence[tuple[int, bool]], now: Sequence[tuple[int, bool]])
     better = tuple(index for index, then, is_failure in common if then and not is_failure)
     differing = len(worse) + len(better)
     p = float(binomtest(len(worse), differing).pvalue) if differing else 1.0
-    return Comparison(worse, better, p)
+    return Comparison(len(common), worse, better, p)
 
 
 def rank_correlation(xs: Sequence[float], ys: Sequence[float]) -> float:

@@ -55,6 +55,15 @@ def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
     for name in (*SAME, *(key for key in header if key.startswith("vary "))):
         if table.header.get(name) != header.get(name):
             raise _not_the_same(path, name, table.header, header)
+    try:
+        rows = failures_in(table)
+    except (KeyError, TypeError, ValueError) as error:
+        raise MissionError(
+            f"{path} has a row that is none of a campaign ({error!r})",
+            hint="it takes the columns index, outcome and score as they were written",
+        ) from error
+    if not rows:
+        raise MissionError(f"{path} has no row that counts: there is nothing to compare with")
     return table
 
 
@@ -69,7 +78,7 @@ def comparison(path: Path, earlier: Table, now: Table) -> str:
     found = compare(failures_in(earlier), failures_in(now))
     verdict = "more than chance" if found.is_significant else "may be chance"
     lines = [
-        f"against    {path}",
+        f"against    {path}, {found.rows} rows that count in both",
         f"worse      {len(found.worse)} rows fail that did not: {_listed(found.worse)}",
         f"better     {len(found.better)} rows do not fail that did: {_listed(found.better)}",
         f"McNemar    p = {found.p:.3g}: {verdict}",

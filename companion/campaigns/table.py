@@ -92,15 +92,17 @@ def read_table(path: Path) -> Table:
         MissionError: it cannot be read, or is none.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            text = file.read()
+        text = path.read_text(encoding="utf-8-sig")  # as spreadsheets write it
     except (OSError, UnicodeDecodeError) as error:
         raise MissionError(f"the table {path} cannot be read: {error}") from error
     header = {}
     while text.startswith(MARK):
         line, _, text = text.removeprefix(MARK).partition("\n")
         key, _, header[key] = line.partition(": ")
-    rows = tuple(csv.DictReader(io.StringIO(text, newline="")))
+    try:
+        rows = tuple(csv.DictReader(io.StringIO(text)))
+    except csv.Error as error:
+        raise MissionError(f"the table {path} cannot be read: {error}") from error
     if "format" not in header or (rows and "outcome" not in rows[0]):
         raise MissionError(f"{path} is no table of a campaign")
     return Table(header, rows)

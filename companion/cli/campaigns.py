@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time
 from collections.abc import Iterator
@@ -14,7 +15,7 @@ import typer
 
 from companion.cli.arguments import MissionFile, load
 from companion.cli.simulated_flight import ScenarioFile
-from companion.errors import CompanionError, LinkError
+from companion.errors import CompanionError, LinkError, MissionError, RequestError
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -65,6 +66,7 @@ PLAIN_TELLINGS = 10
 
 
 def campaign(
+    context: typer.Context,
     mission: MissionFile,
     runs: Annotated[int, typer.Option(help="Flights.", min=1)] = 100,
     seed: CampaignSeed = 0,
@@ -88,15 +90,12 @@ def campaign(
       companion campaign missions/surveillance.yaml --resume campaign-surveillance
     """
     from companion.campaigns.campaign import random_rows
-    from companion.campaigns.row_file import header_in
     from companion.campaigns.summary import comparison, earlier_table
     from companion.campaigns.table import read_table
 
     folder = resume or out or Path(f"campaign-{mission.stem}")
     if resume is not None:
-        begun_with = header_in(resume, "runs")
-        runs, seed = int(begun_with["runs"]), int(begun_with["seed"])
-        limit_s = float(begun_with["limit_s"])
+        runs, seed, limit_s = begun_with(context, resume, "runs")
     kit = kit_of(mission, scenario, limit_s)
     header = kit.header(seed, runs=runs)
     compared = partial(comparison, against, earlier_table(against, header)) if against else None
@@ -109,15 +108,51 @@ def campaign(
         typer.echo(compared(read_table(table)))
 
 
+def begun_with(context: typer.Context, folder: Path, count: str) -> tuple[int, int, float]:
+    """The options with which the campaign in a folder was begun.
+
+    Args:
+        context: of the command that goes on with it.
+        folder: of the campaign.
+        count: the name of its number of rows.
+
+    Returns:
+        That number, the seed, and the limit in seconds.
+
+    Raises:
+        MissionError: there is no such campaign.
+        RequestError: the command line asks for other ones.
+    """
+    from companion.campaigns.row_file import header_in
+
+    header = header_in(folder, count)
+    try:
+        begun = {count: int(header[count]), "seed": int(header["seed"])}
+        limit_s = float(header["limit_s"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise MissionError(f"the header of {folder} is none of a campaign ({error!r})") from error
+    for name, value in {**begun, "limit_s": limit_s, "out": folder}.items():
+        source = context.get_parameter_source(name)
+        if source is not None and source.name == "COMMANDLINE" and context.params[name] != value:
+            option = f"--{name.replace('_', '-')}"
+            raise RequestError(
+                f"{option} {context.params[name]} does not go with --resume: the campaign in "
+                f"{folder} has {value}\n    leave {option} out, or begin another one with --out"
+            )
+    return begun[count], begun["seed"], limit_s
+
+
 def command_line(name: str, mission: Path, scenario: Path | None, **options: object) -> str:
     """A command as it is typed.
 
     >>> command_line("campaign", Path("m.yaml"), None, runs=300, limit_s=900)
     'companion campaign m.yaml --runs 300 --limit-s 900'
+    >>> command_line("campaign", Path("my m.yaml"), None)
+    "companion campaign 'my m.yaml'"
     """
     given = options | ({"scenario": scenario} if scenario else {})
-    said = (f" --{key.replace('_', '-')} {value}" for key, value in given.items())
-    return f"companion {name} {mission}{''.join(said)}"
+    said = ((f"--{key.replace('_', '-')}", str(value)) for key, value in given.items())
+    return shlex.join(["companion", name, str(mission), *(word for pair in said for word in pair)])
 
 
 def kit_of(mission: Path, scenario: Path | None, limit_s: float) -> Kit:
@@ -125,7 +160,7 @@ def kit_of(mission: Path, scenario: Path | None, limit_s: float) -> Kit:
     from companion.api.simulating import scenario_beside, varied_world_of, world_in_words
     from companion.campaigns.kit import Kit
 
-    loaded = load(mission)
+    loaded, limit_s = load(mission), float(f"{limit_s:g}")  # as the table's header has it
     world = world_in_words(loaded, scenario or scenario_beside(loaded))
     typer.echo(f"world      {world}", err=True)
     return Kit.of(loaded, varied_world_of(loaded, scenario), limit_s)

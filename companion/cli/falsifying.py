@@ -18,6 +18,7 @@ from companion.cli.campaigns import (
     RowLimit,
     SearchFolder,
     begun,
+    begun_with,
     command_line,
     engine_of,
     kit_of,
@@ -28,6 +29,7 @@ from companion.errors import MissionError, TaskViolated
 
 
 def falsify(
+    context: typer.Context,
     mission: MissionFile,
     budget: Annotated[int, typer.Option(help="Flights of the search.", min=16)] = 150,
     seed: CampaignSeed = 0,
@@ -52,13 +54,10 @@ def falsify(
     from companion.campaigns.falsification import checked, minimise
     from companion.campaigns.falsification import falsify as searched
     from companion.campaigns.report import write_report
-    from companion.campaigns.row_file import header_in
 
     folder = resume or out or Path(f"falsify-{mission.stem}")
     if resume is not None:
-        begun_with = header_in(resume, "budget")
-        budget, seed = int(begun_with["budget"]), int(begun_with["seed"])
-        limit_s = float(begun_with["limit_s"])
+        budget, seed, limit_s = begun_with(context, resume, "budget")
     kit = kit_of(mission, scenario, limit_s)
     if not kit.factors:
         what = "there is nothing to search: the scenario has no key vary"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +26,14 @@ def test_the_file_of_a_row_is_its_world(tmp_path: Path) -> None:
         assert replace(read, map=None, vehicle=scenario.vehicle) == replace(scenario, map=None)
         assert grid is not None and read_grid is not None
         assert (read_grid.occupied == grid.occupied).all()
+
+
+def test_the_command_of_a_row_can_be_typed_as_it_stands(tmp_path: Path) -> None:
+    kit, folder = short_kit(), tmp_path / "my rows"
+    row = random_row(kit.factors, SEED, 0)
+    (case,) = write_worst(kit, Path("my mission.yaml"), folder, [FlownRow(row, RowOutcome.CRASH)])
+    words = shlex.split(case.line)
+    assert words[2] == "my mission.yaml" and words[4] == str(folder / "worst" / "0.sim.yaml")
 
 
 def test_an_event_that_a_failure_does_not_need_is_not_in_its_file(tmp_path: Path) -> None:
