@@ -278,6 +278,7 @@ class Run:
                 origin=frame.origin,
                 altitude_m=frame.altitude_m,
                 system=self._wire.system,
+                zero_s=round(state.position_s - state.measured_s, 3),
             )
             self.recorder.journal.note(now_s, seen)
             self._seen_s = now_s

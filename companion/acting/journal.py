@@ -67,12 +67,14 @@ class VehicleSeen:
         origin: of that frame, in the autopilot's local frame.
         altitude_m: of the origin above mean sea level.
         system: MAVLink system id of the vehicle.
+        zero_s: what the flight's clock shows when the autopilot's shows 0.
     """
 
     position: Ned
     origin: Ned
     altitude_m: float
     system: int
+    zero_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +188,7 @@ class JournalledFlight:
         fence: of somebody else, in the autopilot, that it keeps to; None without one.
         energy: what was learnt of it; None before that.
         time_s: of the last entry.
-        away_s: since then, by the wall clock.
+        away_s: since then, by the autopilot's clock or the wall clock.
     """
 
     begun: FlightBegun
@@ -215,6 +217,19 @@ class JournalledFlight:
     def goes_on_s(self) -> float:
         """What the flight's clock shows when it goes on."""
         return self.time_s + self.away_s
+
+    def found_at(self, boot_s: float) -> JournalledFlight:
+        """The same flight, with the time since then by the autopilot's clock.
+
+        One that shows less than before has begun anew, and tells nothing.
+
+        Args:
+            boot_s: what it shows now, in seconds since its boot.
+        """
+        if self.seen is None or self.seen.zero_s is None:
+            return self
+        away_s = self.seen.zero_s + boot_s - self.time_s
+        return replace(self, away_s=away_s) if away_s >= 0.0 else self
 
     @property
     def is_over(self) -> bool:

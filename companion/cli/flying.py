@@ -37,7 +37,7 @@ from companion.cli.engine_options import (
 )
 from companion.cli.log_lines import Verbose
 from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor
-from companion.cli.real_time import OFFBOARD_PORT, fly_over
+from companion.cli.real_time import OFFBOARD_PORT
 from companion.cli.shipped import completions, mission_file
 from companion.cli.vehicle_flights import VehicleFlights
 from companion.planning.objective import Encoding
@@ -104,12 +104,12 @@ def run(
     arming = ArmingTerms(accept_weak_failsafes, autopilot_fence, rally_points)
     with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
         flights = VehicleFlights(
-            partial(fly_over, link_of=partial(Link, endpoint, signing), events=events),
+            partial(Link, endpoint, signing),
+            events=events,
             log_dir=log_dir,
             address=monitor or DEFAULT_ADDRESS,
             engine=engine_of(engine, encoding, engine_timeout, None, loaded),
             terms=SortieTerms(arming, limit=FlightLimit(laps, limit_s), resumes=resume),
-            hears_reports=events is not None,
         )
         if loaded is None or wait:
             flights.host(loaded)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,10 +16,14 @@ from companion.errors import RequestError
 if TYPE_CHECKING:
     from companion.acting.journal import JournalledFlight
     from companion.mission.model import Mission
+    from companion.vehicle.link import Link
 
 LATEST = "latest"
 """Among the run folders: a file with the name of the newest one of `companion run`. Names have the
 time in them, but a companion computer without a clock of its own may be wrong about that."""
+
+HEARD_S = 3.0
+"""In which the autopilot of a run that was cut off tells what its clock shows."""
 
 
 @dataclass(frozen=True)
@@ -77,3 +83,27 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
             "    see to the vehicle, and start without --resume"
         )
     return CutOffRun(folder, mission, journalled)
+
+
+def found_by_its_clock(cut_off: CutOffRun, link_of: Callable[[], Link]) -> CutOffRun:
+    """The same run, with the time since then by the autopilot's clock, if that is heard.
+
+    The wall clock of a companion computer without a battery for it is wrong after a loss of power.
+
+    Args:
+        cut_off: with the time by the wall clock.
+        link_of: opens the link to the vehicle.
+    """
+    from companion.vehicle.boot_clock import told_boot_s
+    from companion.vehicle.link import CALL_S
+
+    if (seen := cut_off.journalled.seen) is None:
+        return cut_off
+    until_s = time.monotonic() + HEARD_S
+    with closing(link_of()) as link:
+        while (left_s := until_s - time.monotonic()) > 0.0:
+            link.send([])  # an autopilot that is called speaks only then
+            link.wait(min(left_s, CALL_S))
+            if (boot_s := told_boot_s(link.receive(), seen.system)) is not None:
+                return replace(cut_off, journalled=cut_off.journalled.found_at(boot_s))
+    return cut_off

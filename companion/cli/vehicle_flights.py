@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.cli.monitoring import Page, monitored
-from companion.cli.real_time import raise_failure
+from companion.cli.real_time import fly_over, raise_failure
 from companion.cli.recording import close_run, flown_s, line, open_run, recorded
-from companion.cli.resuming import CutOffRun, cut_off_run
+from companion.cli.resuming import CutOffRun, cut_off_run, found_by_its_clock
 from companion.cli.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from companion.record.run_folder import RunFolder
     from companion.run_sources.only_run import OnlyRun
     from companion.run_sources.run_source import RunSource
+    from companion.vehicle.link import Link
 
 UPLOADS = "uploads"
 """Among the run folders: what ground stations have sent."""
@@ -40,20 +41,20 @@ class VehicleFlights:
     """What flights of one vehicle need.
 
     Attributes:
-        fly: flies a companion over the link until it has ended.
+        link_of: opens the link to the vehicle.
+        events: where other programs on board report events; None where none is heard.
         log_dir: where run folders are.
         address: of the monitor page.
         engine: who plans; None for the built-in search.
         terms: on which each is flown; one that resumes goes on with a run that was cut off, too.
-        hears_reports: other programs on board are heard.
     """
 
-    fly: Callable[..., None]
+    link_of: Callable[[], Link]
+    events: str | None
     log_dir: Path
     address: str
     engine: Engine | None
     terms: SortieTerms
-    hears_reports: bool
 
     def fly_once(self, mission: Mission, timeout_s: float) -> None:
         """Flies one mission, or goes on with one; raises what it has failed of."""
@@ -69,7 +70,7 @@ class VehicleFlights:
         ):
             page.show(folder.folder)
             companion = self._companion(self._run(mission, folder, functions, cut_off), page)
-            self.fly(companion, terminal, 1.0, timeout_s, flown_s(cut_off))
+            self._fly(companion, terminal, timeout_s, cut_off)
             raise_failure(companion.failure)
 
     def host(self, mission: Mission | None) -> None:
@@ -108,7 +109,7 @@ class VehicleFlights:
                 return folder
 
             installed = read_all()
-            children = CheckChildren(installed, self.hears_reports)
+            children = CheckChildren(installed, self.events is not None)
             uploads = Uploads(self.log_dir.expanduser() / UPLOADS, children.begin)
             host = SortieHost(
                 open_folder,
@@ -129,10 +130,20 @@ class VehicleFlights:
             with closing(children), closing(uploads), closing(host):
                 what = f"to fly {mission.name}" if mission else "and a mission"
                 terminal.say(f"hosting    waits for MAV_CMD_MISSION_START {what}; Ctrl-C ends it")
-                self.fly(companion, terminal, 1.0, 0.0, flown_s(cut_off))
+                self._fly(companion, terminal, 0.0, cut_off)
 
     def _cut_off(self, mission: Mission | None) -> CutOffRun | None:
-        return cut_off_run(self.log_dir, mission) if self.terms.resumes else None
+        """The run to go on with, if there is one and it is asked for."""
+        cut_off = cut_off_run(self.log_dir, mission) if self.terms.resumes else None
+        return found_by_its_clock(cut_off, self.link_of) if cut_off else None
+
+    def _fly(
+        self, companion: Companion, terminal: Terminal, timeout_s: float, cut_off: CutOffRun | None
+    ) -> None:
+        begin_s = flown_s(cut_off)
+        fly_over(
+            companion, terminal, 1.0, timeout_s, begin_s, link_of=self.link_of, events=self.events
+        )
 
     def _run(
         self,

@@ -21,9 +21,10 @@ Source: https://mavlink.io/en/services/timesync.html; PX4 v1.16 answers `tc1` = 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
-from companion.mavlink.framing import Message, dialect
+from companion.mavlink.framing import MavlinkCodec, Message, dialect, source
 from companion.vehicle.clock_rate import ClockAnswer, ClockRate
 
 QUESTION_S, RELAXED_S = 1.0, 5.0
@@ -44,6 +45,16 @@ class ClockOffset(NamedTuple):
 
     offset_s: float
     uncertainty_s: float
+
+
+def told_boot_s(datagrams: Iterable[bytes], system: int) -> float | None:
+    """What a system's autopilot stamps its position with, in seconds; None if it tells none."""
+    codec = MavlinkCodec(0, 0)
+    for message in (message for datagram in datagrams for message in codec.parse(datagram)):
+        is_theirs = source(message) == (system, dialect.MAV_COMP_ID_AUTOPILOT1)
+        if is_theirs and message.get_type() == "LOCAL_POSITION_NED":
+            return float(message.time_boot_ms) / 1000
+    return None
 
 
 class BootClock:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import math
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -39,7 +41,7 @@ from companion.flight_events.sortie import (
     StopRequested,
 )
 from companion.record.audit import audit
-from companion.record.events import read_events
+from companion.record.events import JOURNAL_FILE, read_events
 from sitl.link.server import LOCAL_PORTS
 
 pytestmark = pytest.mark.sockets
@@ -284,6 +286,31 @@ def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_p
     record = read_events(run_folder(tmp_path))
     assert record.ending is not None and record.ending.exit_code == 0
     assert not audit(record).is_failure
+
+
+def test_the_time_away_is_the_autopilots_where_the_wall_clock_was_set_back(
+    run: Run, instance: int, tmp_path: Path
+) -> None:
+    """As on a computer without a clock of its own, after a loss of power."""
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
+    run("sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    killed = run(*asked, "--resume")
+    killed.until_printed("at A")
+    os.kill(killed.pid, signal.SIGKILL)
+    killed_s = time.monotonic()
+    assert killed.exit_code() == -signal.SIGKILL
+    journal = run_folder(tmp_path) / JOURNAL_FILE
+    entries = [json.loads(line) for line in journal.read_text(encoding="utf-8").splitlines()]
+    later = [entry | {"unix_s": entry["unix_s"] + 3600.0} for entry in entries]
+    journal.write_text("".join(f"{json.dumps(entry)}\n" for entry in later), encoding="utf-8")
+    resumed = run(*asked, "--resume")
+    resumed.until_printed("the companion was away")
+    most_s = time.monotonic() - killed_s + 1.5  # the last entry is up to a second older
+    (away_s,) = re.findall(r"the companion was away for ([0-9.]+) s", resumed.printed)
+    assert 0.5 < float(away_s) < most_s
+    os.kill(resumed.pid, signal.SIGINT)
+    assert resumed.exit_code() is not None
 
 
 @pytest.mark.long

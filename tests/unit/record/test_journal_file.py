@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,27 @@ def test_what_was_written_is_read(tmp_path: Path) -> None:
     assert flight.phase is flight.flown is Phase.ARMING and flight.armed_s == 1.0
     later = read_journal(tmp_path, time.time() + 60.0)
     assert later is not None and 60.0 <= later.away_s < 600.0
+
+
+@pytest.mark.parametrize(
+    ("boot_s", "away_s"), [(100.0, 42.0), (58.5, 0.5), (57.9, 7.0), (2.0, 7.0)]
+)
+def test_the_time_away_is_the_autopilots_unless_its_clock_has_begun_anew(
+    boot_s: float, away_s: float
+) -> None:
+    """Its clock showed 50 when the flight's showed 2; the last entry is of 10, 58 by its clock."""
+    seen = VehicleSeen((1.0, 2.0, -3.0), (0.1, 0.2, 0.3), 488.0, system=1, zero_s=-48.0)
+    entries: list[tuple[float, JournalEntry]] = [(0.0, BEGUN), (2.0, seen), (10.0, ENTRIES[1])]
+    flight = put_together(entries)
+    assert flight is not None
+    assert replace(flight, away_s=7.0).found_at(boot_s).away_s == pytest.approx(away_s)
+
+
+def test_without_the_autopilots_clock_the_wall_clock_counts() -> None:
+    flight = put_together([(0.0, BEGUN), (2.0, ENTRIES[4])])
+    assert flight is not None and replace(flight, away_s=7.0).found_at(50.0).away_s == 7.0
+    not_seen = put_together([(0.0, BEGUN)])
+    assert not_seen is not None and replace(not_seen, away_s=7.0).found_at(50.0).away_s == 7.0
 
 
 @given(st.integers(0, 2000), st.binary(max_size=30))

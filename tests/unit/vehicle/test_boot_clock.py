@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.framing import dialect
+from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.vehicle.boot_clock import (
     BACK_S,
     FEW,
@@ -17,6 +17,7 @@ from companion.vehicle.boot_clock import (
     RELAXED_S,
     WINDOW_S,
     BootClock,
+    told_boot_s,
 )
 
 BOOTED_S = 1000.0
@@ -203,3 +204,15 @@ def test_a_clock_of_another_rate_is_asked_each_second_and_its_newest_answer_coun
 def asked_of(clock: BootClock, now_s: float, booted_s: float) -> None:
     (question,) = clock.due(now_s)
     clock.take(now_s, answer(question, now_s, booted_s))
+
+
+def position(boot_s: float, system: int = 1, component: int = 1) -> bytes:
+    stamped = dialect.MAVLink_local_position_ned_message(round(1000 * boot_s), *[0.0] * 6)
+    return MavlinkCodec(system, component).pack(stamped)
+
+
+def test_what_an_autopilot_stamps_its_position_with_is_what_its_clock_shows() -> None:
+    other = MavlinkCodec(1, 1).pack(dialect.MAVLink_ping_message(7, 7, 0, 0))
+    heard = [b"no frame", other, position(3.0, system=2), position(4.0, component=191)]
+    assert told_boot_s(heard, 1) is None
+    assert told_boot_s([*heard, position(12.25)], 1) == 12.25
