@@ -38,13 +38,13 @@ LAG_SHARE = 0.6
 
 @dataclass
 class PlanProgress:
-    """How far a plan has come. Each plan has its own; nodes of its tree alone write it.
+    """How far a plan has come. Each plan has its own; nodes of its tree write it.
 
     Attributes:
         completed: skills that were completed; `Effects` counts them.
         laps: laps of the loop; `Effects` counts them.
         is_landed_by_plan: the plan has landed the vehicle, and has not taken off again; the leaves
-            that land and take off write it.
+            that land and take off write it, and who interrupts the plan in the air.
         is_stranded: an action has failed there; `ActionNode` writes it.
         is_descending: the vehicle comes down to the marker of its place; the leaf writes it.
         unnoticed_landing: the autopilot lands, and does not say that it has; the leaves that land

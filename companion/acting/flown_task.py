@@ -108,12 +108,16 @@ class FlownTask:
             self.call_home(ending.place)
 
     def interrupt(self) -> None:
-        """The vehicle holds, to go on later; then from where it is, by what is possible there."""
+        """It holds in the air, to go on later; then from where it is, by what is possible there.
+
+        Also where a pilot, or a failsafe, has taken it from a landing by the plan, or a take-off.
+        """
         self._safe.forget()
         if self._return_home is None:
             self._executive.pause()
         else:
             self._return_home.stop()
+        self._flight.progress.is_landed_by_plan = False
         self.is_interrupted = True
 
     def sense(self, readings: Sequence[tuple[Signal, float]], phase: Phase) -> None:

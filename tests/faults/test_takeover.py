@@ -16,7 +16,6 @@ from companion.errors import Aborted
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, VehicleLanded
 from companion.mavlink.framing import MavlinkCodec
 from companion.mavlink.px4_modes import mode_name
-from companion.mission.loader import load_mission
 
 pytestmark = pytest.mark.faults
 
@@ -98,12 +97,7 @@ def test_the_loop_hangs(seed: int) -> None:
 @pytest.mark.parametrize("mode", ["AUTO.LOITER", "AUTO.LAND", "ALTCTL"])
 def test_the_pilot_takes_over_while_the_vehicle_waits_on_the_ground(mode: str) -> None:
     """Disarmed, in the middle of a skill that lands: hold and land are chosen there as well."""
-    stay = {"precondition": "at(A)", "effect": "done", "cost": 40}
-    stay |= {"execute": ["land()", "wait(20)", "take_off()"]}
-    skills = meadow.DATA["skills"] | {"stay": stay}
-    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [29, -9], [29, 9], [-9, 9]]}
-    asked = meadow.DATA | {"skills": skills, "limits": limits, "task": {"stay": "F done"}}
-    mission = load_mission(asked)
+    mission = meadow.stay("land()", "wait(20)", "take_off()")
     flight = Lockstep(mission, world_of(mission, {"version": 1}), has_station=True)
     flight.until_reported(VehicleLanded).run(6.0)
     assert flight.simulation.mode == "OFFBOARD" and not flight.companion.has_ended

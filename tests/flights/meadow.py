@@ -49,6 +49,15 @@ def mission(fence: tuple[tuple[float, float], ...] = SQUARE, **limits: Any) -> M
     return load_mission(DATA | {"limits": bounds})
 
 
+def stay(*steps: str) -> Mission:
+    """From Home to A, and there a skill of these steps, such as one that lands."""
+    skill = {"precondition": "at(A)", "effect": "done", "cost": 40, "execute": [*steps]}
+    fence = [[-9, -9], [29, -9], [29, 9], [-9, 9]]
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": fence}
+    skills = {"skills": DATA["skills"] | {"stay": skill}}
+    return load_mission(DATA | skills | {"limits": limits, "task": {"stay": "F done"}})
+
+
 MEADOW = mission(keep_out={"Pond": [[e, n] for n, e in POND]})
 
 

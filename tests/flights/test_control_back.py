@@ -21,6 +21,7 @@ from companion.mission.model import Mission
 
 BACK_S = 5.0
 OURS, HOLD = "OFFBOARD", "AUTO.LOITER"
+TAKE_OFF = dialect.MAV_CMD_NAV_TAKEOFF
 HEARD_S = 2.0
 """After this the companion has heard of a mode: a heartbeat comes once a second."""
 CAMPAIGN = (pytest.mark.faults, pytest.mark.long)
@@ -155,6 +156,23 @@ def test_a_vehicle_that_is_given_back_above_its_altitudes_comes_down_and_flies_o
     continued_s = operator_says_continue(flight)
     flight.until_reported(PlaceReached, place="A")
     assert flight.now_s - continued_s < 30.0 and not flight.of(SetpointRefused)
+
+
+@pytest.mark.parametrize("mode", ["AUTO.LAND", "AUTO.TAKEOFF"])
+def test_who_is_taken_over_in_a_landing_by_the_plan_needs_no_take_off(mode: str) -> None:
+    """Given back in the air the vehicle is in OFFBOARD, and flies on from there."""
+    flight = meadow.start(meadow.stay("land()", "take_off()"), resumes=True)
+    flight.until_reported(PlaceReached, place="A")
+    flight.until(lambda: flight.simulation.mode == mode).run(2.0)
+    flight.station_chooses(HOLD)
+    flight.run(HEARD_S)
+    operator_says_continue(flight)
+    flight.until(lambda: flight.simulation.mode == OURS)
+    climbs = [said.message.command for said in flight.commands].count(TAKE_OFF)
+    flight.run(2.0)
+    assert flight.simulation.mode == OURS
+    assert [said.message.command for said in flight.commands].count(TAKE_OFF) == climbs
+    assert flight.until_the_end().exit_code == 0
 
 
 def test_and_so_it_is_after_a_kill_in_the_take_off(
