@@ -319,7 +319,7 @@ class FakeVehicle:
         )
         self.scans: list[RangeScan] = []
         self.takeover: Takeover | None = None
-        self.is_doubted = False
+        self.is_doubted = self.has_restarted = False
         self.frame_doubt: Refusal | None = None
         self.origin: GlobalOrigin | None = None
         self.location: FrameLocation | None = None

@@ -37,6 +37,7 @@ by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
 AT_ZERO = "it stands at its autopilot's home position, and that is [0, 0] of the mission"
 UNNOTICED = "the autopilot goes on landing; where the vehicle stands already, disarm it by hand"
+RESTARTED = "the autopilot has restarted"
 FRESH_S = 0.5
 """Age of the position up to which an operator may give control back."""
 
@@ -106,6 +107,8 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     """Why the sortie is no longer ours to fly, or never was."""
     if silence := loss_of_link(state, flight.now_s):
         return silence
+    if flight.vehicle.has_restarted:
+        return Aborted(RESTARTED)
     if takeover := flight.vehicle.takeover:
         return Aborted(str(takeover))
     if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):

@@ -11,7 +11,7 @@ beforehand, unless the battery is critical.
 
 from __future__ import annotations
 
-from companion.acting.authority import loss_of_link, not_handed_over
+from companion.acting.authority import RESTARTED, loss_of_link, not_handed_over
 from companion.acting.flight import Flight
 from companion.acting.resumption import Resumption
 from companion.acting.stream_loss import StreamLossWatch
@@ -61,6 +61,8 @@ class Control:
         vehicle, now_s = self._flight.vehicle, self._flight.now_s
         if silence := loss_of_link(state, now_s):
             return silence
+        if vehicle.has_restarted:
+            return Aborted(RESTARTED)
         if not state.is_mode_known(now_s):
             return None
         is_ours = state.mode is Mode.OFFBOARD and vehicle.takeover is None

@@ -80,7 +80,8 @@ class GoalPursuit:
                 is_in_failsafe=state.is_failsafe,
             )
             self._pursuit = pursuit
-        if state.is_mode_known(moment.now_s) and approach.is_reached(state):
+        is_known = state.is_mode_known(moment.now_s) and not self._may_have_fallen(state, moment)
+        if is_known and approach.is_reached(state):
             self._end_command()
             if approach.keeps is not None:
                 pursuit.allowed = approach.keeps
@@ -103,6 +104,10 @@ class GoalPursuit:
         )
         return is_passed and not is_held
 
+    def _may_have_fallen(self, state: VehicleState, moment: Moment) -> bool:
+        """Whether a vehicle on the ground may be there because its autopilot has restarted."""
+        return state.is_landed and not self._telemetry.boots.is_certain(moment.now_s)
+
     def _is_held_low(self, pursuit: Pursuit) -> bool:
         """Whether a climb has ended in a hold so low that somebody must have chosen it."""
         state = self._telemetry.state
@@ -123,7 +128,7 @@ class GoalPursuit:
         elapsed_s = heard_s - pursuit.start_s
         if overdue_s := pursuit.overdue_s(heard_s, state.mode):
             return self._failed(pursuit.goal, f" after {overdue_s:.0f} s", moment)
-        if not state.is_mode_known(moment.now_s):
+        if not state.is_mode_known(moment.now_s) or self._may_have_fallen(state, moment):
             return None
         if approach.needs_arming and not state.is_armed:
             return self._failed(pursuit.goal, ": disarmed", moment)

@@ -108,6 +108,7 @@ class MavlinkVehicle:
         self._parameters = ParameterReader()
         self._readings: list[SignalReading] = []
         self._time = HeardTime()
+        self._restarts_before: int | None = None  # its first goal
         self._moment = Moment(0.0, 0.0, is_quiet=True)
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
         self.payloads = PayloadCommands(wire)
@@ -198,6 +199,12 @@ class MavlinkVehicle:
         return self._control.state is ControlState.DOUBTED
 
     @property
+    def has_restarted(self) -> bool:
+        """Whether the autopilot has restarted since its first goal."""
+        before = self._restarts_before
+        return before is not None and self._telemetry.boots.restarts > before
+
+    @property
     def frame_doubt(self) -> Refusal | None:
         """Why the position in the mission's frame is not known or not certain; None if it is."""
         return self._telemetry.frame_doubt
@@ -250,6 +257,8 @@ class MavlinkVehicle:
             return Failed(str(self.takeover))
         if self.state is None or self.is_doubted:
             return Progress.RUNNING
+        if self._restarts_before is None:
+            self._restarts_before = self._telemetry.boots.restarts
         if goal is Goal.LANDED:
             self.gimbals.give_back()
         outcome = self._goals.pursue(goal, self.state, self._moment, takeoff_up_m)

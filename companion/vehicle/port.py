@@ -267,6 +267,10 @@ class Vehicle(Protocol):
         """Whether control may just have been taken from us; nothing is sent until that is known."""
 
     @property
+    def has_restarted(self) -> bool:
+        """Whether the autopilot has restarted since its first goal."""
+
+    @property
     def frame_doubt(self) -> Refusal | None:
         """Why the position in the mission's frame is not known or not certain; None if it is."""
 

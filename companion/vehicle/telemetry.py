@@ -25,6 +25,7 @@ from companion.vehicle.origin_watch import OriginWatch
 from companion.vehicle.port import FrameLocation, Mode, VehicleState
 from companion.vehicle.position_watch import PositionWatch
 from companion.vehicle.range_below import RangeBelow
+from companion.vehicle.restart_watch import RestartWatch
 from companion.vehicle.velocity_bias import STILL, VelocityBias
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
@@ -41,6 +42,7 @@ class Telemetry:
         frame: of the mission.
         origins: where the autopilot's local frame lies on the earth.
         clock: of the autopilot.
+        boots: how often it has restarted.
         velocity_bias: what its velocity is off by.
         heartbeat_s: when the newest heartbeat was heard.
         accuracy_m: as in VehicleState.
@@ -51,7 +53,7 @@ class Telemetry:
         self.frame = MissionFrame()
         self._laid, self._system = laid, 0
         self.origins = OriginWatch()
-        self.clock = BootClock()
+        self.clock, self.boots = BootClock(), RestartWatch()
         self.velocity_bias = VelocityBias()
         self.words = AutopilotWords()
         self.heartbeat_s = -math.inf
@@ -245,6 +247,7 @@ class Telemetry:
             self.frame.take_reference(origin)
 
     def _on_attitude(self, now_s: float, message: Message) -> None:
+        self.boots.take(now_s, message.time_boot_ms / 1000)
         if math.isfinite(message.yaw):
             self._yaw_rad = message.yaw
             self._yaw_s = self.clock.measured_s(now_s, message.time_boot_ms / 1000)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from random import Random
 
+import meadow
 import pytest
 from campaign import actions, begin, shipped, sweep, undisturbed, world
 from lockstep import Lockstep
 from synthetic import mission
 
 from companion.acting.flight import TICK_S
+from companion.api.simulating import world_of
 from companion.errors import Aborted
 from companion.flight_events.skills import SkillCompleted
-from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, TaskSatisfied
+from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, RunFailed, TaskSatisfied
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import dialect
 from companion.vehicle.heard_time import QUIET_S
@@ -86,6 +88,31 @@ def test_nothing_arms_by_itself_after_a_reboot(
     assert flight.armings == 1
     if not recovers:
         assert flight.time_of(RunEnded) <= at_s + silent_s + TOLD_WITHIN_S
+
+
+@pytest.mark.parametrize(
+    ("at_s", "recovers"),
+    sweep(
+        (16.0, 22.8, 23.2, 30.0, 42.9, 43.3, 45.0, 47.0, 51.0, 55.0),
+        (True, False),
+        few=lambda at_s, recovers: not recovers and at_s in (16.0, 23.2, 47.0, 55.0),
+    ),
+    ids=str,
+)
+def test_what_has_restarted_while_the_plan_has_it_on_the_ground_is_not_armed_again(
+    at_s: float, recovers: bool
+) -> None:
+    """Down to A, standing there, up again, and landing at the end: it fell, or nobody knows."""
+    mission = meadow.stay("land()", "wait(20)", "take_off()")
+    reboot = {"at_s": at_s, "reboot": {"silent_s": 3.0, "recovers": recovers}}
+    flight = Lockstep(mission, world_of(mission, {"version": 1, "happens": [reboot]}))
+    flight.run(at_s)
+    armings = flight.armings
+    flight.run(30.0)
+    assert flight.ending == RunFailed("the autopilot has restarted", Aborted.exit_code)
+    assert flight.time_of(RunEnded) <= at_s + 3.0 + TOLD_WITHIN_S
+    assert flight.armings == armings
+    assert [c for c in flight.commands if c.time_s > at_s + 3.0] == []
 
 
 # -- estimate --------------------------------------------------------------------------------------

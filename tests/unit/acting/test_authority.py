@@ -42,10 +42,11 @@ def flight(
     takeover: Takeover | None = None,
     is_landed_by_plan: bool = False,
     unnoticed: Failed | None = None,
+    has_restarted: bool = False,
 ) -> Any:
     return SimpleNamespace(
         now_s=NOW_S,
-        vehicle=SimpleNamespace(takeover=takeover),
+        vehicle=SimpleNamespace(takeover=takeover, has_restarted=has_restarted),
         progress=PlanProgress(is_landed_by_plan=is_landed_by_plan, unnoticed_landing=unnoticed),
     )
 
@@ -190,6 +191,15 @@ def test_silence_and_a_takeover_end_it_in_every_phase(phase: Phase) -> None:
     pilot = Takeover(Mode.POSCTL, is_failsafe=False)
     assert isinstance(loss_of_control(phase, silent, flight(pilot)), LinkError)
     assert reason(loss_of_control(phase, FLYING, flight(pilot))) == str(pilot)
+
+
+@pytest.mark.parametrize("phase", list(Phase))
+@pytest.mark.parametrize("state", [FLYING, STANDING])
+def test_one_whose_autopilot_has_restarted_is_not_flown(phase: Phase, state: VehicleState) -> None:
+    """Whoever has it then, and wherever the plan has it."""
+    pilot = Takeover(Mode.LOITER, is_failsafe=False)
+    restarted = flight(pilot, is_landed_by_plan=True, has_restarted=True)
+    assert reason(loss_of_control(phase, state, restarted)) == "the autopilot has restarted"
 
 
 @pytest.mark.parametrize("phase", list(Phase))

@@ -117,6 +117,13 @@ def test_nothing_is_sent_while_the_pilot_flies(flown: SortieRig) -> None:
     assert flown.vehicle.setpoint is None
 
 
+def test_an_autopilot_that_restarts_while_the_pilot_flies_ends_the_run(flown: SortieRig) -> None:
+    take_over(flown, Mode.POSCTL)
+    flown.vehicle.has_restarted = True
+    flown.run(TICK_S)
+    assert flown.failure.reason == "the autopilot has restarted"
+
+
 def test_given_back_it_holds_where_it_is_and_goes_on(flown: SortieRig) -> None:
     take_over(flown, Mode.POSCTL)
     flown.vehicle.change(position=(3.0, 3.0, -2.5), mode=Mode.LOITER)
