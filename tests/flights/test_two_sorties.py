@@ -14,15 +14,18 @@ from lockstep import COMPANION, Lockstep, World
 from preparations import Polled
 from synthetic import mission
 
+from companion.acting.journal import JournalledFlight
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.hosting import RunNotBegun
-from companion.flight_events.sortie import RunEnded, TaskSatisfied
+from companion.flight_events.skills import PlaceReached
+from companion.flight_events.sortie import FlightFoundAgain, RunEnded, RunFailed, TaskSatisfied
 from companion.geometry import horizontal_distance
 from companion.mavlink.framing import dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.run_sources.hosted_runs import HostedRuns
+from companion.run_sources.only_run import OnlyRun
 from sitl.flight.estimate import Wander
 from sitl.world.scenario import Scenario
 
@@ -36,8 +39,11 @@ class Hosted(Lockstep):
     uploads = None
 
     def __init__(self, flown: Mission, world: World, seed: int) -> None:
-        super().__init__(flown, world, seed=seed, has_station=True)
-        self.companion = Companion(HostedRuns(self, flown))
+        super().__init__(flown, world, seed=seed, has_station=True, resumes=True)
+
+    def _companion(self, journalled: JournalledFlight | None) -> Companion:
+        first = OnlyRun(self._mission, self, journalled=journalled) if journalled else None
+        return Companion(HostedRuns(self, self._mission, first), self._terms)
 
     def load(self, path: Path) -> Mission:
         raise AssertionError("nothing is uploaded")
@@ -74,3 +80,36 @@ def test_a_waiting_companion_flies_again_and_again(seed: int) -> None:
     assert flight.of(RunEnded) == [TaskSatisfied()] * 3
     assert flight.armings == 3
     assert horizontal_distance(flight.simulation.flight.position, (0.0, 0.0, 0.0)) < 1.0
+
+
+def test_a_run_that_was_cut_off_goes_on_before_another_one_is_started() -> None:
+    flight = Hosted(mission("F (at(A) & F at(H))"), AS_PX4, seed=0)
+    flight.run(2.0)
+    flight.station_commands(START, component=COMPANION)
+    flight.until_reported(PlaceReached, place="A").kill()
+    flight.run(3.0)
+    flight.restart()
+    flight.station_commands(START, component=COMPANION)  # it is flown already
+    flight.until_reported(RunEnded)
+    assert flight.of(FlightFoundAgain) and flight.armings == 1
+    flight.run(20.0)
+    assert flight.armings == 1
+    flight.fly_again()
+    assert flight.of(RunEnded) == [TaskSatisfied()] * 2
+    assert flight.armings == 2
+
+
+def test_a_run_that_was_cut_off_and_cannot_go_on_keeps_nobody_from_starting_another_one() -> None:
+    """It has landed meanwhile, and is not armed again by itself."""
+    flight = Hosted(mission("F (at(A) & F at(H))"), AS_PX4, seed=0)
+    flight.run(2.0)
+    flight.station_commands(START, component=COMPANION)
+    flight.until_reported(PlaceReached, place="A").kill()
+    flight.run(2.0)
+    flight.station_chooses("AUTO.RTL")
+    flight.until(lambda: not flight.simulation.is_armed)
+    flight.restart()
+    flight.until_reported(RunFailed)
+    assert flight.armings == 1 and not flight.companion.has_ended
+    flight.fly_again()
+    assert flight.of(RunEnded)[-1] == TaskSatisfied() and flight.armings == 2
