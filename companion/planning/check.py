@@ -1,8 +1,9 @@
 """The independent check that every plan passes before it flies.
 
 No automaton and no search takes part: the actions are executed on the facts, the loop must
-close, and each conjunct must hold on the word by the direct semantics of LTL. The history
-is part of the word, for a task is about the whole flight and not only about what is left of it.
+close for all facts that the task or the plan reads, and each conjunct must hold on the word by the
+direct semantics of LTL. The history is part of the word, for a task is about the whole flight and
+not only about what is left of it.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
     """
     if not lasso.loop:
         return "the loop is empty"
-    problem = replace(problem, facts=problem.facts & _spoken_of(problem, lasso))
+    read = _read(problem, lasso)
+    problem = replace(problem, facts=problem.facts & read)
     facts = problem.facts
     anchor = facts
     for i, action in enumerate((*lasso.prefix, *lasso.loop)):
@@ -42,8 +44,8 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
             missing = sorted(action.requires - facts) + [f"not {f}" for f in action.forbids & facts]
             return f"{action.name} cannot be executed: {', '.join(missing)} does not hold"
         facts = action.apply(facts)
-    if facts != anchor:
-        return f"the loop does not close: {', '.join(sorted(facts ^ anchor))} changed"
+    if changed := (facts ^ anchor) & read:
+        return f"the loop does not close: {', '.join(sorted(changed))} changed"
     prefix, loop = word(problem, lasso)
     for conjunct, history in zip(problem.conjuncts, histories, strict=True):
         spent(_CONJUNCT_US + _LETTER_US * (len(history) + len(prefix) + len(loop)))
@@ -52,11 +54,11 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
     return None
 
 
-def _spoken_of(problem: Problem, lasso: Lasso) -> frozenset[Fact]:
-    """The facts that the task or an action of the plan speaks of; all others stay as they are."""
-    spoken_of = {fact for conjunct in problem.conjuncts for fact in conjunct.facts}
+def _read(problem: Problem, lasso: Lasso) -> frozenset[Fact]:
+    """The facts that the task or an action of the plan reads; what others are changes nothing."""
+    read = {fact for conjunct in problem.conjuncts for fact in conjunct.facts}
     of_plan: list[Action | ConditionalEffect[Fact]] = [*lasso.prefix, *lasso.loop]
     of_plan += [effect for action in (*lasso.prefix, *lasso.loop) for effect in action.conditional]
     for each in of_plan:
-        spoken_of |= each.requires | each.forbids | each.adds | each.deletes
-    return frozenset(spoken_of)
+        read |= each.requires | each.forbids
+    return frozenset(read)

@@ -11,8 +11,8 @@ that a loop meets a mark exactly if it passes a node that has it.
 
 Constants (`transition_system.py`) are taken out of facts and automata first
 (`ltl/restriction.py`); what is left of a patrol are the places alone. So are conjuncts that the
-others imply (`implied.py`). Facts that are made for a one-shot goal alone are forgotten
-(`forgotten_facts.py`).
+others imply (`implied.py`), and facts that nothing reads. Those that are made for a one-shot goal
+alone are forgotten (`forgotten_facts.py`).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from scipy.sparse import csr_array
 from companion.errors import SearchLimit
 from companion.mission.facts import Fact
 from companion.planning.builtin.entered_nodes import EnteredNodes, Node
-from companion.planning.builtin.forgotten_facts import forgotten_facts
+from companion.planning.builtin.forgotten_facts import forgotten_facts, unread_facts
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
@@ -109,16 +109,9 @@ class Product:
         choices: list[list[int]] = []
         goals: list[tuple[MaskedAutomaton, int]] = []
         marks = 0
-        constants = self.system.constant_value
-        since_ms = problem.waiting_since_ms or (None,) * len(problem.conjuncts)
-        parts = [
-            RestrictedConjunct.of(conjunct, restrictions.of(conjunct, constants), states, since)
-            for conjunct, states, since in zip(
-                problem.conjuncts, problem.automaton_states, since_ms, strict=True
-            )
-        ]
-        parts = [part for part in parts if not part.accepts_all]
+        parts = self._restricted()
         readers = Counter(p for part in parts for p in part.automaton.propositions)
+        self.system.leave_out(unread_facts(self.system, readers, self._bits))
         if not with_implied:
             letters = partial(self.system.reachable, MAX_LETTERS)
             parts = restrictions.implications.without_implied(parts, letters, self._bits)
@@ -253,6 +246,17 @@ class Product:
                 name = self._problem.actions[action].name
                 graph.add_edge(node, end, action=name, cost_ms=cost_ms)
         return graph
+
+    def _restricted(self) -> list[RestrictedConjunct]:
+        """The conjuncts under the constants, but for those that hold whatever is done."""
+        problem, constants = self._problem, self.system.constant_value
+        since_ms = problem.waiting_since_ms or (None,) * len(problem.conjuncts)
+        every = zip(problem.conjuncts, problem.automaton_states, since_ms, strict=True)
+        parts = (
+            RestrictedConjunct.of(each, self._restrictions.of(each, constants), states, since)
+            for each, states, since in every
+        )
+        return [part for part in parts if not part.accepts_all]
 
     def _explore(self, initial: list[Node]) -> list[Node]:
         """Finds all nodes and edges from the initial nodes on; returns the nodes."""

@@ -60,7 +60,7 @@ class TransitionSystem:
         self.changing = (reached & ~held) | (held & deleted)
         self.start = held
         self._actions, self._facts, self._bits = actions, facts, known.bits
-        self._forgotten = 0
+        self._forgotten = self._left_out = 0
         self._successors: dict[int, Successors] = {}
         self._always, self._by_fact = _indexed(self._possible)
 
@@ -78,6 +78,11 @@ class TransitionSystem:
         if facts != self._forgotten:
             self._forgotten = facts
             self._successors.clear()
+
+    def leave_out(self, facts: int) -> None:
+        """From now on no state has some facts, which do not hold at the start."""
+        self._left_out = facts
+        self._successors.clear()
 
     @cached_property
     def possible(self) -> list[int]:
@@ -172,8 +177,8 @@ class TransitionSystem:
             states += group.ends(state)
             actions += group.numbers
             costs += group.costs
-        if past := state & self._forgotten:
-            states = [end & ~past for end in states]
+        if gone := state & self._forgotten | self._left_out:
+            states = [end & ~gone for end in states]
         if is_sorted:
             return Successors(states, actions, costs)
         order = sorted(range(len(actions)), key=actions.__getitem__)

@@ -61,6 +61,30 @@ def test_a_photo_of_each_of_many_trees_is_planned_with_the_effort_of_a_flight(ph
     assert product.nodes < 5 * photos  # not twice as many with each photo
 
 
+@pytest.mark.parametrize("task", ["F shot(t0)", "G F at(t0) & G F at(t1)", "F (shot(t0) & at(H))"])
+@pytest.mark.parametrize("effect", ["shot({})", "shot({0}) & logged({0})"])
+def test_photos_that_no_line_asks_for_are_not_in_the_states(task: str, effect: str) -> None:
+    trees = [f"t{i}" for i in range(14)]
+    legs = random_legs(random.Random(14), ["H", *trees])
+    photos = [action(f"shoot({p})", f"at({p})", effect.format(p)) for p in trees]
+    asked = problem(["H", *trees], legs, task, photos)
+    assert best(asked).is_optimal
+    assert Search(asked.actions).product(asked, IN_FLIGHT).nodes < 10 * len(trees)
+
+
+def test_a_loop_may_make_what_nothing_reads_in_its_first_lap_alone() -> None:
+    load = action("load", "at(A) & !loaded", "loaded & noted")
+    unload = action("unload", "at(B) & loaded", "!loaded & brought")
+    legs = random_legs(random.Random(5), "HAB")
+    asked = problem("HAB", legs, "G F loaded & G F !loaded", [load, unload])
+    found = best(asked)
+    reference = best_lap_and_prefix(asked)  # its loops leave all facts as they were
+    assert reference is not None
+    assert found.lasso.lap_cost_ms == reference[0]
+    assert found.lasso.prefix_cost_ms < reference[1]
+    assert {load, unload} <= {*found.loop}
+
+
 def test_what_was_shot_before_is_not_shot_again() -> None:
     trees = "ABCDEF"
     legs = random_legs(random.Random(1), "H" + trees)
