@@ -12,7 +12,7 @@ Besides the fence that can be uploaded PX4 has a cylinder about home, of a radiu
 Where the mission may be flown beyond it, the autopilot would end the flight there.
 
 A take-off climbs to MIS_TAKEOFF_ALT at least, whatever altitude is asked for: that must not be
-above the ceiling either.
+above the ceiling either. A PX4's home is where it was armed last: on a roof both begin there.
 
 Where plans know of energy, what they leave lies above the charge at which the autopilot acts.
 
@@ -94,10 +94,27 @@ CHARGE_MARGIN = 0.02
 
 
 class FlownWithin(NamedTuple):
-    """What a mission is flown in: how far above home, and how far away from it over the ground."""
+    """What a mission is flown in, as far as the autopilot's own limits are compared with it.
+
+    Attributes:
+        ceiling_m: greatest altitude above home.
+        away_m: how far it is flown away from home, over the ground.
+        roof_m: altitude above home of the highest place where the vehicle is armed.
+    """
 
     ceiling_m: float
     away_m: float
+    roof_m: float = 0.0
+
+    @property
+    def climb_m(self) -> float:
+        """So far the vehicle may climb straight up from where it is armed, wherever that is."""
+        return self.ceiling_m - self.roof_m
+
+    @property
+    def on_roof(self) -> str:
+        """From where that is, in words; "" from the ground."""
+        return f", also from a roof of {self.roof_m:g} m" if self.roof_m else ""
 
 
 def parameters_of(reserve: float | None) -> tuple[str, ...]:
@@ -119,7 +136,7 @@ def weaknesses(
         flown: in what the mission stays.
         reserve: the charge, 0 to 1, that plans leave; None where they know of none.
     """
-    lines = _return_above(values, flown.ceiling_m) + _take_off_above(values, flown.ceiling_m)
+    lines = _return_above(values, flown) + _take_off_above(values, flown)
     lines += _fenced_in(values, flown)
     if reserve is not None:
         lines += _acts_before(values[CRITICAL_CHARGE], reserve)
@@ -130,25 +147,27 @@ def weaknesses(
     return lines
 
 
-def _return_above(values: Mapping[str, float | None], ceiling_m: float) -> list[str]:
+def _return_above(values: Mapping[str, float | None], flown: FlownWithin) -> list[str]:
     """That a return would leave the mission's limits, if it would."""
     height_m, why = values[RETURN_ALTITUDE], [p for p in RETURNING if values[p] == RETURN]
-    if not why or (height_m is not None and height_m <= ceiling_m):
+    if not why or (height_m is not None and height_m <= flown.climb_m):
         return []
     return [
-        f"{RETURN_ALTITUDE} {_is_now(height_m)}; set {ceiling_m:g} or less: {' and '.join(why)} 3 "
-        f"returns, and climbs so high first, where the mission stays below {ceiling_m:g} m"
+        f"{RETURN_ALTITUDE} {_is_now(height_m)}; set {flown.climb_m:g} or less: "
+        f"{' and '.join(why)} 3 returns, and climbs so high first{flown.on_roof}, where the "
+        f"mission stays below {flown.ceiling_m:g} m"
     ]
 
 
-def _take_off_above(values: Mapping[str, float | None], ceiling_m: float) -> list[str]:
+def _take_off_above(values: Mapping[str, float | None], flown: FlownWithin) -> list[str]:
     """That a take-off would leave the mission's limits, if it would."""
     height_m = values[TAKEOFF_ALTITUDE]
-    if height_m is not None and height_m <= ceiling_m:
+    if height_m is not None and height_m <= flown.climb_m:
         return []
     return [
-        f"{TAKEOFF_ALTITUDE} {_is_now(height_m)}; set {ceiling_m:g} or less: a take-off climbs so "
-        f"high at least, and the mission stays below {ceiling_m:g} m (limits.up_m)"
+        f"{TAKEOFF_ALTITUDE} {_is_now(height_m)}; set {flown.climb_m:g} or less: a take-off climbs "
+        f"so high at least{flown.on_roof}, and the mission stays below {flown.ceiling_m:g} m "
+        "(limits.up_m)"
     ]
 
 

@@ -36,15 +36,18 @@ class GoalPursuit:
         wire: whose system it is.
         telemetry: what its autopilot says.
         takeoff_up_m: altitude above home to take off to.
+        ceiling_up_m: altitude above home above which no take-off leads.
     """
 
     wanted = frozenset({"COMMAND_ACK"})
     needs_control = True
 
-    def __init__(self, wire: Wire, telemetry: Telemetry, takeoff_up_m: float) -> None:
+    def __init__(
+        self, wire: Wire, telemetry: Telemetry, takeoff_up_m: float, ceiling_up_m: float
+    ) -> None:
         self._wire = wire
         self._telemetry = telemetry
-        self._takeoff_up_m = takeoff_up_m
+        self._takeoff_up_m, self._ceiling_up_m = takeoff_up_m, ceiling_up_m
         self._commands = CommandSender()
         self._pursuit: Pursuit | None = None
         self._first_mode: Mode | None = None
@@ -155,10 +158,13 @@ class GoalPursuit:
         return None
 
     def _takeoff_up(self, state: VehicleState, asked_m: float | None) -> float:
-        """The altitude above home to take off to: from a roof, so much higher at least."""
+        """The altitude above home to take off to: from a roof, so much higher at least.
+
+        The mission's ceiling, and the altitude of the place, come before that.
+        """
         up_m = -state.position[2]
         ground_m = up_m if state.is_landed and up_m > ROOF_M else 0.0
-        return max(ground_m + self._takeoff_up_m, asked_m or 0.0)
+        return min(max(ground_m + self._takeoff_up_m, asked_m or 0.0), self._ceiling_up_m)
 
     def _failed(self, goal: Goal, why: str, moment: Moment) -> Failed:
         """A failure with what the autopilot said lately."""

@@ -110,7 +110,7 @@ class MavlinkVehicle:
         self._time = HeardTime()
         self._restarts_before: int | None = None  # its first goal
         self._moment = Moment(0.0, 0.0, is_quiet=True)
-        self._goals = GoalPursuit(wire, telemetry, takeoff_up_m)
+        self._goals = GoalPursuit(wire, telemetry, takeoff_up_m, envelope.up_m[1])
         self.payloads = PayloadCommands(wire)
         self.markers = MarkerSightings(telemetry, marker_components)
         known = memory or FlightMemory()

@@ -33,7 +33,7 @@ AWAY = (0.0, 6.0)
 FORMS = [MarkerReport.LOCAL_NED, *(pytest.param(f, marks=pytest.mark.long) for f in MarkerReport)]
 
 
-def mission(is_roof: bool = True, **limits: Any) -> Mission:
+def mission(is_roof: bool = True, home_up_m: float = 3, **limits: Any) -> Mission:
     skill = {
         "parameters": {"p": "Pad"},
         "precondition": "at(p)",
@@ -60,7 +60,7 @@ def mission(is_roof: bool = True, **limits: Any) -> Mission:
             "map": {"walls": [ROOF]} if is_roof else {},
             "components": {"camera": 40},
             "places": {
-                "Home": {"east_m": 0, "north_m": 0, "up_m": 3},
+                "Home": {"east_m": 0, "north_m": 0, "up_m": home_up_m},
                 "P": {
                     **{"east_m": 6, "north_m": 0, "up_m": 5, "radius_m": 1.5},
                     "marker": {"component": "camera", "number": 3},
@@ -77,6 +77,8 @@ def mission(is_roof: bool = True, **limits: Any) -> Mission:
 class Landing(Lockstep):
     """A flight to the marker and home; `at_touch_down` is where it truly stood."""
 
+    home_up_m = 3.0
+
     def __init__(self, is_roof: bool = True, seed: int = 1, pad: Any = PAD, **about: Any) -> None:
         camera = MarkerCameraSpec(markers=(Marker("pad", 3, pad),))
         camera = replace(camera, **about.pop("camera", {}))
@@ -84,7 +86,8 @@ class Landing(Lockstep):
         scenario, grid = read_scenario({"version": 1, **walls, **about.pop("keys", {})})
         self.scenario: Scenario = replace(scenario, marker_camera=camera, lidar=None, **about)
         world = (self.scenario, grid)
-        super().__init__(mission(is_roof), world, seed=seed, has_station=True, resumes=True)
+        asked = mission(is_roof, self.home_up_m)
+        super().__init__(asked, world, seed=seed, has_station=True, resumes=True)
 
     def changes(self, **change: Any) -> None:
         camera = self.simulation._world.marker_camera
@@ -124,6 +127,19 @@ def test_it_lands_on_a_roof_takes_off_and_goes_home(form: MarkerReport) -> None:
     assert flight.ending == TaskSatisfied()
     assert flight.one(SkillCompleted).action == "stand(P)"
     assert not flight.simulation.is_damaged and not flight.of(SetpointRefused)
+
+
+def test_no_take_off_from_a_roof_leads_above_the_ceiling(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As high above it as home is above the ground would be 9 m, and the mission stays below 8."""
+    monkeypatch.setattr(Landing, "home_up_m", 7.0)
+    flight = Landing()
+    flight.until_landed()
+    highest_m = 0.0
+    while not flight.companion.has_ended:
+        flight.tick()
+        highest_m = max(highest_m, flight.up_m)
+    assert flight.ending == TaskSatisfied() and 7.5 < highest_m < 8.2
+    assert flight.of(SetpointRefused) == []
 
 
 def test_it_lands_below_the_altitude_band_on_the_ground_too() -> None:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from companion.acting.authority import FRESH_S
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import WeakFailsafeAccepted
-from companion.geometry import NorthEast
+from companion.geometry import Ned
 from companion.vehicle.failsafes import FlownWithin, parameters_of, weaknesses
 from companion.vehicle.port import Failed, Outcome, Progress
 
@@ -26,7 +26,8 @@ class FailsafeCheck:
         flight: whose autopilot is asked.
         accepts_weak: weak failsafes are reported, and no failure.
         reserve: the charge, 0 to 1, that plans leave; None where they know of none.
-        homes: where else the vehicle may be armed, which moves a PX4's home there.
+        homes: where else the vehicle may be armed, on the ground or a roof, which moves a PX4's
+            home there.
     """
 
     def __init__(
@@ -34,7 +35,7 @@ class FailsafeCheck:
         flight: Flight,
         accepts_weak: bool,
         reserve: float | None = None,
-        homes: Sequence[NorthEast] = (),
+        homes: Sequence[Ned] = (),
     ) -> None:
         self._reserve, self._homes = reserve, homes
         self._flight = flight
@@ -67,6 +68,8 @@ class FailsafeCheck:
     def _flown_within(self) -> FlownWithin:
         """As far as the mission's limits reach from where the vehicle is armed."""
         state, limits = self._flight.vehicle.state, self._flight.limits
-        homes = [*self._homes, (0.0, 0.0) if state is None else state.position[:2]]
+        begun = (0.0, 0.0) if state is None else state.position[:2]
+        homes = [begun, *(home[:2] for home in self._homes)]
         away_m = (math.dist(home, corner) for home in homes for corner in limits.fence)
-        return FlownWithin(limits.up_m[1], max(away_m, default=0.0))
+        roof_m = max((-home[2] for home in self._homes), default=0.0)
+        return FlownWithin(limits.up_m[1], max(away_m, default=0.0), roof_m)

@@ -16,7 +16,7 @@ from companion.acting.preflight.gauge_check import GaugeCheck
 from companion.acting.preflight.kept_fence import KeptFenceCheck
 from companion.acting.preflight.rally_check import RallyJudge
 from companion.acting.preflight.upload_check import UploadCheck
-from companion.geometry import NorthEast
+from companion.geometry import Ned
 from companion.mission.model import Mission
 from companion.mission.steps import TakeOff
 from companion.vehicle.port import Failed, Outcome, Progress
@@ -61,9 +61,10 @@ class GroundChecks:
         return Progress.RUNNING
 
 
-def _other_homes(mission: Mission) -> tuple[NorthEast, ...]:
+def _other_homes(mission: Mission) -> tuple[Ned, ...]:
     """Where the vehicle may take off again, besides where it begins."""
     steps = (step for skill in mission.skills.values() for step in skill.execute)
     if not any(isinstance(step, TakeOff) for step in steps):
         return ()
-    return tuple(place.position[:2] for place in mission.places.values())
+    markers = ((place.position, place.marker) for place in mission.places.values())
+    return tuple((at[0], at[1], -marker.up_m if marker else 0.0) for at, marker in markers)
