@@ -101,7 +101,8 @@ class GoalPursuit:
         is_asked = pursuit.goal is Goal.OFFBOARD and pursuit.asked is not None
         if heartbeat.is_failsafe and is_asked and self._interruption.is_recent:
             pursuit.is_in_failsafe = True  # by the loss of our stream
-        is_passed = pursuit.admits(heartbeat.mode, heartbeat.is_armed, self._first_mode)
+        was_silent = self._interruption.is_recent
+        is_passed = pursuit.admits(heartbeat.mode, heartbeat.is_armed, self._first_mode, was_silent)
         is_held = heartbeat.mode is Mode.LOITER and (
             self._is_held_low(pursuit) or self._is_held_by_failsafe(pursuit, heartbeat)
         )

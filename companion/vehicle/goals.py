@@ -10,7 +10,8 @@ When PX4 disarms it falls back to the mode that was chosen last and may be armed
 a flight, else the mode in which the vehicle stood at first. In OFFBOARD it arms with setpoints
 alone, so a vehicle that stands there is brought to hold first. That takes nothing from a pilot:
 OFFBOARD is nobody's but a companion's. Any other mode stays as it is. It falls back once: where the
-vehicle has stood disarmed for FALLEN_BACK heartbeats, another mode was chosen by somebody.
+vehicle has stood disarmed for FALLEN_BACK heartbeats, another mode was chosen by somebody. So it
+may have been in a silence: after one, a vehicle that landed out of OFFBOARD stands in that again.
 
 Source: PX4 v1.16 as observed, and its UserModeIntention.cpp.
 """
@@ -99,11 +100,19 @@ class Pursuit:
     def __post_init__(self) -> None:
         self.underway_s = self.start_s
 
-    def admits(self, mode: Mode, is_armed: bool, first_mode: Mode | None) -> bool:
+    def admits(
+        self, mode: Mode, is_armed: bool, first_mode: Mode | None, was_silent: bool = False
+    ) -> bool:
         """Takes a mode; whether the goal passes through it, so that nobody has taken control.
 
         The mode of the goal's start is ours until it was left. A vehicle that has landed for us
         may fall back to the mode in which it stood at first, and then stays in it.
+
+        Args:
+            mode: what is flown.
+            is_armed: the vehicle.
+            first_mode: in which it stood before the first goal.
+            was_silent: nothing was heard for a while before.
         """
         passes = APPROACHES[self.goal].passes
         has_landed = self.goal is Goal.LANDED and not is_armed
@@ -111,6 +120,8 @@ class Pursuit:
             return mode is self.stands_in
         falls_back = has_landed and mode in (Mode.LOITER, Mode.OFFBOARD, first_mode)
         is_ours = mode in passes or mode in self.allowed or falls_back
+        if has_landed and was_silent and self.start_mode is Mode.OFFBOARD:
+            is_ours = mode in (*passes, Mode.OFFBOARD, self.stands_in)
         if mode in passes:
             self.allowed -= {self.start_mode} - passes
         if has_landed and is_ours:

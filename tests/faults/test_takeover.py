@@ -9,7 +9,7 @@ from typing import Any
 import meadow
 import pytest
 from campaign import shipped, sweep, world
-from lockstep import Lockstep
+from lockstep import Cut, Lockstep
 
 from companion.api.simulating import world_of
 from companion.errors import Aborted
@@ -21,6 +21,8 @@ pytestmark = pytest.mark.faults
 
 SURVEILLANCE = "surveillance"
 SILENT_WITHIN_S = 0.3
+STANDS_S = 22.95
+"""When the vehicle of the mission that lands at A stands there, disarmed."""
 FAILSAFE_WITHIN_S = 1.3
 """COM_OF_LOSS_T, and what PX4 needs besides."""
 
@@ -105,3 +107,26 @@ def test_the_pilot_takes_over_while_the_vehicle_waits_on_the_ground(mode: str) -
     flight.run(60.0)
     assert flight.armings == 1 and flight.exit_code == Aborted.exit_code
     assert flight.ending.reason == f"the pilot has control, in {mode}"
+
+
+@pytest.mark.parametrize("cut_s", [(-1.0, 4.0), (-1.0, 8.0), (0.3, 5.0), (1.5, 5.0), (4.0, 8.0)])
+@pytest.mark.parametrize("holds", [True, False])
+def test_the_pilot_holds_on_the_ground_while_nothing_is_heard(
+    cut_s: tuple[float, float], holds: bool
+) -> None:
+    """A link that is lost about the landing, and a vehicle that has stood in OFFBOARD."""
+    mission = meadow.stay("land()", "wait(20)", "take_off()")
+    air = Cut()
+    world = world_of(mission, {"version": 1})
+    flight = Lockstep(mission, world, up=air, has_station=True)
+    flight.run(STANDS_S + cut_s[0])
+    air.is_cut = True
+    flight.run(STANDS_S + cut_s[1] - 1.0 - flight.now_s)
+    assert not flight.simulation.is_armed and flight.simulation.mode == "OFFBOARD"
+    if holds:
+        flight.station_chooses("AUTO.LOITER")
+    flight.run(1.0)
+    air.is_cut = False
+    flight.until_the_end()
+    assert flight.armings == 1 + (not holds)
+    assert (flight.exit_code == Aborted.exit_code) is holds
