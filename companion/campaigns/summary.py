@@ -8,7 +8,7 @@ from pathlib import Path
 
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.statistics import compare
-from companion.campaigns.table import Table, read_table
+from companion.campaigns.table import Table, header_lines, header_of, read_table
 from companion.errors import MissionError
 
 SAME = ("format", "scenario", "seed", "limit_s")
@@ -51,7 +51,7 @@ def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
     Raises:
         MissionError: it cannot be read, or its rows are others.
     """
-    table = read_table(path)
+    table, header = read_table(path), header_of(header_lines(header))
     for name in (*SAME, *(key for key in header if key.startswith("vary "))):
         if table.header.get(name) != header.get(name):
             raise _not_the_same(path, name, table.header, header)

@@ -58,13 +58,23 @@ def table_text(header: Mapping[str, str], paths: Sequence[str], flown: Iterable[
         flown: in any order.
     """
     text = io.StringIO()
-    for key, value in header.items():
-        text.write(f"{MARK}{key}: {value}\n")
+    for line in header_lines(header):
+        text.write(f"{MARK}{line}\n")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*FIRST, *paths, *MEASURED])
     for each in sorted(flown, key=lambda each: each.row.index):
         writer.writerow([_cell(value) for value in _values(each, paths)])
     return text.getvalue()
+
+
+def header_lines(header: Mapping[str, str]) -> list[str]:
+    r"""The header of a table, each key on a line of its own.
+
+    >>> header_lines({"vary arming": "two\nlines (50%)"})
+    ['vary arming: two\\nlines (50%)']
+    """
+    whole = (f"{key}: {value}" for key, value in header.items())
+    return [line.replace("\r", r"\r").replace("\n", r"\n") for line in whole]
 
 
 def write_whole(path: Path, text: str) -> None:
@@ -95,10 +105,11 @@ def read_table(path: Path) -> Table:
         text = path.read_text(encoding="utf-8-sig")  # as spreadsheets write it
     except (OSError, UnicodeDecodeError) as error:
         raise MissionError(f"the table {path} cannot be read: {error}") from error
-    header = {}
+    lines = []
     while text.startswith(MARK):
         line, _, text = text.removeprefix(MARK).partition("\n")
-        key, _, header[key] = line.partition(": ")
+        lines.append(line)
+    header = header_of(lines)
     try:
         rows = tuple(csv.DictReader(io.StringIO(text)))
     except csv.Error as error:
@@ -106,6 +117,12 @@ def read_table(path: Path) -> Table:
     if "format" not in header or (rows and "outcome" not in rows[0]):
         raise MissionError(f"{path} is no table of a campaign")
     return Table(header, rows)
+
+
+def header_of(lines: Iterable[str]) -> dict[str, str]:
+    """The header that stands in some lines, by key."""
+    parts = (line.partition(": ") for line in lines)
+    return {key: value for key, _, value in parts}
 
 
 def _values(flown: FlownRow, paths: Sequence[str]) -> list[object]:

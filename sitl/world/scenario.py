@@ -206,8 +206,10 @@ def _parse(
     checked = _checked(model, source.folder, document, reading)
     reading.tell()
 
-    def varied(data: Data) -> object:
-        return _parse(replace(source, content=data, path=None), default_home, default_map)
+    def varied(data: Data) -> None:
+        scenario, its = _parse(replace(source, content=data, path=None), default_home, default_map)
+        if isinstance(scenario.map, MapEntry):
+            _grid(scenario, its)
 
     start, home, wind = model.start, model.home, model.wind
     lidar = model.lidar_on_board

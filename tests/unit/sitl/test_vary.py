@@ -177,6 +177,29 @@ def test_an_entry_of_a_list_that_is_not_there_is_told_so(path: str, missing: str
     assert error.value.hint == "an entry of a list has to be there to be varied"
 
 
+@pytest.mark.parametrize(
+    ("path", "ends", "told"),
+    [
+        ("map.walls.0.east_m.0", [2, 6], "cannot be 6.0: a wall of the map: 6 to 5 is no range"),
+        ("map.cell_m", [0.0002, 1], "cannot be 0.0002: "),
+        (
+            "obstacles.0.circle.east_m",
+            [0, 10000],
+            "cannot be 10000.0: east_m of the map: 10007 ",
+        ),
+    ],
+)
+def test_the_map_is_drawn_at_the_ends_of_what_varies(
+    path: str, ends: list[float], told: str
+) -> None:
+    walls = [{"east_m": [4, 5], "north_m": [-3, -2]}]
+    crate = {"name": "crate", "circle": {"east_m": 5, "north_m": 9, "radius_m": 1}}
+    world = {"version": 1, "map": {"walls": walls}, "obstacles": [crate], "vary": {path: ends}}
+    with pytest.raises(MissionError) as error:
+        read_varied(Source(world, "scenario", Path(), None))
+    assert told in str(error.value)
+
+
 def test_the_vehicle_in_the_file_of_a_row_is_that_of_the_row() -> None:
     vehicle = {"profile": "quad_35cm", "radius_m": 0.4}
     world = {"version": 1, "vehicle": vehicle, "vary": {"vehicle.radius_m": [0.2, 0.6]}}
