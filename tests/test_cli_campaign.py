@@ -159,6 +159,16 @@ def test_rows_of_a_search_have_no_rates(
     assert told in capsys.readouterr().out.splitlines()
 
 
+@pytest.mark.parametrize("is_search", [False, True])
+def test_more_rows_may_be_unfair_than_count(
+    capsys: pytest.CaptureFixture[str], is_search: bool
+) -> None:
+    unfair = [FlownRow(Row(i, i, {}), RowOutcome.INVALID, reason="a wall") for i in (1, 2)]
+    rows = [FlownRow(Row(0, 0, {}), RowOutcome.CRASH), *unfair]
+    tell_outcomes(cast("Campaign", SimpleNamespace(rows=rows)), is_search)
+    assert "2  invalid                      of no account; a wall" in capsys.readouterr().out
+
+
 def test_the_folder_of_a_search_is_told_as_it_is(companion: Companion) -> None:
     assert "falsify-NAME" in companion("falsify", "--help").out
     assert "campaign-NAME" in companion("campaign", "--help").out

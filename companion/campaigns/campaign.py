@@ -15,7 +15,7 @@ from companion.campaigns.outcomes import FlownRow
 from companion.campaigns.processes import RowEngine
 from companion.campaigns.row_file import RowFile
 from companion.campaigns.rows import Row, random_row
-from companion.errors import CompanionError
+from companion.errors import CompanionError, MissionError
 
 OnRow = Callable[[FlownRow], None]
 """Told of each row when it is back."""
@@ -60,6 +60,7 @@ class Campaign:
 
         Raises:
             Interrupted: the user has pressed Ctrl-C; rows under way were waited for.
+            MissionError: a row that was there already is another one.
             NotWritten: a row cannot be kept.
             LinkError: the cluster is gone.
             CompanionError: a worker would fly other bytes.
@@ -67,6 +68,7 @@ class Campaign:
         kept = self._file.rows
         for row in rows:
             if row.index in kept:
+                self._check(row, kept[row.index].row)
                 self._on_kept(kept[row.index])
         try:
             for flown in self._engine.fly(row for row in rows if row.index not in kept):
@@ -86,6 +88,13 @@ class Campaign:
     def close(self) -> None:
         """The folder is free."""
         self._file.close()
+
+    def _check(self, row: Row, kept: Row) -> None:
+        if row != kept:
+            raise MissionError(
+                f"row {row.index} of {self.folder} was edited: it is none of this campaign",
+                hint="take another folder with --out",
+            )
 
     def _keep(self, flown: FlownRow) -> None:
         self._file.add(flown)

@@ -80,7 +80,6 @@ def write_worst(
 def write_case(kit: Kit, mission: Path, name: Path, flown: FlownRow) -> Case:
     """Writes the scenario of a row, as NAME.sim.yaml."""
     file = name.with_name(f"{name.name}.sim.yaml")
-    file.parent.mkdir(parents=True, exist_ok=True)
     options = ["--scenario", file, "--seed", flown.row.seed, "--speed", "max"]
     line = shlex.join(map(str, ["companion", "sim", mission, *options]))
     write_whole(file, _text(kit, flown, file, line))

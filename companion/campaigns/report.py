@@ -17,7 +17,7 @@ from companion.campaigns.cases import write_worst
 from companion.campaigns.charts import histogram, rate_bar, scatter
 from companion.campaigns.factor_effects import FactorEffect, effects
 from companion.campaigns.kit import Kit
-from companion.campaigns.outcomes import FlownRow
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.pictures import Pictures
 from companion.campaigns.statistics import Rate
 from companion.campaigns.summary import summary
@@ -121,9 +121,10 @@ def _headline(source: ReportSource) -> str:
 def _verdicts(source: ReportSource) -> str:
     rows = []
     for name, count, is_failure in summary(source.flown):
-        rate = Rate.of(count, len(source.valid))
-        is_rate = name != "invalid" and not source.is_search
-        shown = [f"{rate}", rate_bar(rate)] if is_rate else ["", ""]
+        shown = ["", ""]
+        if name != RowOutcome.INVALID.value and not source.is_search:
+            rate = Rate.of(count, len(source.valid))
+            shown = [f"{rate}", rate_bar(rate)]
         label = f'<span class="failed">{escape(name)}</span>' if is_failure else escape(name)
         rows.append([label, str(count), *shown])
     note = (

@@ -10,6 +10,7 @@ import csv
 import io
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -78,20 +79,22 @@ def header_lines(header: Mapping[str, str]) -> list[str]:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Writes a file at once: whoever reads it meanwhile has the one before, or none.
+    """Writes a file at once, and its folder: who reads it meanwhile has the one before, or none.
 
     Raises:
         NotWritten: it cannot be written; the one before is there as it was.
     """
     partial = path.with_name(f"{path.name}.partial")
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         with partial.open("w", encoding="utf-8") as file:
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
         partial.replace(path)
     except OSError as error:
-        partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
         raise NotWritten(path, error) from error
 
 

@@ -230,13 +230,16 @@ def finish(flights: Campaign, mission: Path, command: str) -> Path:
 
 def tell_outcomes(flights: Campaign, is_search: bool = False) -> None:
     """Says how many rows ended how; those of a search were chosen, so they have no rates."""
+    from companion.campaigns.outcomes import RowOutcome
     from companion.campaigns.statistics import Rate
     from companion.campaigns.summary import summary, why_invalid
 
     valid = sum(each.outcome.is_valid for each in flights.rows)
     for name, count, is_failure in summary(flights.rows):
-        rate = "" if is_search else str(Rate.of(count, valid))
-        said = rate if name != "invalid" else why_invalid(flights.rows)
+        if name == RowOutcome.INVALID.value:
+            said = why_invalid(flights.rows)
+        else:
+            said = "" if is_search else str(Rate.of(count, valid))
         line = f"{'FAILED ' if is_failure else '       '}{count:>6}  {name:<28} {said}"
         typer.echo(line.rstrip())
 

@@ -60,8 +60,10 @@ def test_a_search_tells_no_rates() -> None:
     [
         [FlownRow(Row(0, 1, ROWS[0].row.values), RowOutcome.INVALID, reason="unfair")],
         [FlownRow(ROWS[0].row, RowOutcome.DIED)],
+        [ROWS[0], *(FlownRow(each.row, RowOutcome.INVALID) for each in ROWS[1:3])],
         ROWS[:1],
     ],
 )
 def test_few_rows_make_a_report(rows: list[FlownRow]) -> None:
-    assert report_html(source(rows)).endswith("</html>\n")
+    for is_search in (False, True):
+        assert report_html(source(rows, is_search)).endswith("</html>\n")

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import resource
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from varied import SEED, ThisProcess, short_kit
 
+from companion.campaigns.campaign import Campaign
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.row_file import NAME, NotWritten, RowFile, header_in
-from companion.campaigns.rows import Row
+from companion.campaigns.rows import Row, random_row
 from companion.campaigns.table import write_whole
 from companion.errors import CompanionError, MissionError
 
@@ -124,3 +127,20 @@ def test_rows_of_another_release_are_another_campaign(tmp_path: Path) -> None:
     with pytest.raises(MissionError, match="no row of a campaign"):
         RowFile(tmp_path, HEADER)
     assert path.read_bytes() == before.replace(b'"0"', b'"1"', 1)
+
+
+def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
+    (tmp_path / "worst").write_text("a file")
+    with pytest.raises(NotWritten, match=r"worst/0\.sim\.yaml cannot be written"):
+        write_whole(tmp_path / "worst" / "0.sim.yaml", "text")
+
+
+def test_a_row_that_was_edited_is_none_of_the_campaign(tmp_path: Path) -> None:
+    kit = short_kit()
+    row = random_row(kit.factors, SEED, 0)
+    file = RowFile(tmp_path, HEADER)
+    file.add(FlownRow(replace(row, values={}), RowOutcome.SATISFIED))
+    file.close()
+    campaign = Campaign(kit, ThisProcess(kit), tmp_path, HEADER, lambda flown: None)
+    with closing(campaign), pytest.raises(MissionError, match=r"row 0 of .* was edited"):
+        campaign.flown([row])
