@@ -15,7 +15,8 @@ from rich.progress import Progress
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
 from companion.campaigns.table import read_table
-from companion.cli.campaigns import LIMIT_S, Tell, kit_of, tell_outcomes
+from companion.cli.campaigns import LIMIT_S, Tell, begun, kit_of, tell_outcomes
+from companion.errors import CompanionError
 
 if TYPE_CHECKING:
     from companion.campaigns.campaign import Campaign
@@ -157,6 +158,15 @@ def test_rows_of_a_search_have_no_rates(
     ]
     tell_outcomes(cast("Campaign", SimpleNamespace(rows=rows)), is_search)
     assert told in capsys.readouterr().out.splitlines()
+
+
+def test_ctrl_c_beside_a_flight_says_how_to_go_on(tmp_path: Path) -> None:
+    kit = kit_of(RETURN_HOME, None, LIMIT_S)
+    with (
+        pytest.raises(CompanionError, match="stopped\n    0 rows are kept\n    to go on: again"),
+        begun(kit, tmp_path, {"seed": "0"}, 1, 1, None, "again"),
+    ):
+        raise KeyboardInterrupt
 
 
 @pytest.mark.parametrize("is_search", [False, True])

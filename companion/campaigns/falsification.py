@@ -61,7 +61,9 @@ def minimise(
     with closing(engine_of(kit)) as engine:
         folder = search.folder / MINIMISED_FOLDER
         with closing(Campaign(kit, engine, folder, search.header, tell)) as simpler:
-            return minimised(failures[:MOST_CASES], kit.factors, simpler.flown)
+            simple = minimised(failures[:MOST_CASES], kit.factors, simpler.flown)
+    flights = {(each.row.seed, tuple(sorted(each.row.values.items()))): each for each in simple}
+    return tuple(flights.values())  # different failures may be one when they are simple
 
 
 def checked(

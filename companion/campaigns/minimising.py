@@ -60,13 +60,10 @@ def _steps(failure: FlownRow, factors: Sequence[Factor]) -> Steps:
     def trial(values: Mapping[str, Value], seed: int | None = None) -> Row:
         return Row(0, best.row.seed if seed is None else seed, dict(values))
 
-    for factor in factors:
-        if factor.path in best.row.values:
-            rest = {k: v for k, v in best.row.values.items() if k != factor.path}
-            flown = yield trial(rest)
-            best = flown if _is_alike(flown, failure) else best
+    best = yield from _put_back(best, failure, factors)
     for factor in factors:
         best = yield from _nearer(best, failure, factor)
+    best = yield from _put_back(best, failure, factors)  # nearer to the file, more may go back
     for factor in factors:
         if factor.is_entry and factor.path not in best.row.values:
             flown = yield trial({**best.row.values, factor.path: False})
@@ -74,6 +71,16 @@ def _steps(failure: FlownRow, factors: Sequence[Factor]) -> Steps:
     if best.row.seed != 0:
         flown = yield trial(best.row.values, seed=0)
         best = flown if _is_alike(flown, failure) else best
+    return best
+
+
+def _put_back(best: FlownRow, failure: FlownRow, factors: Sequence[Factor]) -> Steps:
+    """The failure with the values of the file wherever it still fails alike."""
+    for factor in factors:
+        if factor.path in best.row.values:
+            rest = {k: v for k, v in best.row.values.items() if k != factor.path}
+            flown = yield replace(best.row, values=rest)
+            best = flown if _is_alike(flown, failure) else best
     return best
 
 

@@ -195,8 +195,8 @@ def begun(
         flights = Campaign(kit, engine, folder, header, tell, tell.kept)
         try:
             yield flights, tell
-        except (Interrupted, NotWritten, LinkError) as error:
-            kept = f"{error}\n    {len(flights.rows)} rows are kept"
+        except (Interrupted, NotWritten, LinkError, KeyboardInterrupt) as error:
+            kept = f"{str(error) or 'stopped'}\n    {len(flights.rows)} rows are kept"
             raise CompanionError(f"{kept}\n    to go on: {again}") from None
         finally:
             flights.close()

@@ -67,8 +67,9 @@ def falsify(
     header = kit.header(seed, budget=budget)
     with begun(kit, folder, header, budget, jobs, dask, again) as (search, tell):
         failures = searched(search, seed, budget)
+        found = f"failures that differ in kind or place: {len(failures)}"
         if failures:
-            typer.echo(f"simpler    {len(failures)} different failures", err=True)
+            typer.echo(f"simpler    {found}", err=True)
             tell.begin("simpler", None)
         simple = minimise(search, failures, lambda kit: engine_of(kit, jobs, dask), tell)
         cases = checked(search, mission, simple)
@@ -82,4 +83,4 @@ def falsify(
             said = "the same" if each.is_repeated else "NOT repeated by its file alone"
             typer.echo(f"repeat     {each.case.line}\n           in a fresh process: {said}")
     if failures:
-        raise TaskViolated(f"{len(failures)} different failures were found")
+        raise TaskViolated(found)

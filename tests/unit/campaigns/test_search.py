@@ -125,6 +125,22 @@ def test_a_failure_is_made_of_what_it_needs_alone() -> None:
     assert len(flights.rows) < 30
 
 
+class Tangled(Flights):
+    """Fails where there is noise, and the wind is much like it."""
+
+    def fly(self, row: Row) -> FlownRow:
+        wind, noise = (float(row.values.get(name, 0.0)) for name in ("wind", "noise"))
+        fails = noise > 0.5 and abs(wind - noise) <= 5.0
+        return FlownRow(row, RowOutcome.CRASH if fails else RowOutcome.SATISFIED)
+
+
+def test_what_a_failure_no_longer_needs_with_nearer_numbers_goes_back_too() -> None:
+    factors = [Factor(name, (name,), Uniform(0, 8), 0.0) for name in ("wind", "noise")]
+    flights = Tangled()
+    (simple,) = minimised([flights.fly(Row(0, 0, {"wind": 7.0, "noise": 7.0}))], factors, flights)
+    assert simple.row.values.keys() == {"noise"}
+
+
 def test_a_failure_is_made_of_values_that_may_be_chosen() -> None:
     factors = [Factor("wind", ("wind",), Choice((0.0, 8.0), (1.0, 1.0)), 0.0)]
     flights = Windy()
