@@ -92,7 +92,7 @@ def test_a_campaign_that_is_killed_leaves_no_process_and_goes_on(
         time.sleep(0.1)
     assert workers and not any(is_there(pid) for pid in workers)
     options = ("--resume", tmp_path / "killed", "--against", whole / "table.csv")
-    code, told = ended(begun(scenario, tmp_path / "unused", *options))
+    code, told = ended(begun(scenario, tmp_path / "killed", *options))
     assert code == 0, told
     assert "McNemar    p = 1: may be chance" in told
     same = [(each / "table.csv").read_bytes() for each in (whole, tmp_path / "killed")]
