@@ -118,10 +118,16 @@ class Resumption:
 
     def found(self, state: VehicleState, resumes: bool) -> FlightFoundAgain:
         """What is told when the flight is found still going on."""
-        asked = self.why_asked(state)
+        asked = self.why_asked(state) or _why_it_keeps(state)
         key = "its own hold gives it back" if resumes and asked is None else TWO_KEYS
         about = f"{asked}: {key}" if asked is not None else key
         return FlightFoundAgain(round(self.journalled.away_s, 1), self.journalled.phase, about)
+
+
+def _why_it_keeps(state: VehicleState) -> str | None:
+    """Why the autopilot's hold will be no loss of our stream, as in a take-off by the plan."""
+    is_held = state.mode is Mode.LOITER and state.is_failsafe
+    return None if is_held or state.mode is Mode.OFFBOARD else f"{state.mode.value} is flown"
 
 
 def restore(

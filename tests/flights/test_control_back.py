@@ -14,7 +14,13 @@ import pytest
 from lockstep import COMPANION, Cut, Lockstep, World
 
 from companion.flight_events.skills import PlaceReached
-from companion.flight_events.sortie import FlightFoundAgain, Phase, PhaseEntered, SetpointRefused
+from companion.flight_events.sortie import (
+    FlightFoundAgain,
+    Phase,
+    PhaseEntered,
+    SetpointRefused,
+    VehicleLanded,
+)
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -172,6 +178,23 @@ def test_who_is_taken_over_in_a_landing_by_the_plan_needs_no_take_off(mode: str)
     flight.run(2.0)
     assert flight.simulation.mode == OURS
     assert [said.message.command for said in flight.commands].count(TAKE_OFF) == climbs
+    assert flight.until_the_end().exit_code == 0
+
+
+@pytest.mark.parametrize("after_s", [0.5, 3.0, 4.5])
+def test_killed_in_a_take_off_by_the_plan_it_is_told_that_an_operator_is_waited_for(
+    after_s: float,
+) -> None:
+    """The autopilot climbs to its end and holds, without any loss of setpoints."""
+    flight = meadow.start(meadow.stay("land()", "take_off()"), resumes=True)
+    flight.until_reported(VehicleLanded)
+    flight.until(lambda: flight.simulation.mode == "AUTO.TAKEOFF").run(after_s)
+    restarted(flight, 1.0)
+    flight.until_reported(FlightFoundAgain).run(10.0)
+    key = flight.one(FlightFoundAgain).key
+    assert key.endswith("is flown: hold, then continue, gives it back")
+    assert flight.simulation.mode == HOLD
+    operator_says_continue(flight)
     assert flight.until_the_end().exit_code == 0
 
 
