@@ -60,7 +60,7 @@ class Reading:
 
     def read(self, letter: Letter, reached_s: float) -> bool:
         """One more position; whether it violates the conjunct, which it did not before."""
-        could_hold = bool(self.runs.states)
+        could_hold = bool(self.runs.states) or not self.letters  # what is never true is told too
         self.since_s = self.since_with(letter, reached_s)
         for mark in self.runs.marks_met(letter):
             self._tries[mark] = 0

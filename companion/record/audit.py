@@ -181,14 +181,15 @@ def _read(part: AuditedConjunct, record: RunRecord, begins_anew: bool = True) ->
     overruns: Collection[int] = ()
     if part.bound is not None:
         overruns = record.in_time.overruns(part.bound, part.name, begins_anew)
-    begun, is_late, states, violated = 0, False, [], set(overruns)
+    begun, is_late, is_false, states, violated = 0, False, False, [], set(overruns)
     for position in record.positions:
         if begins_anew and part.name in position.restarted:
-            monitor, begun, is_late = fresh, position.number, False
-        before, monitor = monitor.truth_value, monitor.after(frozenset(position.facts))
+            monitor, begun, is_late, is_false = fresh, position.number, False, False
+        monitor, was_false = monitor.after(frozenset(position.facts)), is_false
+        is_false = monitor.truth_value is TruthValue.FALSE
         is_late = is_late or position.number in overruns
         states.append(TruthValue.FALSE if is_late else monitor.truth_value)
-        if before is not TruthValue.FALSE and monitor.truth_value is TruthValue.FALSE:
+        if is_false and not was_false:
             violated.add(position.number)
     return _Reading(part, begun, tuple(states), tuple(sorted(violated)))
 

@@ -315,6 +315,16 @@ def test_a_violation_is_noticed_once_and_again_after_a_restart() -> None:
     assert [[c.name for c in p.violated] for p in task.left] == [[], ["safe"], [], ["safe"]]
 
 
+def test_a_line_that_nothing_satisfies_is_violated_by_the_first_position() -> None:
+    again = event("again", restarts=["never"])
+    task = state(mission({"never": "F (at(A) & !at(A))"}, events=[again]))
+    perform(task, "wait")
+    perform(task, "wait")
+    task.take(again, True)
+    perform(task, "wait")
+    assert [[c.name for c in p.violated] for p in task.left] == [["never"], [], ["never"]]
+
+
 def test_who_departs_leaves_the_position_as_it_was() -> None:
     task = state(mission("F at(A)"))
     task.depart()
