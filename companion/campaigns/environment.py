@@ -1,4 +1,4 @@
-"""What the bytes of a flight depend on besides its row: our code, libraries, and the machine.
+"""What the bytes of a flight depend on besides its row: code, libraries, and the machine.
 
 The same row is the same flight wherever these are the same. The last of them is a fingerprint: the
 hash of all datagrams and events of a short flight through gusts, with a noisy lidar. Machines whose
@@ -9,16 +9,21 @@ from __future__ import annotations
 
 import hashlib
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib import metadata
+from importlib.metadata import EntryPoint
+from importlib.util import find_spec
 from pathlib import Path
 
 from companion.api.results import Recording
 from companion.api.simulating import lockstep, world_of
 from companion.flight_events.event import Stamped
+from companion.mission.installed_calls import functions_of
 from companion.mission.loader import load_mission
+from companion.mission.model import Mission
 from companion.run_sources.only_run import OnlyRun
+from companion.skills.loading import entries, source_of
 
 LIBRARIES = ("jsbsim", "numpy", "pymavlink", "ruckig", "scipy")
 FINGERPRINT_TICKS = 180
@@ -75,6 +80,18 @@ def environment() -> Mapping[str, str]:
     }
 
 
+def environment_of(mission: Mission) -> Mapping[str, str]:
+    """The same for one mission: the packages whose functions it calls are code as well."""
+    functions = functions_of(mission)
+    claimed = (entry for function, entry in entries() if function in functions) if functions else ()
+    return {**environment(), **dict(map(_package_line, claimed))}
+
+
+def _package_line(entry: EntryPoint) -> tuple[str, str]:
+    name, _, version = source_of(entry).partition(" ")
+    return f"package {name}", f"{version} {_hash_of_package(entry.module.partition('.')[0])}"
+
+
 def fingerprint() -> str:
     """The hash of the short flight on this machine."""
     mission, recorder = load_mission(SHORT), Hashing()
@@ -85,9 +102,28 @@ def fingerprint() -> str:
 
 
 def _hash_of_code() -> str:
-    hashed = hashlib.sha256()
     root = Path(__file__).parents[2]
-    for package in PACKAGES:
-        for path in sorted((root / package).rglob("*.py")):
-            hashed.update(str(path.relative_to(root)).encode() + path.read_bytes())
+    paths = (path for package in PACKAGES for path in sorted((root / package).rglob("*.py")))
+    return _hash_of_files(root, paths)
+
+
+def _hash_of_package(name: str) -> str:
+    """That of all files of a package, or of the one of a module; it is not imported."""
+    spec = find_spec(name)
+    if spec is None:
+        return "not found"
+    roots = [Path(root) for root in spec.submodule_search_locations or ()]
+    if not roots and spec.origin is not None:
+        return _hash_of_files(Path(spec.origin).parent, [Path(spec.origin)])
+    return " ".join(_hash_of_files(root, sorted(_sources(root))) for root in roots)
+
+
+def _sources(root: Path) -> Iterator[Path]:
+    return (p for p in root.rglob("*") if p.is_file() and p.parent.name != "__pycache__")
+
+
+def _hash_of_files(root: Path, paths: Iterable[Path]) -> str:
+    hashed = hashlib.sha256()
+    for path in paths:
+        hashed.update(str(path.relative_to(root)).encode() + path.read_bytes())
     return hashed.hexdigest()[:16]

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from companion.campaigns.environment import environment
+from companion.campaigns.environment import environment_of
 from companion.mission.digest import digest
 from companion.mission.model import Mission
 
@@ -43,7 +43,7 @@ class Kit:
     @classmethod
     def of(cls, mission: Mission, scenario: VariedScenario, limit_s: float) -> Kit:
         """The kit of this process."""
-        return cls(mission, scenario, limit_s, dict(environment()))
+        return cls(mission, scenario, limit_s, dict(environment_of(mission)))
 
     @property
     def factors(self) -> tuple[Factor, ...]:

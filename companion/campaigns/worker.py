@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from multiprocessing.connection import wait
 
-from companion.campaigns.environment import environment
+from companion.campaigns.environment import environment_of
 from companion.campaigns.fairness import unfair
 from companion.campaigns.kit import Kit
 from companion.campaigns.measuring import fly
@@ -85,6 +85,6 @@ def _kit(packed: bytes) -> Kit:
 @lru_cache(maxsize=2)
 def _difference(packed: bytes) -> str:
     """The first line of the kit's environment that is another one here."""
-    here = environment()
-    wanted = _kit(packed).environment.items()
+    kit = _kit(packed)
+    here, wanted = environment_of(kit.mission), kit.environment.items()
     return next((f"{k}: {here.get(k)}, not {v}" for k, v in wanted if here.get(k) != v), "")
