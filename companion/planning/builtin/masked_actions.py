@@ -70,10 +70,12 @@ class ActionGroup:
         numbers, costs: of its actions.
         adds, deletes: facts (bits) that one of them may add or delete, without conditional adds.
         conditional: effects with a condition.
+        reads: facts (bits) of its condition, and of those of its effects.
+        changes: facts (bits) that one of its actions may add or delete.
     """
 
-    __slots__ = ("_adds", "actions", "adds", "conditional", "costs", "deletes", "forbids",
-                 "numbers", "requires")  # fmt: skip
+    __slots__ = ("_adds", "actions", "adds", "changes", "conditional", "costs", "deletes",
+                 "forbids", "numbers", "reads", "requires")  # fmt: skip
 
     def __init__(self, actions: Sequence[MaskedAction]) -> None:
         first = actions[0]
@@ -85,6 +87,17 @@ class ActionGroup:
         self._adds = [action.adds for action in actions]
         self.adds: int = reduce(or_, self._adds)
         self.deletes: int = reduce(or_, (e.deletes for e in self.conditional), first.deletes)
+        self.reads, self.changes = self.requires | self.forbids, self.adds | self.deletes
+        for condition, adds, _ in self.conditional:
+            self.reads |= condition.requires | condition.forbids
+            self.changes |= adds
+
+    @property
+    def rests_ms(self) -> list[int]:
+        """The costs of those that are always possible and change nothing."""
+        if self.requires | self.forbids | self.deletes or self.conditional:
+            return []
+        return [ms for ms, adds in zip(self.costs, self._adds, strict=True) if not adds]
 
     def is_applicable(self, state: int) -> bool:
         """Whether its actions are."""

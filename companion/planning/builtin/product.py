@@ -111,6 +111,8 @@ class Product:
         marks = 0
         parts = self._restricted()
         readers = Counter(p for part in parts for p in part.automaton.propositions)
+        if problem.energy is None:
+            self.system.drop_idle(self._bits.mask(readers))
         self.system.leave_out(unread_facts(self.system, readers, self._bits))
         if not with_implied:
             letters = partial(self.system.reachable, MAX_LETTERS)

@@ -68,10 +68,32 @@ class TransitionSystem:
         """Those of some facts that do not hold at the start, that no action reads or deletes."""
         facts &= ~self.start & ~_deleted(self._possible)
         for group in self._possible:
-            facts &= ~(group.requires | group.forbids)
-            for effect in group.conditional:
-                facts &= ~(effect.condition.requires | effect.condition.forbids)
+            facts &= ~group.reads
         return facts
+
+    def drop_idle(self, read: int) -> None:
+        """From now on there are no actions on which none of some facts depends in the end.
+
+        Where the problem has a rest, that does as well as they, for no more. Where energy counts
+        it need not.
+        """
+        rest_ms = min((ms for group in self._possible for ms in group.rests_ms), default=None)
+        if rest_ms is None:
+            return
+        idle, before = self._possible, -1
+        while read != before:
+            spent(_GROUP_US * len(idle))
+            before, others = read, []
+            for group in idle:
+                if group.changes & before:
+                    read |= group.reads
+                else:
+                    others.append(group)
+            idle = others
+        if gone := {g for g in idle if not g.rests_ms and min(g.costs) >= rest_ms}:
+            self._possible = [group for group in self._possible if group not in gone]
+            self._always, self._by_fact = _indexed(self._possible)
+            self._successors.clear()
 
     def forget(self, facts: int) -> None:
         """From now on some facts, which no action reads, hold only right after they are made."""

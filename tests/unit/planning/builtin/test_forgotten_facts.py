@@ -7,7 +7,7 @@ import random
 from collections.abc import Sequence
 
 import pytest
-from problems import action, asking, histories, problem, random_legs
+from problems import action, asking, find_lasso, histories, problem, random_legs
 from reference_search import best_lap_and_prefix
 
 from companion.planning.builtin import search
@@ -123,3 +123,59 @@ def test_one_photo_may_show_several_trees_and_a_tree_may_be_passed_twice() -> No
     found = best(asked).lasso
     assert found.prefix_cost_ms == 9000
     assert WAIT in found.loop
+
+
+TASKS = (
+    "G F f0",
+    "F f0 & G F at(A)",
+    "G F at(A) & G F at(B)",
+    "F (f0 & X f1)",
+    "G (f1 -> F f0) & G F at(B)",
+    "G !f2 & F f1",
+    "X X X at(A) & F G f0",
+)
+FACTS = [f"f{i}" for i in range(5)]
+
+
+def drawn_literals(chance: random.Random, most: int) -> str:
+    named = chance.sample(FACTS, chance.randint(0, most))
+    return " & ".join(chance.choice(("", "!")) + name for name in named)
+
+
+def drawn_actions(chance: random.Random) -> list[Action]:
+    """Some read and change facts at random, some by effects with a condition."""
+    drawn = []
+    for number in range(chance.randint(2, 5)):
+        conditional = []
+        if chance.random() < 0.3 and (effect := drawn_literals(chance, 1)):
+            conditional.append((drawn_literals(chance, 1), effect))
+        when, effect = drawn_literals(chance, 2), drawn_literals(chance, 2)
+        where = chance.choice(("", "at(A)", "at(B)"))
+        when = " & ".join(part for part in (where, when) if part)
+        drawn.append(action(f"do{number}", when, effect, chance.choice((0.5, 2.0)), conditional))
+    return drawn
+
+
+@pytest.mark.parametrize("seed", range(150))
+def test_nothing_is_lost_with_actions_on_which_nothing_depends(seed: int) -> None:
+    """The reference has all actions, and loops that leave all facts as they were."""
+    chance = random.Random(seed)
+    legs = random_legs(chance, "HAB")
+    asked = problem("HAB", legs, chance.choice(TASKS), drawn_actions(chance))
+    reference = best_lap_and_prefix(asked)
+    found = find_lasso(asked)
+    assert (found is None) == (reference is None)
+    if found is not None and reference is not None:
+        assert fault(asked, found, histories(asked)) is None
+        assert found.lap_cost_ms == reference[0]
+        assert found.prefix_cost_ms <= reference[1]
+
+
+def test_what_is_made_of_photos_that_no_line_asks_for_is_not_in_the_states() -> None:
+    trees = [f"t{i}" for i in range(14)]
+    legs = random_legs(random.Random(14), ["H", *trees])
+    sent = [action(f"send({p})", f"at({p}) & shot({p})", f"sent({p})") for p in trees]
+    lamps = [action("light", "!lit", "lit"), action("darken", "lit", "!lit")]
+    asked = problem(["H", *trees], legs, "G F at(t0) & G F at(t1)", [*shots(trees), *sent, *lamps])
+    assert best(asked).is_optimal
+    assert Search(asked.actions).product(asked, IN_FLIGHT).nodes < 10 * len(trees)
