@@ -62,6 +62,7 @@ def heartbeats_s() -> list[float]:
     return heard_s
 
 
+@pytest.mark.long
 def test_one_forged_heartbeat_after_another_changes_no_action() -> None:
     """One in each fourth second of the flight, at different times of it, from arming to landing.
 

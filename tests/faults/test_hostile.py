@@ -25,7 +25,7 @@ from meadow import DATA
 pytestmark = [pytest.mark.faults, pytest.mark.slow]
 
 CHECKS = Path(__file__).parent / "hostile_checks.py"
-BATCH = 25
+BATCH = 10
 SMALL_MIB = 280
 """Of memory, in place of what a check has."""
 BATCHES = [("mission", first) for first in range(0, 450, BATCH)]

@@ -173,6 +173,7 @@ def test_on_a_dock_that_fails_under_it_with_the_floor_it_waits_and_goes_on() -> 
     assert not flight.of(BeliefWithdrawn) and not flight.of(NoPlanFound), text(flight)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("soon_given_up")
 def test_a_dock_that_charges_at_less_than_half_its_rate_is_left_for_another() -> None:
     """As soon as the charge lasts for that."""

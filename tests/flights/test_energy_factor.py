@@ -54,7 +54,7 @@ def test_flights_that_take_a_quarter_more_go_on_with_plans_that_know_it() -> Non
     assert {"A", "B"} <= {s.event.place for s in served}
 
 
-@pytest.mark.parametrize("has_another", [True, False])
+@pytest.mark.parametrize("has_another", [pytest.param(True, marks=pytest.mark.long), False])
 def test_flights_that_take_less_end_no_plan_where_there_is_no_other(
     has_another: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -77,6 +77,7 @@ def test_a_gauge_that_jumps_up_in_flight_is_not_believed() -> None:
     assert not flight.of(NoPlanFound), text(flight)
 
 
+@pytest.mark.long
 def test_a_pause_ends_when_the_charge_is_needed() -> None:
     flight = fly(two_docks(), has_station=True)
     flight.until_reported(PlaceReached, place="A")

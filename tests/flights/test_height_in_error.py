@@ -45,6 +45,7 @@ def test_it_stays_off_the_ground_and_does_its_task(seed: int) -> None:
     assert flown.of(GroundNear) or seed != FAR_OFF
 
 
+@pytest.mark.long
 def test_an_altitude_that_stays_off_by_what_the_band_leaves_stops_no_task() -> None:
     """1.7 m off from the first leg on: the places at 2 m are visited 1.1 m above the ground."""
     flown = flight(1, "happens:\n  - {at_s: 12.0, estimate: {up_m: 1.7}}\n")
@@ -54,6 +55,7 @@ def test_an_altitude_that_stays_off_by_what_the_band_leaves_stops_no_task() -> N
     assert len(flown.of(GroundNear)) == 1
 
 
+@pytest.mark.long
 def test_without_a_range_finder_it_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(GroundGuard, "kept_off", lambda _, told, *__: (told, None))
     flown = flight(FAR_OFF)

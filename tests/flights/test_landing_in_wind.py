@@ -67,6 +67,7 @@ def held_in_its_landing() -> Landing:
     raise AssertionError("none is held")
 
 
+@pytest.mark.long
 def test_killed_while_it_is_held_it_lands_when_it_is_started_again() -> None:
     flight = held_in_its_landing()
     flight.kill()

@@ -128,6 +128,7 @@ def some_published() -> list[tuple[str, str]]:
     return [(row[1], row[2]) for row in small[::12] if row[0] != "paper"]
 
 
+@pytest.mark.long
 def test_mutants_are_caught() -> None:
     """At least 95 of 100 automata with one mistake fail where they are checked as all others.
 

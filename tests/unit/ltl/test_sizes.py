@@ -89,7 +89,10 @@ with_large = pytest.mark.parametrize(
 
 @pytest.mark.slow
 @with_large
-@pytest.mark.parametrize("group", ["dac", "eh", "sb", "mission", "mission-combo"])
+@pytest.mark.parametrize(
+    "group",
+    [pytest.param("dac", marks=pytest.mark.long), "eh", "sb", "mission", "mission-combo"],
+)
 def test_no_group_has_more_states_than_with_spot(group: str, with_large: bool) -> None:
     rows = [e for e in entries(with_large) if e.group == group]
     for ours, spots in (("generalized", "spot"), ("by_states", "spot_by_states")):
