@@ -61,6 +61,8 @@ OtherTable = Annotated[
     typer.Option("--against", metavar="TABLE", help="Compare with the same rows, flown before."),
 ]
 LIMIT_S = 1800.0
+RUNS_MAX = 1_000_000
+"""Flights of a campaign, which draws all of its rows before the first one: in some minutes."""
 PLAIN_TELLINGS = 10
 """How often progress is told where there is no terminal."""
 
@@ -68,7 +70,7 @@ PLAIN_TELLINGS = 10
 def campaign(
     context: typer.Context,
     mission: MissionFile,
-    runs: Annotated[int, typer.Option(help="Flights.", min=1)] = 100,
+    runs: Annotated[int, typer.Option(help="Flights.", min=1, max=RUNS_MAX)] = 100,
     seed: CampaignSeed = 0,
     scenario: ScenarioFile = None,
     jobs: Jobs = None,

@@ -11,6 +11,7 @@ import typer
 from companion.cli.arguments import MissionFile
 from companion.cli.campaigns import (
     LIMIT_S,
+    RUNS_MAX,
     CampaignSeed,
     DaskAddress,
     Jobs,
@@ -31,7 +32,7 @@ from companion.errors import MissionError, TaskViolated
 def falsify(
     context: typer.Context,
     mission: MissionFile,
-    budget: Annotated[int, typer.Option(help="Flights of the search.", min=16)] = 150,
+    budget: Annotated[int, typer.Option(help="Flights of the search.", min=16, max=RUNS_MAX)] = 150,
     seed: CampaignSeed = 0,
     scenario: ScenarioFile = None,
     jobs: Jobs = None,
