@@ -117,7 +117,8 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     is_down = state.is_landed and not state.is_armed
     if (unnoticed := flight.progress.unnoticed_landing) is not None:
         return Aborted(f"{unnoticed.reason}\n    {UNNOTICED}")
-    if is_flying and is_down and not flight.progress.is_landed_by_plan:
+    is_down_by_plan = flight.progress.is_landed_by_plan and not flight.progress.is_disarmed
+    if is_flying and is_down and not is_down_by_plan:
         return Aborted("the vehicle was disarmed")
     if phase is Phase.OFFBOARD and state.is_landed and not flight.progress.is_landed_by_plan:
         return Aborted("the vehicle has landed")  # a pilot has, and gave it back on the ground

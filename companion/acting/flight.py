@@ -49,6 +49,7 @@ class PlanProgress:
         is_descending: the vehicle comes down to the marker of its place; the leaf writes it.
         unnoticed_landing: the autopilot lands, and does not say that it has; the leaves that land
             write it.
+        is_disarmed: somebody, or a crash, has disarmed it in a take-off; that leaf writes it.
     """
 
     completed: int = 0
@@ -57,6 +58,7 @@ class PlanProgress:
     is_stranded: bool = False
     is_descending: bool = False
     unnoticed_landing: Failed | None = None
+    is_disarmed: bool = False
 
 
 @dataclass

@@ -49,9 +49,10 @@ def mission(fence: tuple[tuple[float, float], ...] = SQUARE, **limits: Any) -> M
     return load_mission(DATA | {"limits": bounds})
 
 
-def stay(*steps: str) -> Mission:
+def stay(*steps: str, tries: int = 1) -> Mission:
     """From Home to A, and there a skill of these steps, such as one that lands."""
     skill = {"precondition": "at(A)", "effect": "done", "cost": 40, "execute": [*steps]}
+    skill |= {"tries": tries}
     fence = [[-9, -9], [29, -9], [29, 9], [-9, 9]]
     limits = {"speed_mps": 4, "up_m": [1, 10], "fence": fence}
     skills = {"skills": DATA["skills"] | {"stay": skill}}

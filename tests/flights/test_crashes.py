@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import meadow
 import pytest
 from lockstep import Lockstep, World
 from synthetic import command, mission
 
-from companion.api.simulating import SimulationResult, simulate
+from companion.api.simulating import SimulationResult, simulate, world_of
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, VehicleCrashed
+from companion.mavlink.framing import dialect
 from companion.mission.model import Otherwise
 from sitl.world.scenario import Scenario, read_scenario
 
+DISARMED, FELL = "the vehicle was disarmed", "the vehicle fell"
 DISARMED_IN_THE_AIR = "the vehicle was disarmed in the air"
+FORCED = 21196.0
+"""Second parameter of a disarming that an autopilot does not refuse in the air."""
 PILLAR = {
     "name": "pillar",
     "circle": {"east_m": 0.6, "north_m": 6.0, "radius_m": 0.6},
@@ -46,6 +51,24 @@ def test_a_vehicle_killed_in_flight_is_a_crash() -> None:
     flight.until_the_end()
     assert flight.one(VehicleCrashed).sign in (DISARMED_IN_THE_AIR, "the vehicle fell")
     assert flight.exit_code == 5
+
+
+@pytest.mark.parametrize("tries", [1, 2])
+@pytest.mark.parametrize(
+    ("after_s", "why"), [(0.0, DISARMED), (1.0, DISARMED), (2.0, FELL), (4.0, FELL)]
+)
+def test_what_was_disarmed_in_a_take_off_of_the_plan_is_not_armed_again(
+    after_s: float, why: str, tries: int
+) -> None:
+    """On the ground or in the air, by a ground station; the skill may have another try."""
+    asked = meadow.stay("land()", "take_off()", tries=tries)
+    flight = Lockstep(asked, world_of(asked, None), has_station=True)
+    flight.until(lambda: flight.armings == 2).run(after_s)
+    flight.station_commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, FORCED)
+    flight.until_the_end(5.0)
+    arming = dialect.MAV_CMD_COMPONENT_ARM_DISARM
+    assert len([s for s in flight.commands if s.message.command == arming]) == 2
+    assert flight.ending == RunFailed(why, 5)
 
 
 def left_on_hold(pillar_stands: bool) -> SimulationResult:

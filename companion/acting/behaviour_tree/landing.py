@@ -2,8 +2,9 @@
 
 While the vehicle is on the ground by its own plan (`PlanProgress.is_landed_by_plan`), nothing
 interrupts the plan, and to be disarmed is no loss of control. A vehicle whose plan fails there
-takes off again before the next plan begins (`sortie.py`). One whose autopilot lands and does not
-say that it has is left to that: it stands somewhere, with a height that is wrong.
+takes off again before the next plan begins (`sortie.py`). One that was disarmed in its take-off is
+not armed again, since somebody has stopped it, or it has hit something. One whose autopilot lands
+and does not say that it has is left to that: it stands somewhere, with a height that is wrong.
 """
 
 from __future__ import annotations
@@ -58,17 +59,25 @@ class ReachGoals(Leaf):
             flight.hold()  # until the autopilot does
         outcome = flight.vehicle.pursue(self._left[0], self.takeoff_up_m)
         if isinstance(outcome, Failed):
-            state, is_landing = flight.vehicle.state, self._left[0] is Goal.LANDED
-            if is_landing and state is not None and state.mode is Mode.LAND:
-                flight.progress.unnoticed_landing = outcome
-                return Status.RUNNING  # the sortie ends
-            return self.fail(outcome.reason)
+            return Status.RUNNING if self._ends_sortie(outcome) else self.fail(outcome.reason)
+        flight.progress.is_disarmed = False
         if outcome is Progress.DONE:
             self._left.pop(0)
         if self._left:
             return Status.RUNNING
         flight.report(self.reached())
         return Status.SUCCESS
+
+    def _ends_sortie(self, failed: Failed) -> bool:
+        """Whether no other try may follow: it lands unnoticed, or was disarmed after our arming."""
+        progress, state, goal = self._flight.progress, self._flight.vehicle.state, self._left[0]
+        if state is None:
+            return False
+        if goal is Goal.LANDED and state.mode is Mode.LAND:
+            progress.unnoticed_landing = failed
+            return True
+        progress.is_disarmed = goal in (Goal.AIRBORNE, Goal.OFFBOARD) and not state.is_armed
+        return progress.is_disarmed
 
     @abstractmethod
     def reached(self) -> FlightEvent:
