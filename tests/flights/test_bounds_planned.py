@@ -105,6 +105,7 @@ def test_what_takes_longer_than_planned_leaves_the_rest_of_the_lap_for_later() -
     assert not told(flight, ConjunctViolated) and not told(flight, NoPlanFound)
     first = next(e for e in told(flight, PlanReplaced) if isinstance(e, PlanReplaced))
     assert first.reason.startswith("often: revisit(A) <= 28 s is late by ")
-    assert first.reason.endswith(" after move(C, A)")
+    assert first.reason.endswith((" after move(B, A)", " after move(C, A)"))  # laps of one length
     assert max(gaps(reached(flight, "A"))) <= 28.0
-    assert reached(flight, "B")[2:] and reached(flight, "C")[1:]
+    visits = sorted(len(reached(flight, site)) for site in "BC")
+    assert visits[0] >= 2 and visits[1] >= 3
