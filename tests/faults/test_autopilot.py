@@ -112,7 +112,8 @@ def test_what_has_restarted_while_the_plan_has_it_on_the_ground_is_not_armed_aga
     assert flight.ending == RunFailed("the autopilot has restarted", Aborted.exit_code)
     assert flight.time_of(RunEnded) <= at_s + 3.0 + TOLD_WITHIN_S
     assert flight.armings == armings
-    assert [c for c in flight.commands if c.time_s > at_s + 3.0] == []
+    heard_s = at_s + 3.0 + TICK_S  # a command without an answer may be sent again just before
+    assert [c for c in flight.commands if c.time_s > heard_s] == []
 
 
 # -- estimate --------------------------------------------------------------------------------------
