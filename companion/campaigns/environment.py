@@ -88,8 +88,8 @@ def environment_of(mission: Mission) -> Mapping[str, str]:
 
 
 def _package_line(entry: EntryPoint) -> tuple[str, str]:
-    name, _, version = source_of(entry).partition(" ")
-    return f"package {name}", f"{version} {_hash_of_package(entry.module.partition('.')[0])}"
+    name = entry.module.partition(".")[0]
+    return f"package {name}", f"{source_of(entry)} {_hash_of_package(name)}"
 
 
 def fingerprint() -> str:

@@ -58,7 +58,9 @@ class HostedRuns:
         """A vehicle may come at any time."""
 
     def start(self, telemetry: Telemetry, now_s: float, speed_max_mps: float) -> Refusal | None:
-        """Begins to prepare the newest mission."""
+        """Begins to prepare the newest mission; a run that was cut off goes on by itself."""
+        if self._first is not None:
+            return None
         if self._mission is None:
             return Refusal("there is no mission; upload one")
         if refusal := why_left_alone(telemetry.state, now_s):

@@ -268,19 +268,27 @@ def test_a_simulator_that_runs_at_another_speed_is_followed(
     assert not audit(read_events(run_folder(tmp_path))).is_failure
 
 
+def killed(
+    run: Run, instance: int, folder: Path, text: str, later_s: float = 0.0
+) -> tuple[str | Path, ...]:
+    """Kills a companion so long after it has printed a text; returns the command to go on."""
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", folder, "--resume"
+    run("sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    companion = run(*asked)
+    companion.until_printed(text)
+    time.sleep(later_s)
+    os.kill(companion.pid, signal.SIGKILL)
+    assert companion.exit_code() == -signal.SIGKILL
+    return asked
+
+
 def test_a_flight_that_was_killed_is_gone_on_with(run: Run, instance: int, tmp_path: Path) -> None:
     """Killed between two sites; started again, it has the journal alone.
 
     As with: companion run missions/surveillance.yaml --resume
     """
-    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
-    run("sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
-    killed = run(*asked, "--resume")
-    killed.until_printed("at A")
-    os.kill(killed.pid, signal.SIGKILL)
-    assert killed.exit_code() == -signal.SIGKILL
-    resumed = run(*asked, "--resume")
+    resumed = run(*killed(run, instance, tmp_path, "at A"))
     assert resumed.exit_code() == 0, resumed.printed
     assert "the companion was away" in resumed.printed
     record = read_events(run_folder(tmp_path))
@@ -292,25 +300,17 @@ def test_the_time_away_is_the_autopilots_where_the_wall_clock_was_set_back(
     run: Run, instance: int, tmp_path: Path
 ) -> None:
     """As on a computer without a clock of its own, after a loss of power."""
-    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
-    run("sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
-    killed = run(*asked, "--resume")
-    killed.until_printed("at A")
-    os.kill(killed.pid, signal.SIGKILL)
-    killed_s = time.monotonic()
-    assert killed.exit_code() == -signal.SIGKILL
+    asked, killed_s = killed(run, instance, tmp_path, "at A"), time.monotonic()
     journal = run_folder(tmp_path) / JOURNAL_FILE
     entries = [json.loads(line) for line in journal.read_text(encoding="utf-8").splitlines()]
     later = [entry | {"unix_s": entry["unix_s"] + 3600.0} for entry in entries]
     journal.write_text("".join(f"{json.dumps(entry)}\n" for entry in later), encoding="utf-8")
-    resumed = run(*asked, "--resume")
+    time.sleep(2.0)
+    resumed = run(*asked)
     resumed.until_printed("the companion was away")
-    most_s = time.monotonic() - killed_s + 1.5  # the last entry is up to a second older
+    most_s = time.monotonic() - killed_s + 2.0  # the last entry is up to a second older
     (away_s,) = re.findall(r"the companion was away for ([0-9.]+) s", resumed.printed)
-    assert 0.5 < float(away_s) < most_s
-    os.kill(resumed.pid, signal.SIGINT)
-    assert resumed.exit_code() is not None
+    assert 2.0 <= float(away_s) < most_s
 
 
 @pytest.mark.long
@@ -320,17 +320,8 @@ def test_killed_at_any_time_of_the_task_a_flight_is_gone_on_with(
 ) -> None:
     """Within four seconds after a place that is drawn; in lockstep 50 times in all phases."""
     chance = Random(seed)
-    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path
-    run("sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
-    killed = run(*asked, "--resume")
-    killed.until_printed(
-        chance.choice(["flying the task", "at A", "at B", "target found", "at r2"])
-    )
-    time.sleep(chance.uniform(0.0, 4.0))
-    os.kill(killed.pid, signal.SIGKILL)
-    assert killed.exit_code() == -signal.SIGKILL
-    resumed = run(*asked, "--resume")
+    text = chance.choice(["flying the task", "at A", "at B", "target found", "at r2"])
+    resumed = run(*killed(run, instance, tmp_path, text, chance.uniform(0.0, 4.0)))
     assert resumed.exit_code() == 0, resumed.printed
     record = read_events(run_folder(tmp_path))
     done = [event for event in recorded(tmp_path) if isinstance(event, SkillCompleted)]

@@ -82,11 +82,17 @@ def test_a_waiting_companion_flies_again_and_again(seed: int) -> None:
     assert horizontal_distance(flight.simulation.flight.position, (0.0, 0.0, 0.0)) < 1.0
 
 
-def test_a_run_that_was_cut_off_goes_on_before_another_one_is_started() -> None:
+def cut_off() -> Hosted:
+    """Killed at A, in a sortie that was started."""
     flight = Hosted(mission("F (at(A) & F at(H))"), AS_PX4, seed=0)
     flight.run(2.0)
     flight.station_commands(START, component=COMPANION)
     flight.until_reported(PlaceReached, place="A").kill()
+    return flight
+
+
+def test_a_run_that_was_cut_off_goes_on_before_another_one_is_started() -> None:
+    flight = cut_off()
     flight.run(3.0)
     flight.restart()
     flight.station_commands(START, component=COMPANION)  # it is flown already
@@ -101,10 +107,7 @@ def test_a_run_that_was_cut_off_goes_on_before_another_one_is_started() -> None:
 
 def test_a_run_that_was_cut_off_and_cannot_go_on_keeps_nobody_from_starting_another_one() -> None:
     """It has landed meanwhile, and is not armed again by itself."""
-    flight = Hosted(mission("F (at(A) & F at(H))"), AS_PX4, seed=0)
-    flight.run(2.0)
-    flight.station_commands(START, component=COMPANION)
-    flight.until_reported(PlaceReached, place="A").kill()
+    flight = cut_off()
     flight.run(2.0)
     flight.station_chooses("AUTO.RTL")
     flight.until(lambda: not flight.simulation.is_armed)

@@ -72,10 +72,13 @@ class TransitionSystem:
         return facts
 
     def drop_idle(self, read: int) -> None:
-        """From now on there are no actions on which none of some facts depends in the end.
+        """Leaves out actions that change none of some facts, nor make possible what changes them.
 
         Where the problem has a rest, that does as well as they, for no more. Where energy counts
         it need not.
+
+        Args:
+            read: these facts (bits).
         """
         rest_ms = min((ms for group in self._possible for ms in group.rests_ms), default=None)
         if rest_ms is None:

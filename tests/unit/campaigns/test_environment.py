@@ -52,6 +52,6 @@ def test_other_code_of_a_package_is_another_line(
         return ours["package scale"]
 
     before = line()
-    assert before.startswith("1.0 ") and line() == before
+    assert before.startswith("scale 1.0 ") and line() == before
     code.write_text(CODE.format(answer=2), encoding="utf-8")
     assert line() != before
