@@ -20,6 +20,9 @@ from companion.errors import MissionError
 
 NAME = "table.csv"
 MARK = "# "
+QUOTE = '"'
+QUOTED = frozenset(f"#,{QUOTE}\r\n")
+"""What ends a cell, or begins a comment, where it does not stand in quotes."""
 FIRST = ("index", "generation", "seed")
 MEASURED = (
     "outcome",
@@ -58,14 +61,11 @@ def table_text(header: Mapping[str, str], paths: Sequence[str], flown: Iterable[
         paths: of the factors, a column each.
         flown: in any order.
     """
-    text = io.StringIO()
-    for line in header_lines(header):
-        text.write(f"{MARK}{line}\n")
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*FIRST, *paths, *MEASURED])
-    for each in sorted(flown, key=lambda each: each.row.index):
-        writer.writerow([_cell(value) for value in _values(each, paths)])
-    return text.getvalue()
+    heads = [f"{MARK}{line}" for line in header_lines(header)]
+    cells: list[Sequence[object]] = [[*FIRST, *paths, *MEASURED]]
+    cells += (_values(each, paths) for each in sorted(flown, key=lambda each: each.row.index))
+    rows = (",".join(map(_cell, row)) for row in cells)
+    return "".join(f"{line}\n" for line in (*heads, *rows))
 
 
 def header_lines(header: Mapping[str, str]) -> list[str]:
@@ -141,9 +141,14 @@ def _values(flown: FlownRow, paths: Sequence[str]) -> list[object]:
 
 
 def _cell(value: object) -> str:
-    """A value as text that reads as the same value again."""
+    """A value as text that reads as the same value again.
+
+    >>> _cell("upload #2"), _cell(2.5)
+    ('"upload #2"', '2.5')
+    """
     if value is None:
         return ""
     if isinstance(value, bool):
         return str(value).lower()
-    return repr(value) if isinstance(value, float) else str(value)
+    text = repr(value) if isinstance(value, float) else str(value)
+    return f'"{text.replace(QUOTE, 2 * QUOTE)}"' if set(text) & QUOTED else text
