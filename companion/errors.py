@@ -10,7 +10,7 @@
     |  +- LinkTimeout
     |  +- AddressError        exit 2, an address that is none
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
-    +- TaskViolated           exit 6, a recorded flight does not satisfy its task
+    +- TaskViolated           exit 6, a flight that was judged does not satisfy its task
     +- SearchLimit            exit 7, a search was given up: whether there is a plan is not known
 
 A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
@@ -301,7 +301,7 @@ class Collided(Aborted):
 
 
 class TaskViolated(CompanionError):
-    """A recorded flight does not satisfy its task."""
+    """A recorded flight does not satisfy its task, or flights of a campaign fail."""
 
     exit_code = 6
 

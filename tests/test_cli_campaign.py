@@ -13,7 +13,8 @@ from commands import Companion
 from rich.progress import Progress
 
 from companion.campaigns.outcomes import FlownRow, RowOutcome
-from companion.campaigns.rows import Row
+from companion.campaigns.row_file import RowFile
+from companion.campaigns.rows import Row, random_row
 from companion.campaigns.table import read_table
 from companion.cli.campaigns import LIMIT_S, Tell, begun, kit_of, tell_outcomes
 from companion.errors import CompanionError
@@ -72,6 +73,39 @@ def test_a_table_whose_rows_were_edited_is_refused_before_a_flight(
     ended = companion("campaign", "return_home", "--runs", 1, *against)
     assert ended.code == 2 and why in ended.err
     assert not (tmp_path / "flown").exists()
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "code", "told"),
+    [
+        ("satisfied", "satisfied", 0, ""),
+        ("crash", "satisfied", 0, ""),
+        ("crash", "violated", 0, ""),
+        ("satisfied", "crash", 6, "rows that fail and did not before: 1\n"),
+        ("crash", "invalid", 2, "no row counts in both "),
+    ],
+)
+def test_rows_that_fail_and_did_not_before_are_an_exit_code(
+    tmp_path: Path, companion: Companion, header: str, before: str, now: str, code: int, told: str
+) -> None:
+    score = -1 if RowOutcome(before).is_failure else 1
+    (tmp_path / "earlier.csv").write_text(f"{header}index,outcome,score\n0,{before},{score}\n")
+    kit = kit_of(RETURN_HOME, None, LIMIT_S)
+    rows = RowFile(tmp_path / "flown", kit.header(0, runs=1))
+    rows.add(FlownRow(random_row(kit.factors, 0, 0), RowOutcome(now)))
+    rows.close()
+    against = ("--resume", tmp_path / "flown", "--against", tmp_path / "earlier.csv")
+    ended = companion("campaign", "return_home", *against)
+    assert ended.code == code and told in ended.err
+    assert "McNemar" in ended.out and "report" in ended.out
+
+
+def test_the_table_of_a_search_is_nothing_to_compare_with(
+    tmp_path: Path, companion: Companion, header: str
+) -> None:
+    (tmp_path / "earlier.csv").write_text(header.replace("# runs: 1", "# budget: 16"))
+    ended = companion("campaign", "return_home", "--against", tmp_path / "earlier.csv")
+    assert ended.code == 2 and "is the table of a search" in ended.err
 
 
 def test_a_table_that_a_spreadsheet_has_saved_is_the_same(tmp_path: Path, header: str) -> None:

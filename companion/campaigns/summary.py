@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from companion.campaigns.outcomes import FlownRow, RowOutcome
-from companion.campaigns.statistics import compare
+from companion.campaigns.statistics import Comparison
 from companion.campaigns.table import Table, header_lines, header_of, read_table
 from companion.errors import MissionError
 
@@ -52,6 +52,11 @@ def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
         MissionError: it cannot be read, or its rows are others.
     """
     table, header = read_table(path), header_of(header_lines(header))
+    if "budget" in table.header:
+        raise MissionError(
+            f"{path} is the table of a search, whose rows are no others'",
+            hint="compare with the table of a campaign",
+        )
     for name in (*SAME, *(key for key in header if key.startswith("vary "))):
         if table.header.get(name) != header.get(name):
             raise _not_the_same(path, name, table.header, header)
@@ -67,15 +72,13 @@ def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
     return table
 
 
-def comparison(path: Path, earlier: Table, now: Table) -> str:
+def in_words(path: Path, found: Comparison) -> str:
     """Two versions on the same rows, in words.
 
     Args:
-        path: of the earlier one.
-        earlier: as `earlier_table` has read it.
-        now: the other one.
+        path: of the earlier one's table.
+        found: when they were compared.
     """
-    found = compare(failures_in(earlier), failures_in(now))
     verdict = "more than chance" if found.is_significant else "may be chance"
     lines = [
         f"against    {path}, {found.rows} rows that count in both",

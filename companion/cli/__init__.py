@@ -2,9 +2,9 @@
 
 Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
 outside or the command line is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the
-flight, or it did not begin, 6 a recorded flight does not satisfy its task (`audit`), or failures
-were found (`falsify`), 7 the search for a plan was given up at a limit, 8 a contingency is unsafe
-(`check --contingencies`).
+flight, or it did not begin, 6 a recorded flight does not satisfy its task (`audit`), failures were
+found (`falsify`), or rows fail that did not (`campaign --against`), 7 the search for a plan was
+given up at a limit, 8 a contingency is unsafe (`check --contingencies`).
 
 Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
 them, so that `--help` answers at once.

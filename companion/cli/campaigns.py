@@ -15,7 +15,7 @@ import typer
 
 from companion.cli.arguments import MissionFile, load
 from companion.cli.simulated_flight import ScenarioFile
-from companion.errors import CompanionError, LinkError, MissionError, RequestError
+from companion.errors import CompanionError, LinkError, MissionError, RequestError, TaskViolated
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -90,9 +90,15 @@ def campaign(
     Examples:
       companion campaign missions/surveillance.yaml --runs 300 --seed 1
       companion campaign missions/surveillance.yaml --resume campaign-surveillance
+
+    \b
+    Exit codes:
+      0  all rows were flown, however they ended; with --against, none fails that did not
+      6  with --against: rows fail that did not
     """
     from companion.campaigns.campaign import random_rows
-    from companion.campaigns.summary import comparison, earlier_table
+    from companion.campaigns.statistics import compare
+    from companion.campaigns.summary import earlier_table, failures_in, in_words
     from companion.campaigns.table import read_table
 
     folder = resume or out or Path(f"campaign-{mission.stem}")
@@ -100,14 +106,19 @@ def campaign(
         runs, seed, limit_s = begun_with(context, resume, "runs")
     kit = kit_of(mission, scenario, limit_s)
     header = kit.header(seed, runs=runs)
-    compared = partial(comparison, against, earlier_table(against, header)) if against else None
+    earlier = earlier_table(against, header) if against else None
     line = partial(command_line, "campaign", mission, scenario)
     again, command = line(resume=folder), line(runs=runs, seed=seed, limit_s=f"{limit_s:g}")
     with begun(kit, folder, header, runs, jobs, dask, again) as (flights, _):
         flights.flown(random_rows(kit, seed, runs))
         table = finish(flights, mission, command)
-    if compared is not None:
-        typer.echo(compared(read_table(table)))
+    if against is not None and earlier is not None:
+        found = compare(failures_in(earlier), failures_in(read_table(table)))
+        typer.echo(in_words(against, found))
+        if not found.rows:
+            raise MissionError(f"no row counts in both {against} and {table}")
+        if found.worse:
+            raise TaskViolated(f"rows that fail and did not before: {len(found.worse)}")
 
 
 def begun_with(context: typer.Context, folder: Path, count: str) -> tuple[int, int, float]:
