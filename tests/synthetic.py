@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from companion.errors import KeyPath
 from companion.geometry import Ned
 from companion.ltl.parser import parse
 from companion.mission.conditions import parse_condition
@@ -134,6 +135,7 @@ def mission(
         task={name: parse(text) for name, text in lines.items()},
         otherwise=otherwise,
         priorities=priorities or {},
+        lines_at={name: KeyPath(("task", name)) for name in lines},
     )
 
 

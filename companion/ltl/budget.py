@@ -67,6 +67,12 @@ class TranslationLimit(MissionError):
         """The same error, placed in a file or in data."""
         return TranslationLimit(self.limit, where, self.advice)
 
+    def after_others(self, share: float) -> TranslationLimit:
+        """The same error where a share of the budget was spent on the lines before."""
+        shared = f"{self.limit}, which all lines of the task share"
+        advice = f"the lines before it take {100 * share:.0f} %: write fewer or shorter ones"
+        return TranslationLimit(shared, self.where, advice)
+
     def for_conjunction(self) -> TranslationLimit:
         """The same error for a formula that can be split."""
         return TranslationLimit(self.limit, advice=_SPLIT)
@@ -94,6 +100,11 @@ class Budget:
     spare_steps: int = SPARE_STEPS
     _spent: int = field(default=0, init=False)
     _kept: int = field(default=0, init=False)
+
+    @property
+    def share(self) -> float:
+        """That is spent, of its steps or its bytes; above 1 where it has not sufficed."""
+        return max(self._spent / self.steps, self._kept / self.kept_bytes)
 
     @classmethod
     def of_a_mission(cls) -> Budget:

@@ -38,7 +38,7 @@ from companion.mission.pddl_domain import DomainReader, Predicates, with_domain
 from companion.mission.safe_places import read_otherwise
 from companion.mission.schema import MissionFile
 from companion.mission.stand_ins import STAND_INS
-from companion.mission.task_lines import priorities_of, read_ready
+from companion.mission.task_lines import lines_at, priorities_of, read_ready
 from companion.mission.tree import read_tree
 from companion.mission.tree_nodes import Tree
 from companion.mission.vocabulary import Vocabulary
@@ -137,6 +137,7 @@ def _fitted(
         anchor=parts.coordinates.anchor,
         battery=parts.battery,
         ready=ready,
+        lines_at=lines_at(file, document),
     )
 
 

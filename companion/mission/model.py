@@ -12,6 +12,7 @@ from enum import Enum
 
 from companion.battery_profile import Points
 from companion.drawn_maps import Wall
+from companion.errors import KeyPath, Location
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.ltl.formula import atoms
 from companion.ltl.timed_formula import Line, TimedFormula, untimed
@@ -27,7 +28,6 @@ from companion.mission.steps import Execution as Execution
 from companion.mission.steps import Fly as Fly
 from companion.mission.steps import Land as Land
 from companion.mission.steps import LandOn as LandOn
-from companion.mission.steps import Primitive as Primitive
 from companion.mission.steps import TakeOff as TakeOff
 from companion.mission.steps import Wait as Wait
 from companion.mission.tree_nodes import Tree
@@ -259,11 +259,11 @@ class Mission:
         sets: members of each set: places, and objects that are no places.
         task: named lines, in the order of the file; a plain goal is the line `goal`.
         ready: lines that shall hold whenever their event may come.
+        lines_at: where each line stands in the file, or in the data, for messages.
         priorities: of the lines that may be dropped; the higher, the more important.
         initially: facts that hold at the start, beliefs left out; all others are false.
         grid: what the vehicle is told of the map beforehand.
-        map_file: that it is read from; empty if the mission draws it itself.
-        walls: that it draws.
+        map_file, walls: the file it is read from, or "" and what the mission draws.
         battery: what plans reckon with; None for plans that know of no energy.
         tree: the plan, if it was written by hand; the task is then not planned for.
         vehicle: what it is written for.
@@ -293,6 +293,7 @@ class Mission:
     walls: tuple[Wall, ...] = ()
     battery: MissionBattery | None = None
     ready: tuple[str, ...] = ()
+    lines_at: Mapping[str, Location | KeyPath] = field(default_factory=dict, compare=False)
 
     @property
     def is_above_sea(self) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from companion.documents import Document, DocumentReading, did_you_mean
-from companion.errors import MissionError
+from companion.errors import KeyPath, Location, MissionError
 from companion.ltl.formula import eventually
 from companion.ltl.parser import parse, parse_line
 from companion.ltl.time_bounds import Response
@@ -27,6 +27,12 @@ _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what mu
 def line_names(file: MissionFile) -> list[str]:
     """The names of all lines, in the order of the file."""
     return [*file.task, *([GOAL] if file.goal is not None else [])]
+
+
+def lines_at(file: MissionFile, document: Document) -> dict[str, Location | KeyPath]:
+    """Where each line stands: its formula, or the goal."""
+    at = {name: document.where("task", name, "formula") for name in file.task}
+    return {**at, GOAL: document.where(GOAL)} if file.goal is not None else at
 
 
 def read_task(

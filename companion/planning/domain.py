@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from companion.mission.facts import ANYWHERE, AT, HERE, Atom, Fact, at, spelled
-from companion.mission.model import Fly, PointOfInterest, Primitive, Wait
+from companion.mission.model import Fly, PointOfInterest, Wait
 from companion.mission.signals import Condition
+from companion.mission.steps import Primitive
 from companion.planning.charger import Charger
 
 REST_S = 1.0

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from companion.errors import KeyPath
 from companion.ltl.budget import Budget, TranslationLimit
 from companion.ltl.timed_formula import parts
 from companion.ltl.translate import translate
 from companion.mission.model import Mission
 from companion.planning.lasso import Conjunct
+
+MOST_OF_IT = 0.5
+"""Of the budget: where the lines before have taken more, it is too many of them that is told."""
 
 
 def translated(mission: Mission) -> Iterator[Conjunct]:
@@ -20,8 +22,11 @@ def translated(mission: Mission) -> Iterator[Conjunct]:
     """
     budget = Budget.of_a_mission()
     for name, line in mission.task.items():
+        before = budget.share
         for part, bound in parts(line):
             try:
                 yield Conjunct(name, part, translate(part, budget=budget), bound)
             except TranslationLimit as limit:
-                raise limit.located(KeyPath(("task", name))) from None
+                if budget.share > 1 and before > MOST_OF_IT:
+                    limit = limit.after_others(before)
+                raise limit.located(mission.lines_at[name]) from None

@@ -24,6 +24,8 @@ from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Objective
 from companion.planning.planner import Planner
 
+SHIPPED = "missions/surveillance.yaml"
+
 AT_H = facts_of("at(H)")
 
 
@@ -40,8 +42,27 @@ def test_all_lines_of_a_task_share_a_budget(monkeypatch: pytest.MonkeyPatch) -> 
     """Each line costs 25,000 steps at least; the line at which they are spent is named."""
     asked = mission({f"l{i}": "F at(A)" for i in range(5)})
     monkeypatch.setattr(Budget, "of_a_mission", lambda: Budget(steps=80_000))
-    with pytest.raises(TranslationLimit, match=r"^task\.l[23]: the automaton would take more than"):
+    with pytest.raises(
+        TranslationLimit, match=r"^task\.l[23]: .* all lines of the task share\n.* 9"
+    ):
         planner(asked)
+
+
+def test_a_line_that_is_too_large_by_itself_is_told_where_it_stands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The advice is for this line, and not for those before it."""
+    monkeypatch.setattr(Budget, "of_a_mission", lambda: Budget(steps=1))
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [29, -9], [29, 9], [-9, 9]]}
+    data = DATA | {"limits": limits}
+    goal = {key: value for key, value in data.items() if key != "task"} | {"goal": "at(A)"}
+    for source, where in ((SHIPPED, f"{SHIPPED}:73:11"), (data, "task.visit"), (goal, "goal")):
+        with pytest.raises(TranslationLimit) as caught:
+            Planner(load_mission(source))
+        place, advice = str(caught.value).split(": the automaton would take more than 1 steps of ")
+        assert (
+            place == where and advice == "work\n    write it with fewer operators or propositions"
+        )
 
 
 def test_task_facts_are_what_the_formulas_mention() -> None:
