@@ -14,6 +14,8 @@ from companion.mavlink.framing import Message, choose, dialect, message_of, sour
 from companion.mavlink.px4_modes import mode_name
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle.battery_gauge import voltage_v
+from companion.vehicle.pose_messages import keep_pose
+from companion.vehicle.poses import PoseHistory
 from companion.vehicle.ranging import Ranging
 from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.telemetry import Telemetry
@@ -101,7 +103,8 @@ class Watcher:
         self._telemetry = Telemetry()
         self._telemetry.anchor_at(anchor)
         self._surroundings = Surroundings(told, self._telemetry)
-        self._ranging = Ranging()
+        self._poses = PoseHistory()
+        self._ranging = Ranging(self._poses)
         self._system = 0
         self._mode = ""
         self._voltage_v: float | None = None
@@ -136,7 +139,7 @@ class Watcher:
             self._heard_s = now_s
             if self._telemetry.is_news(now_s, message):
                 self._telemetry.take(now_s, message)
-                self._ranging.take_pose(message, self._telemetry.frame)
+                keep_pose(self._poses, message, self._telemetry.frame)
             if message.get_msgId() == dialect.MAVLINK_MSG_ID_BATTERY_STATUS:
                 self._voltage_v = voltage_v(message)
             elif message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:

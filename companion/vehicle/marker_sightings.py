@@ -29,7 +29,6 @@ from companion.vehicle.port import MarkerSighting
 from companion.vehicle.poses import Pose, PoseHistory
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
-from companion.vehicle.wire import AUTOPILOT
 
 OLD_S = 0.5
 APART_S = 5.0
@@ -50,38 +49,38 @@ class MarkerSightings:
     Args:
         telemetry: of the vehicle.
         components: ids of the components that are believed.
+        poses: of the vehicle, by its autopilot's time since boot.
 
     Attributes:
         seen: sightings since the tick before, in order.
         refused: why others were not taken.
     """
 
-    wanted = frozenset({MESSAGE, "LOCAL_POSITION_NED", "ATTITUDE"})
+    wanted = frozenset({MESSAGE})
     needs_control = False
 
-    def __init__(self, telemetry: Telemetry, components: Collection[int]) -> None:
+    def __init__(
+        self, telemetry: Telemetry, components: Collection[int], poses: PoseHistory
+    ) -> None:
         self.seen: list[MarkerSighting] = []
         self.refused: list[Refusal] = []
         self._telemetry = telemetry
         self._components = components
-        self._poses = PoseHistory()
+        self._poses = poses
 
     def step(self, moment: Moment) -> None:
         """What was seen before is old."""
         self.seen, self.refused = [], []
 
     def take(self, moment: Moment, message: Message) -> None:
-        """A pose of the autopilot, or a sighting."""
-        component = source(message)[1]
-        if message.get_type() != MESSAGE:
-            if component == AUTOPILOT and self._telemetry.frame_doubt is None:
-                self._poses.take(message, self._telemetry.frame)
-        elif len(self.seen) + len(self.refused) < MOST:
-            outcome = self._read(moment, component, message)
-            if isinstance(outcome, Refusal):
-                self.refused.append(outcome)
-            else:
-                self.seen.append(outcome)
+        """A sighting."""
+        if len(self.seen) + len(self.refused) >= MOST:
+            return
+        outcome = self._read(moment, source(message)[1], message)
+        if isinstance(outcome, Refusal):
+            self.refused.append(outcome)
+        else:
+            self.seen.append(outcome)
 
     def due(self, moment: Moment) -> list[Message]:
         """Nothing is asked for."""

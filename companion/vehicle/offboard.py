@@ -50,8 +50,10 @@ from companion.vehicle.port import (
     Takeover,
     VehicleState,
 )
+from companion.vehicle.pose_messages import POSES, keep_pose
+from companion.vehicle.poses import PoseHistory
 from companion.vehicle.rally_service import RallyService
-from companion.vehicle.ranging import POSES, Ranging
+from companion.vehicle.ranging import Ranging
 from companion.vehicle.services import Moment, Service
 from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.signals import SignalReader, SignalReading
@@ -104,7 +106,8 @@ class MavlinkVehicle:
         self._stream = SetpointStream(telemetry, envelope)
         self._control = ControlWatch()
         self._signals = SignalReader(signals)
-        self._ranging = Ranging()
+        self._poses = PoseHistory()
+        self._ranging = Ranging(self._poses)
         self._parameters = ParameterReader()
         self._readings: list[SignalReading] = []
         self._time = HeardTime()
@@ -112,7 +115,7 @@ class MavlinkVehicle:
         self._moment = Moment(0.0, 0.0, is_quiet=True)
         self._goals = GoalPursuit(wire, telemetry, takeoff_up_m, envelope.up_m[1])
         self.payloads = PayloadCommands(wire)
-        self.markers = MarkerSightings(telemetry, marker_components)
+        self.markers = MarkerSightings(telemetry, marker_components, self._poses)
         known = memory or FlightMemory()
         self.fence = FenceService(wire, telemetry, known.fences)
         self.rally = RallyService(wire, telemetry, known.rally_points)
@@ -310,7 +313,7 @@ class MavlinkVehicle:
             if is_news and (kind != "HEARTBEAT" or self._is_believed(message)):
                 self._telemetry.take(now_s, message)
                 if kind in POSES and self.frame_doubt is None:
-                    self._ranging.take_pose(message, self._telemetry.frame)
+                    keep_pose(self._poses, message, self._telemetry.frame)
         elif kind == SCAN and component == SCANNER:
             self._ranging.take_scan(message)
         self._readings += self._signals.read(message)

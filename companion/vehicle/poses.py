@@ -1,21 +1,19 @@
-"""Where the vehicle was, and how it was turned, in the last second: what a sighting is placed by.
+"""Where the vehicle was, and how it was turned: what scans, markers and reports are placed by.
 
-Positions and attitudes come in messages of their own, in the autopilot's time since boot; between
-two of them the vehicle moves evenly.
+Positions and attitudes come in messages of their own. Between two of them the vehicle moves and
+turns evenly; before the first and after the last that are kept it is where that one says.
 """
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left
 from collections import deque
+from operator import itemgetter
 from typing import NamedTuple
 
 from companion.geometry import Ned, wrap_angle
-from companion.mavlink.framing import Message
-from companion.vehicle.mission_frame import MissionFrame
 
-_KEPT = 20  # one of each per tick of 50 ms
+KEPT_S = 1.0
 
 
 class Pose(NamedTuple):
@@ -26,63 +24,104 @@ class Pose(NamedTuple):
 
 
 class PoseHistory:
-    """The poses of one vehicle.
+    """The poses of one vehicle in the last seconds, by one clock.
 
-    Attributes:
-        newest_s: time since boot of the newest position; None before the first.
+    Args:
+        kept_s: how long a pose is kept.
     """
 
-    def __init__(self) -> None:
-        self.newest_s: float | None = None
-        self._positions: deque[tuple[float, Ned]] = deque(maxlen=_KEPT)
-        self._eulers: deque[tuple[float, Ned]] = deque(maxlen=_KEPT)
+    def __init__(self, kept_s: float = KEPT_S) -> None:
+        self._positions = _Samples(kept_s)
+        self._eulers = _Samples(kept_s)
 
-    def take(self, message: Message, frame: MissionFrame) -> None:
-        """A LOCAL_POSITION_NED or ATTITUDE; others, and numbers that are not finite, are passed.
+    def add_position(self, time_s: float, position: Ned) -> None:
+        """Adds where the vehicle was, in the mission's frame."""
+        self._positions.add(time_s, position)
+
+    def add_attitude(self, time_s: float, euler: Ned) -> None:
+        """Adds how it was turned: roll, pitch and yaw."""
+        self._eulers.add(time_s, euler)
+
+    def add(self, time_s: float, pose: Pose) -> None:
+        """Adds both."""
+        self.add_position(time_s, pose.position)
+        self.add_attitude(time_s, pose.euler)
+
+    @property
+    def oldest_s(self) -> float | None:
+        """The time of the oldest position; None before the first."""
+        return self._positions.oldest_s
+
+    @property
+    def newest_s(self) -> float | None:
+        """The time of the newest position; None before the first."""
+        return self._positions.newest_s
+
+    @property
+    def complete_until_s(self) -> float | None:
+        """Until when both position and attitude are known; None until both have come."""
+        position_s, euler_s = self._positions.newest_s, self._eulers.newest_s
+        return None if position_s is None or euler_s is None else min(position_s, euler_s)
+
+    def at(self, time_s: float, ahead_s: float = 0.0) -> Pose | None:
+        """The pose at a time; None until position and attitude have come.
+
+        >>> from companion.vehicle.poses import Pose, PoseHistory
+        >>> poses = PoseHistory()
+        >>> poses.add(1.0, Pose((0.0, 0.0, -5.0), (0.0, 0.0, 0.0)))
+        >>> poses.add(1.1, Pose((2.0, 0.0, -5.0), (0.0, 0.0, 0.2)))
+        >>> [round(x, 6) for x in poses.at(1.05).position]
+        [1.0, 0.0, -5.0]
 
         Args:
-            message: of the autopilot.
-            frame: of the mission; a position is taken once it is known.
+            time_s: by the clock of the history.
+            ahead_s: how far the motion between the last two is carried on, at most.
         """
-        kind = message.get_type()
-        if kind == "LOCAL_POSITION_NED" and frame.is_known:
-            local = (message.x, message.y, message.z)
-            if all(map(math.isfinite, local)):
-                self.newest_s = message.time_boot_ms / 1e3
-                _keep(self._positions, (self.newest_s, frame.position(local)))
-        elif kind == "ATTITUDE":
-            euler = (message.roll, message.pitch, message.yaw)
-            if all(map(math.isfinite, euler)):
-                _keep(self._eulers, (message.time_boot_ms / 1e3, euler))
-
-    def at(self, boot_s: float) -> Pose | None:
-        """The pose at a time since boot; before and after all that are kept, the nearest one."""
-        if not self._positions or not self._eulers:
+        if self.complete_until_s is None:
             return None
-        (_, a), (_, b), share = _around(self._positions, boot_s)
-        north, east, down = (p + share * (q - p) for p, q in zip(a, b, strict=True))
-        (_, a), (_, b), share = _around(self._eulers, boot_s)
+        first, last, share = self._positions.around(time_s, ahead_s)
+        north, east, down = (a + share * (b - a) for a, b in zip(first, last, strict=True))
+        first, last, share = self._eulers.around(time_s, ahead_s)
         roll, pitch, yaw = (
-            wrap_angle(p + share * wrap_angle(q - p)) for p, q in zip(a, b, strict=True)
+            wrap_angle(a + share * wrap_angle(b - a)) for a, b in zip(first, last, strict=True)
         )
         return Pose((north, east, down), (roll, pitch, yaw))
 
 
-def _around(
-    entries: deque[tuple[float, Ned]], at_s: float
-) -> tuple[tuple[float, Ned], tuple[float, Ned], float]:
-    """The two entries around a time, and where it lies between them."""
-    after = min(bisect_left([time_s for time_s, _ in entries], at_s), len(entries) - 1)
-    if after == 0:
-        return entries[0], entries[0], 0.0
-    before = entries[after - 1]
-    share = (at_s - before[0]) / (entries[after][0] - before[0])
-    return before, entries[after], min(max(share, 0.0), 1.0)
+class _Samples:
+    """Three numbers at each of some times, in the order of time."""
 
+    def __init__(self, kept_s: float) -> None:
+        self._kept_s = kept_s
+        self._entries: deque[tuple[float, Ned]] = deque()
 
-def _keep(entries: deque[tuple[float, Ned]], entry: tuple[float, Ned]) -> None:
-    """Entries are in the order of time; one from before the others begins anew (a restart)."""
-    if entries and entry[0] < entries[-1][0]:
-        entries.clear()
-    if not entries or entry[0] > entries[-1][0]:
-        entries.append(entry)
+    @property
+    def oldest_s(self) -> float | None:
+        return self._entries[0][0] if self._entries else None
+
+    @property
+    def newest_s(self) -> float | None:
+        return self._entries[-1][0] if self._entries else None
+
+    def add(self, time_s: float, value: Ned) -> None:
+        """One from before the others begins anew: the clock has been set back (a restart)."""
+        entries = self._entries
+        if entries and time_s < entries[-1][0]:
+            entries.clear()
+        if not entries or time_s > entries[-1][0]:
+            entries.append((time_s, value))
+        while time_s - entries[0][0] > self._kept_s:
+            entries.popleft()
+
+    def around(self, time_s: float, ahead_s: float) -> tuple[Ned, Ned, float]:
+        """The two values around a time, and where it lies between them; beyond the last, above 1.
+
+        There has to be a value.
+        """
+        entries = self._entries
+        time_s = min(time_s, entries[-1][0] + ahead_s)
+        after = min(bisect_left(entries, time_s, key=itemgetter(0)), len(entries) - 1)
+        if after == 0:
+            return entries[0][1], entries[0][1], 0.0
+        (before_s, first), (after_s, last) = entries[after - 1], entries[after]
+        return first, last, (time_s - before_s) / (after_s - before_s)

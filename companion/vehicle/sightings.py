@@ -12,17 +12,18 @@ place is flown to is the mission's.
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from companion.geometry import GlobalOrigin, NorthEast
 from companion.outcomes import Refusal
 from companion.vehicle.port import VehicleState
+from companion.vehicle.poses import Pose, PoseHistory
 
 HISTORY_S = 10.0
 AHEAD_S = 0.1
 """By which a picture may be newer than the newest pose."""
+SILENT_S = 1.0
+"""Without a pose for longer it is not known where the vehicle is."""
 FAR_M = 200.0
 """What is seen further away is no longer where it seems to be: a degree is 3.5 m there."""
 
@@ -49,12 +50,6 @@ class SeenOnEarth:
 
 
 Sighting = SeenFromVehicle | SeenOnEarth
-
-
-class _Pose(NamedTuple):
-    time_s: float
-    at: NorthEast
-    yaw_rad: float
 
 
 def sighting_of(report: dict[str, object]) -> Sighting | Refusal:
@@ -89,15 +84,14 @@ class Sightings:
     """The poses of one flight, and what was seen from them."""
 
     def __init__(self) -> None:
-        self._poses: deque[_Pose] = deque()
+        self._poses = PoseHistory(HISTORY_S)
 
-    def follow(self, now_s: float, state: VehicleState | None) -> None:
+    def follow(self, state: VehicleState | None) -> None:
         """Keeps the present pose; once a tick."""
-        while self._poses and now_s - self._poses[0].time_s > HISTORY_S:
-            self._poses.popleft()
-        if state is None or (self._poses and state.position_s <= self._poses[-1].time_s):
+        newest_s = self._poses.newest_s
+        if state is None or (newest_s is not None and state.position_s <= newest_s):
             return
-        self._poses.append(_Pose(state.position_s, state.position[:2], state.yaw_rad))
+        self._poses.add(state.position_s, Pose(state.position, (0.0, 0.0, state.yaw_rad)))
 
     def locate(
         self, sighting: Sighting, now_s: float, zero_s: float | None, zero: GlobalOrigin | None
@@ -124,31 +118,23 @@ class Sightings:
                 pose = self._pose(seen_s, now_s)
                 if isinstance(pose, Refusal):
                     return pose
-                cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
-                north, east = pose.at
+                (north, east, _), (_, _, yaw_rad) = pose
+                cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
                 north += forward_m * cos - right_m * sin
                 return (north, east + forward_m * sin + right_m * cos)
 
-    def _pose(self, seen_s: float, now_s: float) -> _Pose | Refusal:
-        """Where the vehicle was at a time, between two poses."""
-        if not self._poses or now_s - self._poses[-1].time_s > 1.0:
+    def _pose(self, seen_s: float, now_s: float) -> Pose | Refusal:
+        """Where the vehicle was at a time."""
+        oldest_s, newest_s = self._poses.oldest_s, self._poses.newest_s
+        pose = self._poses.at(seen_s)
+        if oldest_s is None or newest_s is None or pose is None or now_s - newest_s > SILENT_S:
             return Refusal("where the vehicle is, is not known")
         if seen_s > now_s + AHEAD_S:
             return Refusal(
                 f"its time is {seen_s - now_s:.1f} s ahead: monotonic_ns is CLOCK_MONOTONIC"
             )
-        if seen_s < self._poses[0].time_s - AHEAD_S:
+        if seen_s < oldest_s - AHEAD_S:
             return Refusal(
                 f"it is {now_s - seen_s:.1f} s old, and poses are kept for {HISTORY_S:g} s"
             )
-        before = after = self._poses[0]
-        for pose in self._poses:
-            before, after = after, pose
-            if pose.time_s >= seen_s:
-                break
-        span_s = after.time_s - before.time_s
-        share = min(1.0, max(0.0, (seen_s - before.time_s) / span_s)) if span_s > 0 else 1.0
-        turn = math.remainder(after.yaw_rad - before.yaw_rad, 2 * math.pi)
-        north = before.at[0] + share * (after.at[0] - before.at[0])
-        east = before.at[1] + share * (after.at[1] - before.at[1])
-        return _Pose(seen_s, (north, east), before.yaw_rad + share * turn)
+        return pose

@@ -11,6 +11,8 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.outcomes import Refusal
 from companion.vehicle.marker_sightings import APART_S, FAR_M, MOST, OLD_S, MarkerSightings
 from companion.vehicle.port import MarkerSighting
+from companion.vehicle.pose_messages import keep_pose
+from companion.vehicle.poses import PoseHistory
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
 
@@ -53,13 +55,14 @@ class Vehicle:
     def __init__(self, roll: float = 0.0, pitch: float = 0.0) -> None:
         self.telemetry = Telemetry()
         self.telemetry.frame.take_home(HOME, 400.0)
-        self.markers = MarkerSightings(self.telemetry, {CAMERA})
+        self.poses = PoseHistory()
+        self.markers = MarkerSightings(self.telemetry, {CAMERA}, self.poses)
         for boot_s in (BOOT_S - 0.1, BOOT_S):
             boot_ms = round(boot_s * 1e3)
             at = dialect.MAVLink_local_position_ned_message(boot_ms, *LOCAL, 0.0, 0.0, 0.0)
             turned = dialect.MAVLink_attitude_message(boot_ms, roll, pitch, YAW, 0.0, 0.0, 0.0)
             for message in (at, turned):
-                self.take(message, component=1)
+                keep_pose(self.poses, message, self.telemetry.frame)
 
     def take(self, message: Any, component: int = CAMERA) -> None:
         self.markers.take(Moment(NOW_S, NOW_S, False), arrived(message, component))
@@ -112,7 +115,7 @@ def test_a_sighting_is_placed_where_the_vehicle_was_then() -> None:
     vehicle = Vehicle()
     later = round((BOOT_S + 0.2) * 1e3)
     moved = dialect.MAVLink_local_position_ned_message(later, 13.0, *LOCAL[1:], 0.0, 0.0, 0.0)
-    vehicle.take(moved, component=1)
+    keep_pose(vehicle.poses, moved, vehicle.telemetry.frame)
     seen = vehicle.sees(
         target(
             time_usec=round((BOOT_S + 0.1) * 1e6), frame=dialect.MAV_FRAME_LOCAL_FRD, x=2, y=-1, z=2
@@ -153,7 +156,7 @@ def test_a_stamp_of_another_clock_is_taken_for_now(time_usec: int) -> None:
 def test_without_a_pose_nothing_is_placed() -> None:
     vehicle = Vehicle.__new__(Vehicle)
     vehicle.telemetry = Telemetry()
-    vehicle.markers = MarkerSightings(vehicle.telemetry, {CAMERA})
+    vehicle.markers = MarkerSightings(vehicle.telemetry, {CAMERA}, PoseHistory())
     assert "own position is not known" in vehicle.refuses(target())
 
 

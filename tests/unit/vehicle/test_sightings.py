@@ -42,7 +42,7 @@ def sightings() -> Sightings:
     """After 20 s."""
     sightings = Sightings()
     for tick in range(401):
-        sightings.follow(tick * 0.05, state_at(tick * 0.05))
+        sightings.follow(state_at(tick * 0.05))
     return sightings
 
 
@@ -82,8 +82,7 @@ def test_what_cannot_be_put_anywhere_is_refused(sightings: Sightings, seen: Any,
 
 
 def test_while_the_position_is_in_doubt_nothing_is_put_anywhere(sightings: Sightings) -> None:
-    for tick in range(401, 440):
-        sightings.follow(tick * 0.05, None)
+    sightings.follow(None)
     refused = sightings.locate(SeenFromVehicle(1.0, 0.0, None), 22.0, None, None)
     assert refused == Refusal("where the vehicle is, is not known")
 
@@ -98,7 +97,7 @@ def test_a_latitude_and_longitude_are_those_of_the_earth(sightings: Sightings) -
 def test_a_heading_that_passes_south_is_between_its_neighbours() -> None:
     sightings = Sightings()
     for time_s, yaw_rad in ((0.0, math.pi - 0.1), (1.0, -math.pi + 0.1)):
-        sightings.follow(time_s, replace(state_at(time_s), yaw_rad=yaw_rad, position=(0, 0, -5)))
+        sightings.follow(replace(state_at(time_s), yaw_rad=yaw_rad, position=(0, 0, -5)))
     at = sightings.locate(SeenFromVehicle(1.0, 0.0, 0.5e9), 1.0, None, None)
     assert at == pytest.approx((-1.0, 0.0), abs=1e-9)
 

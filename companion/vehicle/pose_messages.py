@@ -1,0 +1,33 @@
+"""The messages of an autopilot that say where the vehicle was, and how it was turned.
+
+LOCAL_POSITION_NED and ATTITUDE, each with its time since boot. Source: common.xml.
+"""
+
+from __future__ import annotations
+
+import math
+
+from companion.mavlink.framing import Message
+from companion.vehicle.mission_frame import MissionFrame
+from companion.vehicle.poses import PoseHistory
+
+POSES = frozenset({"LOCAL_POSITION_NED", "ATTITUDE"})
+
+
+def keep_pose(poses: PoseHistory, message: Message, frame: MissionFrame) -> None:
+    """Adds what one of POSES says; other messages, and numbers that are not finite, are passed.
+
+    Args:
+        poses: of the vehicle, by its autopilot's time since boot.
+        message: of the autopilot.
+        frame: of the mission; a position is taken once it is known.
+    """
+    kind = message.get_type()
+    if kind == "LOCAL_POSITION_NED" and frame.is_known:
+        local = (message.x, message.y, message.z)
+        if all(map(math.isfinite, local)):
+            poses.add_position(message.time_boot_ms / 1e3, frame.position(local))
+    elif kind == "ATTITUDE":
+        euler = (message.roll, message.pitch, message.yaw)
+        if all(map(math.isfinite, euler)):
+            poses.add_attitude(message.time_boot_ms / 1e3, euler)
