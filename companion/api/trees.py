@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import cast
 
+from companion.acting.assembly import flight_of
+from companion.acting.behaviour_tree.builder import build
+from companion.acting.behaviour_tree.hand_built import build_by_hand
+from companion.acting.behaviour_tree.tree_report import described
+from companion.acting.contingencies.supposed_vehicle import SupposedVehicle
 from companion.acting.preparation import prepare
-from companion.api.results import FlightResult, Recording
+from companion.acting.replanning.assumptions import Assumptions
+from companion.api.results import FlightResult
 from companion.api.tree_xml import to_xml
 from companion.errors import MissionError, check_kind
-from companion.flight_events.tree import NodeType, PlanNode, TreeBuilt
+from companion.flight_events.tree import NodeType, PlanNode
 from companion.mission.model import Mission
-from companion.mission_run import PreparedRun, Run
+from companion.planning.lasso import ChosenPlan
 from companion.record.events import read_events, record_of
-from companion.vehicle.telemetry import Telemetry
-from companion.vehicle.wire import Wire
+from companion.vehicle.port import Vehicle
 
 _SHAPES = {NodeType.ACTION: "box", NodeType.LEAF: "box"}
 """In the DOT language; all others are ellipses."""
@@ -74,7 +80,7 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
         CompanionError: it is nothing of these kinds.
     """
     if isinstance(of, Mission):
-        return BehaviourTree(_planned(of).nodes)
+        return BehaviourTree(_planned(of))
     check_kind(of, (FlightResult, Path, str), "a mission, a flight, or a run folder")
     record = record_of(of.events) if isinstance(of, FlightResult) else read_events(Path(of))
     if record.tree is None:
@@ -82,13 +88,17 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
     return BehaviourTree(record.tree.nodes)
 
 
-def _planned(mission: Mission) -> TreeBuilt:
-    """The tree of the first plan, made as before a flight; no vehicle is heard."""
-    run = Run(PreparedRun(prepare(mission), Recording()), Wire(), Telemetry(), 0.0)
-    if failure := run.executive.plan():
-        raise failure
-    events = (stamped.event for stamped in run.flight.collect_reports())
-    return next(event for event in events if isinstance(event, TreeBuilt))
+def _planned(mission: Mission) -> tuple[PlanNode, ...]:
+    """The tree of the first plan, or the one written by hand; nothing ticks it."""
+    prepared = prepare(mission)
+    planner, first = prepared.planner, prepared.first_plan
+    flight = flight_of(prepared, cast(Vehicle, SupposedVehicle(mission.home.position)))
+    if mission.tree is not None:
+        return described(build_by_hand(flight, mission.tree, planner.actions_of(mission.tree)))
+    assert first is not None, "a mission without a tree of its own"
+    if not isinstance(first.outcome, ChosenPlan):
+        raise first.outcome
+    return described(build(flight, first.outcome.lasso, Assumptions(planner, flight)))
 
 
 def _in_words(node: PlanNode) -> str:

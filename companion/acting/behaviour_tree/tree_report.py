@@ -47,16 +47,14 @@ class TreeReport:
     def __init__(self, flight: Flight, root: Behaviour) -> None:
         self._flight = flight
         self._root = root
-        self._depths = list(_preorder(root, 0))
-        self._nodes = [node for node, _ in self._depths]
+        self._nodes = [node for node, _ in _preorder(root, 0)]
         self._statuses: list[Status] = []
 
     def tell(self) -> None:
         """Tells the tree, once, and the nodes whose status has changed since the last call."""
         if not self._statuses:
             self._statuses = [Status.INVALID] * len(self._nodes)
-            nodes = tuple(_described(node, depth) for node, depth in self._depths)
-            self._flight.report(TreeBuilt(nodes))
+            self._flight.report(TreeBuilt(described(self._root)))
         statuses = [node.status for node in self._nodes]
         if statuses == self._statuses:
             return
@@ -72,6 +70,11 @@ class TreeReport:
             if tip
             else TreeStopped(changed)
         )
+
+
+def described(root: Behaviour) -> tuple[PlanNode, ...]:
+    """The nodes of a tree, depth first."""
+    return tuple(_described(node, depth) for node, depth in _preorder(root, 0))
 
 
 def _feedback(node: Behaviour) -> str:
