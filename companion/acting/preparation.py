@@ -166,8 +166,8 @@ def anticipate_events(planner: Planner) -> None:
         task = TaskState(planner)
         task.take(event, event.fact not in task.facts)
         with suppress(SearchLimit):
-            problem, histories, _ = planner.kept(*task.problem())
-            planner.replan(problem, histories)
+            problem, histories, _ = planner.solver.kept(*task.problem())
+            planner.solver.replan(problem, histories)
 
 
 def _planned(
@@ -177,12 +177,12 @@ def _planned(
     engine: Engine | None = None,
 ) -> tuple[ChosenPlan | PlanFailure, str | None]:
     """The plan or why there is none, and why an engine that was asked has not made it."""
-    problem, histories, dropped = planner.kept(problem, histories)
+    problem, histories, dropped = planner.solver.kept(problem, histories)
     answer = engine.plan(problem, histories) if engine is not None else None
     if isinstance(answer, Lasso):
         return ChosenPlan(answer, dropped), None
     reason = answer.reason if answer is not None else None
     try:
-        return ChosenPlan(planner.solve(problem, histories).lasso, dropped), reason
+        return ChosenPlan(planner.solver.solve(problem, histories).lasso, dropped), reason
     except (NoPlanError, SearchLimit) as failure:
         return failure, reason

@@ -17,6 +17,7 @@ from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.planning.lasso import Solution
 from companion.planning.notices import not_heard, notices
 from companion.planning.planner import Planner
+from companion.planning.time_check import waits
 from companion.skills.installed import InstalledReader, read_installed
 
 
@@ -114,7 +115,7 @@ def check_mission(
         mission.priorities,
         str(found or "a tree of its own"),
         _energy_in_words(planner, found) if found else None,
-        tuple(map(str, planner.waits(planner.initial_problem()[0], found))) if found else (),
+        tuple(map(str, waits(planner.initial_problem()[0], found))) if found else (),
         mission.otherwise if isinstance(mission.otherwise, LandAtSafePlace) else None,
         tuple(map(str, found.dropped)) if found else (),
         tuple(map(str, (*notices(planner, found), *unheard))),
@@ -142,7 +143,7 @@ def _earth_in_words(mission: Mission) -> str | None:
 
 def _energy_in_words(planner: Planner, found: Solution) -> str | None:
     """How far a plan charges, what a lap takes, and what is left at least."""
-    problem = planner.kept(*planner.initial_problem())[0]
+    problem = planner.solver.kept(*planner.initial_problem())[0]
     taken = planner.ledger(problem, found.lasso)
     if taken is None:
         return None

@@ -110,7 +110,7 @@ def _print_dropped(planner: Planner, problem: Problem, solution: Solution) -> No
     for each in solution.dropped:
         typer.echo(f"dropped    {each}")
         if each.reason == NO_PLAN:
-            why = planner.why_dropped(problem, solution.dropped, each.line)
+            why = planner.solver.why_dropped(problem, solution.dropped, each.line)
             typer.echo(indent(str(why).removeprefix("no plan: "), "  "))
 
 
@@ -138,8 +138,10 @@ def _print_steps(planner: Planner, problem: Problem, lasso: Lasso) -> None:
 
 
 def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
+    from companion.planning.time_check import waits
+
     _print_steps(planner, problem, solution.lasso)
-    for wait in planner.waits(problem, solution):
+    for wait in waits(problem, solution):
         typer.echo(f"waits  {wait}")
     what = f"{solution.objective} {solution.cost_ms / 1000:.1f} s"
     if solution.is_optimal:
@@ -159,11 +161,12 @@ def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
 def _solution_as_json(planner: Planner, problem: Problem, solution: Solution) -> dict[str, Any]:
     """The plan with its waits; of a mission with a battery with its energy, step by step."""
     from companion.flight_events.writing import json_of
+    from companion.planning.time_check import waits
 
-    waits = {"waits": [wait.as_json() for wait in planner.waits(problem, solution)]}
+    longest = {"waits": [wait.as_json() for wait in waits(problem, solution)]}
     taken = planner.ledger(problem, solution.lasso)
     if taken is None:
-        return solution.as_json() | waits
+        return solution.as_json() | longest
     planned = solution.lasso.planned
     parts = (
         ("prefix", planned.prefix, taken.prefix),
@@ -175,7 +178,7 @@ def _solution_as_json(planner: Planner, problem: Problem, solution: Solution) ->
         ]
         for part, steps, energies in parts
     }
-    return solution.as_json() | told | waits | {"energy": taken.as_json()}
+    return solution.as_json() | told | longest | {"energy": taken.as_json()}
 
 
 def _write_pddl(
@@ -201,7 +204,7 @@ def _write_pddl(
         raise RequestError(
             "PDDL is written without bounds in time; remove them from the task first"
         )
-    problem, histories, _ = planner.kept(problem, histories)
+    problem, histories, _ = planner.solver.kept(problem, histories)
     if encoding is Encoding.V1:
         problem = monolithic(problem, histories)
     texts = to_pddl(encode(problem, encoding, objective))

@@ -1,7 +1,7 @@
 """The planner of one mission: everything that is made once, and the verbs that plan.
 
 `plan` and `explain` answer before a flight, from the mission's first state or from another one.
-What flies keeps the state itself (task_state.py) and asks `solve` and `replan` for a problem.
+What flies makes problems of its own state (task_state.py), and asks `solver` for their plans.
 
 Formulas are translated and skills are instantiated when the planner is made. In flight only the
 initial state changes (Section V, last paragraph): the facts, the automata's states after the
@@ -36,10 +36,10 @@ from companion.planning.instances import FlightTime, Instances, task_model
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective, asked_for
 from companion.planning.optional_lines import without_lines
+from companion.planning.readiness import Readiness, ready_lines
 from companion.planning.solver import Solver
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
 from companion.planning.task_automata import translated
-from companion.planning.time_check import LongestWait, longest_waits
 from companion.planning.unread_rises import UnreadRises
 
 BUILT_IN = "built-in"
@@ -48,7 +48,7 @@ BUILT_IN = "built-in"
 log = logging.getLogger(__name__)
 
 
-class Planner(Solver):
+class Planner:
     """Plans a mission from any state.
 
     >>> from companion import Planner, load_mission
@@ -70,6 +70,7 @@ class Planner(Solver):
         CompanionError: it is no mission; or one with a battery has flight times and no energy.
 
     Attributes:
+        solver: answers the problems that `problem` and `initial_problem` make.
         flight_time: as given; a flight sets one that knows where its vehicle is.
         without_a_move: beliefs that only moves assume that do not exist any more.
     """
@@ -94,6 +95,7 @@ class Planner(Solver):
             )
         elif not callable(flight_time):
             flight_time = from_table(mission, flight_time)
+        self.mission = mission
         start_s = clock()
         self.energy = energy
         self._instances = Instances(mission, drains=energy)
@@ -105,7 +107,8 @@ class Planner(Solver):
         self.task_facts = mission.task_facts
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
-        super().__init__(mission, self.model.actions)
+        self._readiness = Readiness(ready_lines(mission))
+        self.solver = Solver(mission, self.model.actions, self._readiness)
         self._unread_rises = UnreadRises()
         self._log_sizes()
 
@@ -121,8 +124,7 @@ class Planner(Solver):
     def reinstantiate(self) -> None:
         """Takes over flight times that have changed; what was ever believed stays a belief."""
         model = task_model(self._instances, self.flight_time)
-        self._search.keep(model.actions)
-        self._timed.costs_have_changed()
+        self.solver.take_actions(model.actions)
         beliefs = self.model.beliefs | model.beliefs
         self.without_a_move = beliefs - model.beliefs
         self.model = replace(model, beliefs=beliefs)
@@ -245,14 +247,14 @@ class Planner(Solver):
         """
         objective, encoding = asked_for(objective, encoding)
         asked = self.initial_problem(at=at, facts=facts, without=without)
-        problem, histories, dropped = self.kept(*asked)
+        problem, histories, dropped = self.solver.kept(*asked)
         if engine == BUILT_IN:
-            return replace(self.solve(problem, histories, objective), dropped=dropped)
+            return replace(self.solver.solve(problem, histories, objective), dropped=dropped)
         from companion.planning.engines import solve_with
 
         found = solve_with(problem, histories, engine, encoding, objective, timeout_s)
         if found is None:
-            best = self.solve(problem, histories, objective)  # or says why there is none
+            best = self.solver.solve(problem, histories, objective)  # or says why there is none
             raise CompanionError(f"{engine} says that there is no plan, but there is: {best.lasso}")
         return replace(found, dropped=dropped)
 
@@ -260,11 +262,6 @@ class Planner(Solver):
         """What a plan takes of the battery; None for a mission without one."""
         energy = self.energy
         return None if energy is None else ledger(problem, lasso, energy.model.reserve)
-
-    def waits(self, problem: Problem, solution: Solution) -> tuple[LongestWait, ...]:
-        """How long each line with a bound in time waits at most in a plan that keeps it."""
-        kept, _ = without_lines([each.line for each in solution.dropped], problem)
-        return longest_waits(kept, solution.lasso) if kept.clocks_ms else ()
 
     def explain(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
@@ -288,7 +285,7 @@ class Planner(Solver):
         """
         asked = self.initial_problem(at=at, facts=facts, without=without)
         try:
-            next(self.solutions(*without_lines(self.mission.optional, *asked)))
+            next(self.solver.solutions(*without_lines(self.mission.optional, *asked)))
         except NoPlan as reason:
             return reason.explanation
         return None
@@ -327,8 +324,8 @@ class Planner(Solver):
             MissionError: the mission does not know one of the names.
             SearchLimit: it has too many states.
         """
-        problem, *_ = self.kept(*self.initial_problem(at=at, facts=facts, without=without))
-        return self._search.product(problem)
+        problem, *_ = self.solver.kept(*self.initial_problem(at=at, facts=facts, without=without))
+        return self.solver.product(problem)
 
     def initial_problem(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()

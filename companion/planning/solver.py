@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from companion.errors import CompanionError, RequestError, SearchLimit
 from companion.mission.model import Mission
 from companion.planning import optional_lines
+from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action
@@ -25,7 +26,7 @@ from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, WorldModel, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
-from companion.planning.readiness import Readiness, ready_lines
+from companion.planning.readiness import Readiness
 from companion.planning.time_check import time_fault
 from companion.planning.timed.known_laps import KnownLaps
 from companion.planning.timed.lateness import NO_LIMIT_MS, late_bounds, with_limit
@@ -53,14 +54,20 @@ class Solver:
     Args:
         mission: says of its problems what they do not say themselves.
         actions: those that every problem begins with.
+        readiness: removed actions from the problems that are asked; says which, and why.
     """
 
-    def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
+    def __init__(self, mission: Mission, actions: Sequence[Action], readiness: Readiness) -> None:
         self.mission = mission
         self._search = Search(actions)
         self._loops = KnownLoops()
         self._timed = TimedSearch(self._search, self._loops)
-        self._readiness = Readiness(ready_lines(mission))
+        self._readiness = readiness
+
+    def take_actions(self, actions: Sequence[Action]) -> None:
+        """From now on every problem begins with these actions; what they cost has changed."""
+        self._search.keep(actions)
+        self._timed.costs_have_changed()
 
     @property
     def memory(self) -> SolverMemory:
@@ -227,6 +234,14 @@ class Solver:
         """The most important of the dropped lines that can be kept now; None if there is none."""
         optional = self.mission.optional
         return optional_lines.line_to_take_up(problem, optional, dropped, self._is_solvable_soon)
+
+    def product(self, problem: Problem) -> Product:
+        """The product that is searched for a problem's lassos.
+
+        Raises:
+            SearchLimit: it has too many states.
+        """
+        return self._search.product(problem)
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a plan; None if the search for one reaches its limit."""

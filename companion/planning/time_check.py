@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from companion.planning.bound_clocks import after
 from companion.planning.domain import Action, duration_ms
 from companion.planning.energy_check import level_after, place_of
-from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
+from companion.planning.lasso import Conjunct, Lasso, Letter, Problem, Solution
+from companion.planning.optional_lines import without_lines
 from companion.slices import spent
 
 _READING_US = 10.0
@@ -86,6 +87,12 @@ def time_fault(problem: Problem, lasso: Lasso) -> str | None:
             by = arrival.action.name
             return f"{conjunct.name}: {bound} is late by {over_s:g} s after {by}"
     return None
+
+
+def waits(problem: Problem, solution: Solution) -> tuple[LongestWait, ...]:
+    """How long each line with a bound in time that a plan keeps waits at most in it."""
+    kept, _ = without_lines([each.line for each in solution.dropped], problem)
+    return longest_waits(kept, solution.lasso) if kept.clocks_ms else ()
 
 
 def longest_waits(problem: Problem, lasso: Lasso) -> tuple[LongestWait, ...]:

@@ -66,10 +66,10 @@ def plans(runs: int) -> Iterator[Row]:
             gc.freeze()  # as before any flight by the clock
             for asked in _later(planner, seed):
                 kept_ms.append(sum(_slices_ms(planner, asked)))
-                known = planner.memory
-                planner.recall(NOTHING)
+                known = planner.solver.memory
+                planner.solver.recall(NOTHING)
                 took_ms = _slices_ms(planner, asked)
-                planner.recall(known)
+                planner.solver.recall(known)
                 anew_ms.append(sum(took_ms))
                 slices_ms += took_ms
         gc.unfreeze()
@@ -90,7 +90,7 @@ def laps(runs: int) -> Iterator[Row]:
         for seed in range(fields):
             planner = Planner(patrol_on_a_battery(sites, 2, seed, capacity_wh))
             start_s = process_time()
-            first, *others = planner.solutions(*planner.initial_problem())
+            first, *others = planner.solver.solutions(*planner.initial_problem())
             best = [first, *others][-1]
             took_s.append(process_time() - start_s)
             above.append(100 * (best.cost_ms / best.bound_ms - 1))
@@ -114,7 +114,7 @@ def _later(planner: Planner, seed: int) -> Iterator[Asked]:
 
 
 def _slices_ms(planner: Planner, asked: Asked) -> list[float]:
-    planning, took_ms, is_done = InSlices(lambda: planner.replan(*asked)), [], False
+    planning, took_ms, is_done = InSlices(lambda: planner.solver.replan(*asked)), [], False
     while not is_done:
         start_s = process_time()
         is_done = planning.step()

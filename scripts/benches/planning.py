@@ -77,7 +77,7 @@ def replanning(runs: int) -> Iterator[Row]:
     task.interrupt()
     passed, problems = [], []
     for here[0] in points_between(mission, routes, "A", "B", 4 * runs):
-        passed += timed(lambda: planner.replan(*task.problem()), 1)
+        passed += timed(lambda: planner.solver.replan(*task.problem()), 1)
         problems.append(task.problem())
     yield from _rows("replan en route, target found", passed, _peer_ms(problems[0]))
 
@@ -86,7 +86,7 @@ def replanning(runs: int) -> Iterator[Row]:
 
 
 def _phase(name: str, planner: Planner, problems: list[Asked]) -> Iterator[Row]:
-    passed = [ms for asked in problems for ms in timed(partial(planner.replan, *asked), 1)]
+    passed = [ms for asked in problems for ms in timed(partial(planner.solver.replan, *asked), 1)]
     yield from _rows(name, passed, _peer_ms(problems[0]))
 
 
@@ -136,7 +136,7 @@ def large(runs: int) -> Iterator[Row]:
 
         def first(mission: Mission = mission) -> None:
             planner = Planner(mission, straight(mission))
-            next(planner.solutions(*planner.initial_problem()))
+            next(planner.solver.solutions(*planner.initial_problem()))
 
         took += timed(first, 1)
     yield Row("planner and first plan, 200 sites", median(took), "ms")
@@ -149,7 +149,7 @@ def large(runs: int) -> Iterator[Row]:
 def _replan_ms(planner: Planner, asked: Asked) -> list[float]:
     gc.freeze()  # as before a flight (driving.py)
     try:
-        return timed(lambda: planner.replan(*asked), 1)
+        return timed(lambda: planner.solver.replan(*asked), 1)
     finally:
         gc.unfreeze()
 
@@ -180,7 +180,7 @@ def _answers(
     planner = Planner(mission, straight(mission))
     asked = planner.initial_problem()
     start_s = perf_counter()
-    return [(1000 * (perf_counter() - start_s), s) for s in planner.solutions(*asked)]
+    return [(1000 * (perf_counter() - start_s), s) for s in planner.solver.solutions(*asked)]
 
 
 def points_between(

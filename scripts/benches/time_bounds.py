@@ -52,7 +52,7 @@ def plans(runs: int) -> Iterator[Row]:
             plain = _planner(patrol(sites, 1, seed)).plan().lap_cost_s
             start_s = process_time()
             try:
-                solution = planner.solve(*planner.initial_problem())
+                solution = planner.solver.solve(*planner.initial_problem())
             except NoPlan:
                 solution = None
             except SearchLimit:
@@ -100,6 +100,6 @@ def _slices_ms(planner: Planner, asked: Asked) -> list[float]:
 
 def _replan(planner: Planner, asked: Asked) -> bool:
     try:
-        return planner.replan(*asked) is not None
+        return planner.solver.replan(*asked) is not None
     except SearchLimit:
         return False

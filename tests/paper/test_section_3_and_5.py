@@ -27,7 +27,7 @@ from companion.mission.signals import Signal
 from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.instances import Instances
 from companion.planning.lasso import Problem, word
-from companion.planning.planner import Planner
+from companion.planning.solver import Solver
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Failed, Progress
 
@@ -185,9 +185,9 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     translated, instantiated = Mock(wraps=translate), Mock(wraps=Instances)
     monkeypatch.setattr("companion.planning.task_automata.translate", translated)
     monkeypatch.setattr("companion.planning.planner.Instances", instantiated)
-    planned = {verb: Mock(wraps=getattr(Planner, verb)) for verb in ("solve", "replan")}
+    planned = {verb: Mock(wraps=getattr(Solver, verb)) for verb in ("solve", "replan")}
     for verb, mock in planned.items():
-        monkeypatch.setattr(Planner, verb, lambda *args, mock=mock: mock(*args))
+        monkeypatch.setattr(Solver, verb, lambda *args, mock=mock: mock(*args))
     rig = Rig(section_v, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
     actions = rig.planner.model.actions
@@ -268,9 +268,9 @@ def test_without_its_history_the_planner_would_visit_it_again() -> None:
     rig.run_until(PlaceReached, place="B")
     forgetful = TaskState(rig.planner)
     forgetful.facts = facts_of("at(B)")
-    assert str(rig.planner.solve(*rig.task.problem())) == "(wait)^w"
+    assert str(rig.planner.solver.solve(*rig.task.problem())) == "(wait)^w"
     again = "move(B, A), move(A, B), (wait)^w"
-    assert str(rig.planner.solve(*forgetful.problem())) == again
+    assert str(rig.planner.solver.solve(*forgetful.problem())) == again
 
 
 def test_an_event_may_restart_a_conjunct(section_v: Mission, rig: Rig) -> None:

@@ -92,7 +92,7 @@ class Contingencies:
             raise first.outcome
         self._plan: ChosenPlan = first.outcome
         self._energy = first.problem.energy
-        self._memory = self._prepared.planner.memory
+        self._memory = self._prepared.planner.solver.memory
         self.positions = tuple(_positions(mission, self._plan.lasso, self._energy))
 
     @cached_property
@@ -107,7 +107,7 @@ class Contingencies:
 
     def answer(self, question: ContingencyQuestion) -> tuple[Contingency, ...]:
         """The contingencies, and those of the plans for them."""
-        change, reasons = question.change, _Reasons(self._prepared.planner.explain_soon)
+        change, reasons = question.change, _Reasons(self._prepared.planner.solver.explain_soon)
         found = []
         for number in question.positions:
             answer, plan = self._meet(number, [change], reasons)
@@ -153,7 +153,7 @@ class Contingencies:
         *before, last = changes
         position = self.positions[number]
         level = None if self._energy is None else self._energy.level
-        self._prepared.planner.recall(self._memory)  # as each flight begins
+        self._prepared.planner.solver.recall(self._memory)  # as each flight begins
         with closing(SupposedFlight(self._prepared, self._plan, level, reasons)) as flight:
             flight.complete(number, position.level)
             for change in before:

@@ -108,7 +108,7 @@ class Patience:
             return [*sorted(falling | returning), THE_MAP]
         try:
             asked = without_lines(mission.optional, *task.problem(falling, returning))
-            has_plan = self._planner.replan(*asked) is not None
+            has_plan = self._planner.solver.replan(*asked) is not None
         except SearchLimit:
             has_plan = False
         return sorted(falling | returning) if has_plan else []

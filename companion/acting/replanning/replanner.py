@@ -100,7 +100,7 @@ class Replanner:
         self._assumptions = assumptions
         self._patience = patience
         self._engine = engine
-        self._explain = explain or planner.explain_soon
+        self._explain = explain or planner.solver.explain_soon
         self._planning: InSlices[ChosenPlan | PlanFailure] | None = None
         self._planned_in: TaskSituation | None = None
         self._idle_replans = 0
@@ -188,7 +188,7 @@ class Replanner:
         if is_in_vain:
             dropped = tuple(DroppedLine(line, LED_NOWHERE) for line in planner.mission.optional)
         else:
-            dropped = planner.lines_to_drop(problem)
+            dropped = planner.solver.lines_to_drop(problem)
         found = self._solve(*without_lines([each.line for each in dropped], problem, histories))
         return ChosenPlan(found, dropped) if isinstance(found, Lasso) else found
 
@@ -278,7 +278,7 @@ class Replanner:
     def line_to_take_up(self) -> str | None:
         """The most important of the dropped lines that can be kept now; None if there is none."""
         task = self._flight.task
-        return self._planner.line_to_take_up(task.problem()[0], task.dropped)
+        return self._planner.solver.line_to_take_up(task.problem()[0], task.dropped)
 
     def _plan_without(self, lines: Collection[str]) -> Lasso | None:
         found = self._search(*without_lines(lines, *self._flight.task.problem()))
@@ -298,7 +298,7 @@ class Replanner:
     ) -> Lasso | SearchLimit | None:
         """The first plan that is found, the limit at which it was given up, or None for no plan."""
         try:
-            return self._planner.replan(problem, histories)
+            return self._planner.solver.replan(problem, histories)
         except SearchLimit as limit:
             return limit
 

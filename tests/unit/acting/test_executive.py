@@ -351,7 +351,7 @@ def test_a_belief_about_here_can_be_to_blame() -> None:
     rig.task.interrupt()
     rig.task.withdraw(facts_of("trans_ok(here, A)", "trans_ok(H, A)"))
     with pytest.raises(NoPlanError, match=r"or trans_ok\(here, A\) there would be a plan"):
-        rig.planner.solve(*rig.task.problem())
+        rig.planner.solver.solve(*rig.task.problem())
 
 
 def test_a_search_that_is_given_up_in_flight_is_told_as_that(
@@ -431,7 +431,7 @@ def test_a_guard_changes_nothing_and_searches_nothing(monkeypatch: pytest.Monkey
     for table in ("BEFORE_THE_TREE", "AFTER_THE_TREE"):
         rows = getattr(replan_triggers, table)
         monkeypatch.setattr(replan_triggers, table, tuple(map(checked, rows)))
-    for owner, name in ((Planner, "replan"), (Planner, "reinstantiate"), (RouteMap, "find")):
+    for owner, name in ((Solver, "replan"), (Planner, "reinstantiate"), (RouteMap, "find")):
         unguarded(owner, name)
     rig = Rig(search_and_report(FOUND, LOW)).begin()
     rig.run_until(PlaceReached, place="A")

@@ -18,6 +18,7 @@ from companion.motion.routes import RouteMap
 from companion.planning.builtin import restrictions
 from companion.planning.lasso import ChosenPlan, Lasso
 from companion.planning.planner import Planner
+from companion.planning.solver import Solver
 
 ROUND = "G F at(A) & G F at(B)"
 
@@ -42,7 +43,8 @@ def forbid(monkeypatch: pytest.MonkeyPatch, owner: object, *names: str) -> None:
 
 def test_nothing_that_takes_long_is_left_to_the_first_plan(monkeypatch: pytest.MonkeyPatch) -> None:
     prepared = prepare(mission(ROUND))
-    forbid(monkeypatch, Planner, "solve", "replan", "reinstantiate")
+    forbid(monkeypatch, Solver, "solve", "replan")
+    forbid(monkeypatch, Planner, "reinstantiate")
     forbid(monkeypatch, RouteMap, "distance_m", "find")
     acting = begun(prepared)
     acting.executive.plan()
@@ -66,7 +68,7 @@ def test_what_an_event_leaves_of_the_automata_is_known_before_it_comes(
 
 def test_a_plan_that_does_not_exist_is_kept_to_be_told(monkeypatch: pytest.MonkeyPatch) -> None:
     prepared = prepare(mission("F at(A) & G !at(A)"))
-    forbid(monkeypatch, Planner, "solve")
+    forbid(monkeypatch, Solver, "solve")
     assert isinstance(begun(prepared).executive.plan(), NoPlanError)
 
 

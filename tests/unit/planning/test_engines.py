@@ -67,14 +67,14 @@ class Asked(NamedTuple):
 def phases(surveillance: Mission, surveillance_routes: LayeredRoutes) -> list[Asked]:
     """Section V: the start; a target on the way to B; r1 refuses the upload."""
     rig = Rig(surveillance, surveillance_routes)
-    replan = rig.planner.replan
+    replan = rig.planner.solver.replan
     asked: list[Asked] = []
 
     def noting_replan(problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
         asked.append(Asked(problem, [list(letters) for letters in histories]))
         return replan(problem, histories)
 
-    rig.planner.replan = noting_replan  # type: ignore[method-assign]
+    rig.planner.solver.replan = noting_replan  # type: ignore[method-assign]
     start = Asked(*rig.task.problem())
     rig.begin()
     rig.vehicle.payloads.answers = [(2.0, Failed("denied")), (1.0, Progress.DONE)]

@@ -167,14 +167,14 @@ def test_a_line_that_has_to_be_dropped_is_no_reason_for_no_plan() -> None:
 def test_why_a_line_was_dropped_names_what_it_conflicts_with() -> None:
     made = patrol(near=1)
     plan = made.plan()
-    why = made.why_dropped(made.initial_problem()[0], plan.dropped, "near")
+    why = made.solver.why_dropped(made.initial_problem()[0], plan.dropped, "near")
     assert {conjunct.name for conjunct in why.conflict} == {"near", "calm"}
 
 
 def test_a_line_that_gives_way_to_a_more_important_one_conflicts_with_that_one() -> None:
     made = patrol(near=2, far=1, calm=1)
     plan = made.plan()
-    why = made.why_dropped(made.initial_problem()[0], plan.dropped, "calm")
+    why = made.solver.why_dropped(made.initial_problem()[0], plan.dropped, "calm")
     assert {conjunct.name for conjunct in why.conflict} == {"near", "calm"}
 
 

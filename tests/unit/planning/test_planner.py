@@ -140,9 +140,9 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
     here = facts_of("at(here)") | events
     problem = made.problem(here, tuple(states), is_en_route=True)
     histories = [letters for _ in made.conjuncts]
-    best = made.solve(problem, histories).lasso
+    best = made.solver.solve(problem, histories).lasso
     assert best_lap_and_prefix(problem) == (best.lap_cost_ms, best.prefix_cost_ms)
-    for lasso in (best, made.replan(problem, histories)):
+    for lasso in (best, made.solver.replan(problem, histories)):
         assert fault(problem, lasso, histories) is None
         assert not lasso.prefix or lasso.prefix[0].name.startswith("move(here, ")
         assert not any("here" in action.name for action in (*lasso.prefix[1:], *lasso.loop))
@@ -154,9 +154,9 @@ def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.Monk
     plans = [Lasso((go, back, go), (wait,)), Lasso((go,), (wait,))]
     offered = [Solution(plan, Objective.LAP, 100, 100, "test") for plan in plans]
     monkeypatch.setattr(Search, "solutions", lambda *args: iter(offered))
-    assert made.replan(*made.initial_problem()) == plans[0]
+    assert made.solver.replan(*made.initial_problem()) == plans[0]
     assert made.plan().lasso == plans[1]
-    assert list(made.solutions(*made.initial_problem())) == offered
+    assert list(made.solver.solutions(*made.initial_problem())) == offered
 
 
 def test_in_flight_less_is_tried_than_before(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -170,7 +170,7 @@ def test_in_flight_less_is_tried_than_before(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(Search, "solutions", spied)
     made = planner(mission("F at(A)"))
     made.plan()
-    made.replan(*made.initial_problem())
+    made.solver.replan(*made.initial_problem())
     assert tried == [BEFORE_FLIGHT, IN_FLIGHT]
     assert IN_FLIGHT.product_edges < BEFORE_FLIGHT.product_edges
     assert IN_FLIGHT.dijkstra_steps < BEFORE_FLIGHT.dijkstra_steps
@@ -179,8 +179,8 @@ def test_in_flight_less_is_tried_than_before(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_the_objective_is_passed_on() -> None:
     made = planner(mission("G F (at(A) & X at(H)) | G F at(B)"))
-    by_sum = list(made.solutions(*made.initial_problem(), Objective.SUM))[-1]
-    by_lap = list(made.solutions(*made.initial_problem()))[-1]
+    by_sum = list(made.solver.solutions(*made.initial_problem(), Objective.SUM))[-1]
+    by_lap = list(made.solver.solutions(*made.initial_problem()))[-1]
     assert (by_sum.objective, by_lap.objective) == (Objective.SUM, Objective.LAP)
     assert by_lap.cost_ms == 100 < by_sum.lasso.lap_cost_ms + by_sum.lasso.prefix_cost_ms
 
@@ -193,8 +193,8 @@ def test_no_plan_is_explained() -> None:
     assert [c.name for c in caught.value.explanation.conflict] == ["stay", "go"]
 
     problem, histories = made.initial_problem()
-    assert made.replan(problem, histories) is None
-    assert made.explain_soon(problem) == caught.value.explanation
+    assert made.solver.replan(problem, histories) is None
+    assert made.solver.explain_soon(problem) == caught.value.explanation
 
 
 LIMITS = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
@@ -208,14 +208,14 @@ def test_in_flight_a_charge_that_is_too_little_is_told_and_no_event() -> None:
     problem, _ = made.initial_problem()
     assert problem.energy is not None
     little = replace(problem.energy, level=problem.energy.floors["Home"] + 1)
-    told = str(made.explain_soon(replace(problem, energy=little)))
+    told = str(made.solver.explain_soon(replace(problem, energy=little)))
     assert re.search(r"\n  the charge, 2\d %, is too little$", told)
 
 
 def test_in_flight_a_bound_that_comes_too_soon_is_told_and_no_event() -> None:
     task = {"go": "G (found -> F at(Home))", "soon": "F[<=3s] at(A)"}
     made = Planner(load_mission(DATA | {"limits": LIMITS, "events": FOUND, "task": task}))
-    told = str(made.explain_soon(made.initial_problem()[0]))
+    told = str(made.solver.explain_soon(made.initial_problem()[0]))
     assert told.endswith("\n  F[<=3s] at(A) cannot be kept in time from here")
 
 
@@ -255,7 +255,7 @@ def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> No
     wait = made.model.actions[-1]
     wrong = Solution(Lasso((), (wait,)), Objective.LAP, 100, 100, "test")
     monkeypatch.setattr(Search, "solutions", lambda *args: iter([wrong]))
-    for ask in (made.solve, made.replan):
+    for ask in (made.solver.solve, made.solver.replan):
         with pytest.raises(CompanionError, match=r"wrong plan.*does not satisfy task"):
             ask(*made.initial_problem())
 

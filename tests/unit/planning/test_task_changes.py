@@ -116,4 +116,4 @@ def test_a_barred_action_is_in_no_plan() -> None:
     planner, state, _ = kept(mission("F done", skills=[command("do", "", "done")]))
     assert "do" in {action.name for action in state.problem()[0].actions}
     state.bar(next(a for a in planner.all_actions() if a.name == "do"))
-    assert planner.replan(*state.problem()) is None
+    assert planner.solver.replan(*state.problem()) is None

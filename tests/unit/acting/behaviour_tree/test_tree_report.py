@@ -56,7 +56,7 @@ def nodes_of(root: Behaviour) -> list[Behaviour]:
 def test_what_was_told_is_the_tree_at_every_tick() -> None:
     """A lap and a bit: nodes run, succeed, and are reset when the loop begins again."""
     rig, reader = Rig(mission("G F at(A) & G F at(H)")), Reader()
-    lasso = rig.planner.solve(*rig.task.problem()).lasso
+    lasso = rig.planner.solver.solve(*rig.task.problem()).lasso
     root = build(rig.flight, lasso, Assumptions(rig.planner, rig.flight))
     report = TreeReport(rig.flight, root)
     seen, quiet = set[NodeStatus](), 0

@@ -30,6 +30,7 @@ from companion.planning.engine_port import EngineFailure, EngineJob
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.optional_lines import NO_PLAN
 from companion.planning.planner import Planner
+from companion.planning.solver import Solver
 from companion.vehicle.port import Failed
 
 RAIN = event("rain")
@@ -96,13 +97,13 @@ def test_a_line_is_taken_up_between_two_skills() -> None:
 def test_it_is_asked_once_a_completed_skill(monkeypatch: pytest.MonkeyPatch) -> None:
     rig = Rig(asked()).begin()
     tried = []
-    line_to_take_up = Planner.line_to_take_up
+    line_to_take_up = Solver.line_to_take_up
 
-    def spied(planner: Planner, problem: Problem, dropped: frozenset[str]) -> str | None:
+    def spied(solver: Solver, problem: Problem, dropped: frozenset[str]) -> str | None:
         tried.append(rig.task.positions)
-        return line_to_take_up(planner, problem, dropped)
+        return line_to_take_up(solver, problem, dropped)
 
-    monkeypatch.setattr(Planner, "line_to_take_up", spied)
+    monkeypatch.setattr(Solver, "line_to_take_up", spied)
     rig.tick(reading("rain"))
     first = len(places(rig))
     rig.run_until(PlaceReached, times=first + 6)
@@ -275,7 +276,7 @@ class _Engine:
 
     def plan(self, problem: Problem, histories: object) -> Lasso | EngineFailure:
         self.asked.append({conjunct.name for conjunct in problem.conjuncts})
-        found = self.planner.replan(problem, histories)  # type: ignore[arg-type]
+        found = self.planner.solver.replan(problem, histories)  # type: ignore[arg-type]
         return found or EngineFailure("finds no plan")
 
     def begin(self, problem: Problem, histories: object, now_s: float) -> EngineJob:

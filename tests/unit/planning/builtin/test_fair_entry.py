@@ -67,8 +67,10 @@ def test_no_entry_of_the_loop_has_a_lesser_worst_age(costs: list[int], met: list
     patrol = planner(table)
     since_s = dict(zip(SITES, map(float, met), strict=True))
     problem = waiting(patrol, since_s)
-    plan = patrol.replan(problem, [[] for _ in problem.conjuncts])
-    unaware = patrol.replan(replace(problem, waiting_since_ms=()), [[] for _ in problem.conjuncts])
+    plan = patrol.solver.replan(problem, [[] for _ in problem.conjuncts])
+    unaware = patrol.solver.replan(
+        replace(problem, waiting_since_ms=()), [[] for _ in problem.conjuncts]
+    )
     assert plan is not None and unaware is not None
     assert plan.lap_cost_ms == unaware.lap_cost_ms, "the lap comes first"
     ranked = [(worst_age_ms(e, since_s), e.prefix_cost_ms) for e in entries(problem, plan, patrol)]
@@ -94,7 +96,7 @@ def test_what_waits_longest_is_flown_to_first() -> None:
     patrol = planner(cost)
     for oldest in SITES:
         problem = waiting(patrol, {site: 0.0 if site == oldest else 100.0 for site in SITES})
-        plan = patrol.replan(problem, [[] for _ in problem.conjuncts])
+        plan = patrol.solver.replan(problem, [[] for _ in problem.conjuncts])
         assert plan is not None and plan.prefix[0].destination == oldest
 
 
@@ -110,7 +112,7 @@ def test_on_its_loop_the_vehicle_goes_on_along_it() -> None:
         facts = frozenset(f for f in waiting(patrol, met).facts if f.predicate != "at")
         here_now = Fact.parse(f"at({here.destination})")
         problem = replace(waiting(patrol, met), facts=facts | {here_now})
-        plan = patrol.replan(problem, [[] for _ in problem.conjuncts])
+        plan = patrol.solver.replan(problem, [[] for _ in problem.conjuncts])
         assert plan is not None and plan.names(1) == [following.name]
 
 
@@ -121,7 +123,7 @@ def test_a_mark_that_is_met_on_the_way_to_the_loop_is_not_old() -> None:
     patrol = planner(cost)
     since_s = {"A": 5.0, "B": 0.0, "C": 5.0}
     problem = waiting(patrol, since_s)
-    plan = patrol.replan(problem, [[] for _ in problem.conjuncts])
+    plan = patrol.solver.replan(problem, [[] for _ in problem.conjuncts])
     assert plan is not None
     assert worst_age_ms(plan, since_s) == 2000
     assert plan.names(3) == ["move(H, A)", "move(A, B)", "move(B, C)"]
@@ -134,5 +136,5 @@ def test_other_objectives_know_no_ages(objective: str) -> None:
     problem = waiting(patrol, {"A": 0.0, "B": 100.0, "C": 100.0})
     plain = replace(problem, waiting_since_ms=())
     histories = [[] for _ in problem.conjuncts]  # type: ignore[var-annotated]
-    told = [patrol.solve(p, histories, Objective(objective)).lasso for p in (problem, plain)]
+    told = [patrol.solver.solve(p, histories, Objective(objective)).lasso for p in (problem, plain)]
     assert told[0] == told[1]

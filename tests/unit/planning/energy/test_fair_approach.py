@@ -80,7 +80,7 @@ def test_what_has_waited_longest_is_met_soonest(seed: int) -> None:
         asked = replace(asked, energy=replace(asked.energy, level=level))
         since_ms = tuple(chance.randint(0, 400_000) for _ in asked.conjuncts)
         waits = replace(asked, waiting_since_ms=since_ms)
-        quickest, fair = planner.replan(asked, read), planner.replan(waits, read)
+        quickest, fair = planner.solver.replan(asked, read), planner.solver.replan(waits, read)
         if quickest is None or fair is None:
             assert quickest is fair is None
             continue

@@ -65,12 +65,12 @@ def test_what_an_answer_has_used_up_is_charged_again_first() -> None:
     answered, letters = at_level(planner, "A", 1600)
     energy = answered.energy
     assert energy is not None and energy.floors["A"] < energy.ready["A"] < 1600
-    assert not planner.is_solvable(answered)
-    lasso = planner.replan(answered, letters)
+    assert not planner.solver.is_solvable(answered)
+    lasso = planner.solver.replan(answered, letters)
     assert lasso is not None and any(action.charger is not None for action in lasso.prefix)
     short = replace(answered, energy=replace(energy, is_short=True))
     assert energy_fault(answered, lasso) and energy_fault(short, lasso) is None
-    kept = planner.replan(*at_level(planner, "A", 2500))
+    kept = planner.solver.replan(*at_level(planner, "A", 2500))
     assert kept is not None and energy_fault(answered, lasso) is not None
 
 
@@ -87,7 +87,7 @@ def test_a_charge_says_with_how_much_the_event_ends_it() -> None:
 def test_what_a_line_takes_to_be_ready_is_told() -> None:
     planner = patrol()
     with pytest.raises(NoPlan) as none:
-        planner.solve(*at_level(planner, "Home", 1620))
+        planner.solver.solve(*at_level(planner, "Home", 1620))
     assert none.value.explanation.shortages[-1] == (
         "without ready: there would be a plan; for answer E keeps 0.88 Wh more than it takes to "
         "land at a safe place: for the way to A, and on to a dock"
@@ -115,5 +115,5 @@ def test_after_an_answer_it_is_charged_no_further_than_other_bounds_leave_time_f
     planner = Planner(load_mission(data))
     answered, letters = at_level(planner, "A", 1600)
     clocks_ms = tuple(15_000 if c.name == "often" else None for c in answered.conjuncts)
-    lasso = planner.replan(replace(answered, clocks_ms=clocks_ms), letters)
+    lasso = planner.solver.replan(replace(answered, clocks_ms=clocks_ms), letters)
     assert lasso is not None and any(action.charger is not None for action in lasso.prefix)

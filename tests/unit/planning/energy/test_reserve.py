@@ -58,7 +58,7 @@ def test_a_plan_charges_first_where_that_takes_the_least(missing: int) -> None:
     """It is the plan of one that has just enough, but for what is lent."""
     planner = planner_at(missing)
     assert missing < lent(planner) < missing + 20
-    lasso = planner.replan(*planner.initial_problem(at="B"))
+    lasso = planner.solver.replan(*planner.initial_problem(at="B"))
     assert lasso is not None
     assert [a.name for a in (*lasso.prefix, *lasso.loop)][:2] == ["move(B, E)", "recharge(E)"]
 
@@ -77,7 +77,7 @@ def test_so_it_does_where_lines_have_bounds_or_are_ready(
     missing: int, changes: dict[str, Any]
 ) -> None:
     planner = planner_at(missing, **changes)
-    lasso = planner.replan(*planner.initial_problem(at="B"))
+    lasso = planner.solver.replan(*planner.initial_problem(at="B"))
     assert lasso is not None
     assert [a.name for a in (*lasso.prefix, *lasso.loop)][:2] == ["move(B, E)", "recharge(E)"]
 
@@ -86,13 +86,13 @@ def test_so_it_does_where_lines_have_bounds_or_are_ready(
 def test_what_lasts_for_a_landing_alone_lasts_for_a_charge(more: int) -> None:
     planner = planner_at(-more)
     assert lent(planner) == 0
-    assert planner.replan(*planner.initial_problem(at="B")) is not None
+    assert planner.solver.replan(*planner.initial_problem(at="B")) is not None
 
 
 def test_nothing_is_lent_on_the_ground() -> None:
     planner = planner_at(1, is_flown=False)
     assert lent(planner) == 0
-    assert planner.replan(*planner.initial_problem(at="B")) is None
+    assert planner.solver.replan(*planner.initial_problem(at="B")) is None
 
 
 def test_no_more_is_lent_than_the_reserve() -> None:
@@ -106,10 +106,10 @@ def test_no_farther_dock_is_reached_on_the_reserve() -> None:
     places = two_docks()["places"] | {"Home": {"east_m": 28, "north_m": 0, "up_m": 3}}
     planner = planner_at(1, "A", places=places)
     assert lent(planner, "A") == 1
-    assert planner.replan(*planner.initial_problem(at="A")) is None
+    assert planner.solver.replan(*planner.initial_problem(at="A")) is None
 
 
 def test_no_line_of_the_task_is_dropped_for_it() -> None:
     task = {"a": {"formula": "G F at(A)", "priority": 1}, "b": "G F at(B)"}
     planner = planner_at(FAR, task=task)
-    assert planner.lines_to_drop(problem_at(planner)) == ()
+    assert planner.solver.lines_to_drop(problem_at(planner)) == ()

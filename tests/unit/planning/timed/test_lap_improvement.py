@@ -15,9 +15,9 @@ def test_a_lap_over_many_sites_is_found_in_flight() -> None:
     mission = bounded(14, 0.6, 1.1, 1)
     planner = Planner(mission, straight(mission))
     problem, histories = planner.initial_problem()
-    lasso = planner.replan(problem, histories)
+    lasso = planner.solver.replan(problem, histories)
     assert lasso is not None and time_fault(problem, lasso) is None
     visits = [action.arguments[-1] for action in lasso.loop if action.skill == "move"]
     assert len(visits) > len(set(visits))
-    assert planner.is_solvable(problem, IN_FLIGHT)
-    assert planner.replan(problem, histories) == lasso
+    assert planner.solver.is_solvable(problem, IN_FLIGHT)
+    assert planner.solver.replan(problem, histories) == lasso
