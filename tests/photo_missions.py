@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from lockstep import Lockstep
+from moves import MOVE
 
 from companion.flight_events.skills import PhotoTaken, SkillCompleted, SkillFailed
 from companion.mavlink.framing import dialect
@@ -39,12 +40,7 @@ def photo_mission(sites: str = "ABC", **changes: Any) -> dict[str, Any]:
         "sets": {"Place": ["Home", *sites], "Site": [*sites]},
         "components": {"camera": 100},
         "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            },
+            "move": MOVE,
             "photo": skill,
         },
         "initially": ["at(Home)"],

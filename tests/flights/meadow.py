@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from lockstep import VEHICLE, Lockstep
+from moves import MOVE
 
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.api.simulating import world_of
@@ -30,14 +31,7 @@ DATA: dict[str, Any] = {
         "A": {"east_m": 20, "north_m": 0, "up_m": 3},
     },
     "sets": {"Place": ["Home", "A"]},
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        }
-    },
+    "skills": {"move": MOVE},
     "initially": ["at(Home)"],
     "task": {"visit": "F at(A) & F G at(Home)"},
 }

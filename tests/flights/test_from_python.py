@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from moves import MOVE
 from ports import free_instance, own_ports
 
 from companion import FlightResult, LinkError, audit, load_mission, run
@@ -31,14 +32,7 @@ MISSION: dict[str, Any] = {
         "A": {"east_m": 3, "north_m": 3, "up_m": 2},
     },
     "sets": {"Place": ["Home", "A"]},
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        }
-    },
+    "skills": {"move": MOVE},
     "initially": ["at(Home)"],
     "goal": "at(A)",
 }

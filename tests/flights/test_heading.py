@@ -8,6 +8,7 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lockstep import COMPANION, Lockstep
+from moves import MOVE
 
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import Phase, PhaseEntered
@@ -30,12 +31,6 @@ FEW = settings(max_examples=3, deadline=None, suppress_health_check=[*HealthChec
 
 def mission(**changes: Any) -> dict[str, Any]:
     """From Home to A and back; a picture is taken at A."""
-    move = {
-        "parameters": {"from": "Place", "to": "Place"},
-        "precondition": "at(from)",
-        "effect": "at(to) & !at(from)",
-        "execute": "fly(to)",
-    }
     photo = {
         "precondition": "at(A)",
         "effect": "taken",
@@ -57,7 +52,7 @@ def mission(**changes: Any) -> dict[str, Any]:
         "sets": {"Place": ["Home", "A"]},
         "components": {"payload": 25},
         "skills": {
-            "move": {**move, **changes.pop("move", {})},
+            "move": {**MOVE, **changes.pop("move", {})},
             "photo": {**photo, **changes.pop("photo", {})},
         },
         "initially": ["at(Home)"],

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from lockstep import COMPANION, Lockstep
+from moves import MOVE
 
 from companion.flight_events.landing import LandedOnMarker, MarkerLost, SightingsRefused
 from companion.flight_events.skills import SkillCompleted, SkillFailed
@@ -41,12 +42,6 @@ def mission(is_roof: bool = True, home_up_m: float = 3, **limits: Any) -> Missio
         "effect": "stood",
         "execute": ["land_on(p)", "take_off()"],
     }
-    move = {
-        "parameters": {"from": "Place", "to": "Place"},
-        "precondition": "at(from)",
-        "effect": "at(to) & !at(from)",
-        "execute": "fly(to)",
-    }
     return load_mission(
         {
             "version": 1,
@@ -67,7 +62,7 @@ def mission(is_roof: bool = True, home_up_m: float = 3, **limits: Any) -> Missio
                 },
             },
             "sets": {"Place": ["Home", "P"], "Pad": ["P"]},
-            "skills": {"move": move, "stand": skill},
+            "skills": {"move": MOVE, "stand": skill},
             "initially": ["at(Home)"],
             "task": {"stand": "F stood", "home": "F G at(Home)"},
         }

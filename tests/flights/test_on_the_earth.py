@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from lockstep import Air, Deaf, Lockstep, clear
+from moves import MOVE
 
 from companion.acting.frame_watch import LOST_S
 from companion.api.simulating import world_of
@@ -80,12 +81,7 @@ def mission_of(field: Field) -> dict[str, Any]:
         },
         "sets": {"Place": ["Home", "A"]},
         "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            },
+            "move": MOVE,
             "look": {"precondition": "at(A)", "effect": "seen", "execute": "wait(5)"},
         },
         "initially": ["at(Home)"],

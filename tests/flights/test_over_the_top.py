@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from lockstep import Lockstep
+from moves import MOVE
 
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import SetpointRefused, TaskSatisfied
@@ -28,14 +29,7 @@ MISSION = {
         "B": {"east_m": 15, "north_m": 0, "up_m": 1.5},
     },
     "sets": {"Place": ["Home", "B"]},
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        }
-    },
+    "skills": {"move": MOVE},
     "initially": ["at(Home)"],
     "task": {"there": "F at(B)", "back": "F G at(Home)"},
 }

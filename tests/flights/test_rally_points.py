@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from lockstep import VEHICLE, Deaf, Lockstep, Lossy
+from moves import MOVE
 
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.api.simulating import world_of
@@ -49,14 +50,7 @@ DATA: dict[str, Any] = {
         "North": {"east_m": 20, "north_m": 20, "up_m": 5},
     },
     "sets": {"Place": ["Home", "A"]},
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        }
-    },
+    "skills": {"move": MOVE},
     "initially": ["at(Home)"],
     "task": {"visit": "F at(A) & F G at(Home)"},
     "otherwise": {"land_at": ["Home", "East", "North"]},

@@ -6,18 +6,12 @@ import math
 from typing import Any
 
 import pytest
+from moves import MOVE
 
 from companion.errors import MissionError
 from companion.mission.loader import load_mission
 from companion.mission.model import PointOfInterest
 from companion.planning.instances import instantiate
-
-MOVE = {
-    "parameters": {"from": "Place", "to": "Place"},
-    "precondition": "at(from)",
-    "effect": "at(to) & !at(from)",
-    "execute": "fly(to)",
-}
 
 
 def data(photo: dict[str, Any] | None = None, **a: Any) -> dict[str, Any]:

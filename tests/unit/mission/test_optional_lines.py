@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from moves import MOVE
 
 from companion import load_mission
 from companion.errors import MissionError
@@ -28,14 +29,7 @@ def room(task: dict[str, object] | None, **more: object) -> dict[str, Any]:
             for name, (east_m, north_m) in places.items()
         },
         "sets": {"Place": list(places)},
-        "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            }
-        },
+        "skills": {"move": MOVE},
         "initially": ["at(Home)"],
         **({"task": task} if task is not None else {}),
         **more,

@@ -7,6 +7,7 @@ import math
 from typing import Any
 
 import pytest
+from moves import MOVE
 
 from companion import NoPlanError, Planner, load_mission, simulate
 from companion.api.simulating import world_alone, world_of
@@ -28,14 +29,7 @@ FIELD: dict[str, Any] = {
         "A": {"east_m": 12, "north_m": 0, "up_m": 2},
     },
     "sets": {"Place": ["Home", "A"]},
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        }
-    },
+    "skills": {"move": MOVE},
     "initially": ["at(Home)"],
     "task": {"see": "F at(A)"},
 }

@@ -8,6 +8,7 @@ from random import Random
 from typing import Any
 
 import pytest
+from moves import MOVE
 
 from companion.mission.loader import load_mission
 from companion.planning.lasso import Lasso, Problem
@@ -36,12 +37,7 @@ def patrol(seed: int) -> Planner:
         "places": {name: place() for name in names},
         "sets": {"Place": names, "Pad": ["W", "X"]},
         "skills": {
-            "move": {
-                "parameters": {"from": "Place", "to": "Place"},
-                "precondition": "at(from)",
-                "effect": "at(to) & !at(from)",
-                "execute": "fly(to)",
-            },
+            "move": MOVE,
             "recharge": {
                 "parameters": {"pad": "Pad"},
                 "precondition": "at(pad)",

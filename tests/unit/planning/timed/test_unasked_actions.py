@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from moves import MOVE
 
 from companion.mission.loader import load_mission
 from companion.planning.planner import Planner
@@ -21,14 +22,7 @@ MISSION: dict[str, Any] = {
         "alarm": {"when": "COMMAND.MAV_CMD_USER_3", "latch": True},
         "personSeen": {"when": "COMMAND.MAV_CMD_USER_2"},
     },
-    "skills": {
-        "move": {
-            "parameters": {"from": "Place", "to": "Place"},
-            "precondition": "at(from)",
-            "effect": "at(to) & !at(from)",
-            "execute": "fly(to)",
-        },
-    },
+    "skills": {"move": MOVE},
     "initially": ["at(Home)"],
 }
 DROP = {
