@@ -24,8 +24,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
-from typing import TypeVar
 
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
@@ -50,47 +48,6 @@ class CompanionError(Exception):
 
     def __init__(self, text: str) -> None:
         super().__init__(printable(text))
-
-
-def check_kind(value: object, kinds: type | tuple[type, ...], expected: str) -> None:
-    """Refuses an argument that is of another kind than a function takes.
-
-    >>> check_kind("hall.yaml", int, "a number")
-    Traceback (most recent call last):
-    companion.errors.CompanionError: expected a number, and this is a str
-
-    Args:
-        value: what was given.
-        kinds: what it may be.
-        expected: that, in words.
-
-    Raises:
-        CompanionError: it is none of them.
-    """
-    if not isinstance(value, kinds):
-        raise CompanionError(f"expected {expected}, and this is a {type(value).__name__}")
-
-
-E = TypeVar("E", bound=StrEnum)
-
-
-def named(kind: type[E], name: str, argument: str) -> E:
-    """The value of a name, in an argument that may be one of a few.
-
-    >>> named(StrEnum("Meal", ["LUNCH", "DINNER"]), "lunch", "meal").name
-    'LUNCH'
-
-    Args:
-        kind: the values.
-        name: of one of them.
-        argument: what it is called.
-
-    Raises:
-        RequestError: there is none of that name.
-    """
-    if name not in [each.value for each in kind]:
-        raise RequestError(f"no {argument} {name!r}; there are {', '.join(kind)}")
-    return kind(name)
 
 
 @dataclass(frozen=True, slots=True)

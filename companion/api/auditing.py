@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from companion.api.results import FlightResult
-from companion.errors import check_kind
+from companion.arguments import path_of
 from companion.record import audit as auditing
 from companion.record.audit import Audit
 from companion.record.events import read_events, record_of
@@ -31,5 +31,4 @@ def audit(run: Path | str | FlightResult) -> Audit:
     """
     if isinstance(run, FlightResult):
         return auditing.audit(record_of(run.events))
-    check_kind(run, (Path, str), "a flight, or a run folder")
-    return auditing.audit(read_events(Path(run)))
+    return auditing.audit(read_events(path_of(run, "a flight, or a run folder")))

@@ -16,7 +16,8 @@ from types import NoneType
 
 from companion.acting.contingencies.listing import Contingencies, ContingencyQuestion
 from companion.acting.contingencies.table import Contingency, ContingencyTable
-from companion.errors import CompanionError, check_kind
+from companion.arguments import check_function, check_kind
+from companion.errors import CompanionError
 from companion.mission.model import Mission
 
 FEW_ANSWERS = 100
@@ -49,6 +50,8 @@ def contingencies(
     """
     check_kind(mission, Mission, "a mission, as of load_mission")
     check_kind(jobs, (int, NoneType), "a number of jobs")
+    if on_progress is not None:
+        check_function(on_progress, "on_progress")
     asked = Contingencies(mission)
     questions = asked.questions
     total = sum(len(question.positions) for question in questions)

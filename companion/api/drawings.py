@@ -8,7 +8,8 @@ from pathlib import Path
 from types import NoneType
 from typing import Any
 
-from companion.errors import MissionError, NoPlanError, RequestError, check_kind
+from companion.arguments import check_kind
+from companion.errors import MissionError, NoPlanError, RequestError
 from companion.flight_events.plans import PlanMade, PlannedLasso, PlanReplaced
 from companion.geometry import GlobalOrigin, enu_from_ned, horizontal_distance
 from companion.mavlink.framing import MavlinkCodec, dialect, message_id, source

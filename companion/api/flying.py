@@ -14,9 +14,10 @@ from companion.acting.sortie_terms import SortieTerms
 from companion.api.flight_arguments import check_flight_arguments
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
+from companion.arguments import named
 from companion.clock import ScaledClock
 from companion.driving import fly
-from companion.errors import CompanionError, named
+from companion.errors import CompanionError
 from companion.mission.model import Mission
 from companion.record.flight_memory_files import flight_memory_in
 from companion.run_sources.only_run import OnlyRun

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from companion.errors import check_kind
+from companion.arguments import check_kind, names_of
 
 if TYPE_CHECKING:
     from companion.ltl.automaton import BuchiAutomaton
@@ -57,5 +57,4 @@ def translate(formula: Formula | str, *, exclusive: Iterable[str] = ()) -> Buchi
 
     made = parse_formula(formula) if isinstance(formula, str) else formula
     check_kind(made, Formula, "a formula, or its text")
-    check_kind(exclusive, Iterable, "the names of propositions")
-    return translation.translate(made, exclusive=frozenset(exclusive))
+    return translation.translate(made, exclusive=names_of(exclusive, "propositions"))

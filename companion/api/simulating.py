@@ -16,8 +16,9 @@ from companion.acting.sortie_terms import SortieTerms
 from companion.api.flight_arguments import check_flight_arguments
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.app import Companion
+from companion.arguments import check_kind
 from companion.documents import Given, Source, read_source
-from companion.errors import Aborted, Collided, CompanionError, check_kind
+from companion.errors import Aborted, Collided, CompanionError
 from companion.ground.operations import MonitorPage
 from companion.mission.model import Mission
 from companion.mission.world_files import worlds_beside

@@ -15,7 +15,8 @@ from companion.acting.preparation import prepare
 from companion.acting.replanning.assumptions import Assumptions
 from companion.api.results import FlightResult
 from companion.api.tree_xml import to_xml
-from companion.errors import MissionError, check_kind
+from companion.arguments import path_of
+from companion.errors import MissionError
 from companion.flight_events.tree import NodeType, PlanNode
 from companion.mission.model import Mission
 from companion.planning.lasso import ChosenPlan
@@ -81,8 +82,10 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
     """
     if isinstance(of, Mission):
         return BehaviourTree(_planned(of))
-    check_kind(of, (FlightResult, Path, str), "a mission, a flight, or a run folder")
-    record = record_of(of.events) if isinstance(of, FlightResult) else read_events(Path(of))
+    if isinstance(of, FlightResult):
+        record = record_of(of.events)
+    else:
+        record = read_events(path_of(of, "a mission, a flight, or a run folder"))
     if record.tree is None:
         raise MissionError("no behaviour tree was ticked in this run")
     return BehaviourTree(record.tree.nodes)

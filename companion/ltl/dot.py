@@ -9,7 +9,7 @@ Source: https://graphviz.org/doc/info/lang.html.
 
 from __future__ import annotations
 
-from companion.errors import check_kind
+from companion.arguments import check_kind
 from companion.ltl.automaton import BuchiAutomaton, Transition
 
 

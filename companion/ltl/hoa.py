@@ -7,7 +7,7 @@ Source: https://adl.github.io/hoaf/.
 
 from __future__ import annotations
 
-from companion.errors import check_kind
+from companion.arguments import check_kind
 from companion.ltl.automaton import BuchiAutomaton, Label, statistics
 
 

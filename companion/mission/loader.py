@@ -15,6 +15,7 @@ import json
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
+from companion.arguments import path_of
 from companion.documents import (
     Document,
     DocumentReading,
@@ -47,7 +48,7 @@ from companion.skills.installed import InstalledReader, read_installed
 
 def load_mission(
     source: Given,
-    folder: Path | None = None,
+    folder: Path | str | None = None,
     domain_of: DomainReader = with_domain,
     installed: InstalledReader | None = read_installed,
 ) -> Mission:
@@ -69,8 +70,10 @@ def load_mission(
     Raises:
         MissionError: a file is missing, or something in it cannot be used: where, as file, line and
             column (`<mission>` for the file of a text), or as keys of data, e.g. `task.search`.
+        CompanionError: the folder is no path.
     """
-    mission, document = _read_mission(source, folder, domain_of)
+    within = path_of(folder, "the path of a folder") if folder is not None else None
+    mission, document = _read_mission(source, within, domain_of)
     if installed is not None:
         check_installed(mission.skills, mission.places, document, installed)
     return mission

@@ -16,6 +16,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from multiprocessing.connection import Connection, wait
 
+from companion.arguments import check_kind, check_wait
 from companion.errors import CompanionError
 from companion.mission.model import Mission
 from companion.planning import engine_process
@@ -81,8 +82,10 @@ def solve_with(
         EngineError: the engine is missing, cannot take the problem, failed, or took too long; the
             encoding cannot express the task; or the problem has energy or bounds in time, of
             which no engine knows.
-        CompanionError: the engine made a wrong plan.
+        CompanionError: the engine made a wrong plan; or an argument is of another kind.
     """
+    check_kind(engine, str, "the name of an engine")
+    check_wait(timeout_s)
     _refuse(engine, problem.energy is not None, bool(problem.clocks_ms))
     question = EngineQuestion(problem, histories, encoding, objective)
     ask = partial(engine_process.run, question=question, engine=engine, timeout_s=timeout_s)

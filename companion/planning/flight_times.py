@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+from companion.arguments import check_kind
 from companion.documents import did_you_mean
-from companion.errors import MissionError, check_kind
+from companion.errors import CompanionError, MissionError
 from companion.mission.facts import HERE, at
 from companion.mission.model import Mission
 from companion.motion.departure import Departure, at_rest
@@ -17,6 +18,8 @@ from companion.planning.flown_ways import FlownWays
 from companion.planning.instances import FlightTime
 from companion.slices import spent
 
+LONGEST_S = 1e9
+"""Of a flight that a function or a table may say: costs are counted in whole numbers."""
 _DISTANCE_US = 30
 
 
@@ -80,17 +83,35 @@ def flight_times(
     return flight_time
 
 
-def from_table(mission: Mission, table: Mapping[tuple[str, str], float]) -> FlightTime:
-    """Flight times as a table has them: seconds by origin and goal; no route between others.
+def given_times(
+    mission: Mission, given: FlightTime | Mapping[tuple[str, str], float]
+) -> FlightTime:
+    """Flight times as a function or a table has them; without a route between others of a table.
+
+    Args:
+        mission: whose places they are about.
+        given: seconds of an origin and a goal, or by these two.
 
     Raises:
         MissionError: the mission does not have a place of the table.
-        CompanionError: it is no table.
+        CompanionError: it is neither; or, also later, what it says is no time.
     """
-    check_kind(table, Mapping, "flight times as a function or a table")
+    table = given if isinstance(given, Mapping) else {}
+    if not callable(given):
+        check_kind(given, Mapping, "flight times as a function or a table")
     for pair in table:
+        if not (isinstance(pair, tuple) and len(pair) == 2):
+            raise CompanionError(f"flight times are given by origin and goal, and not by {pair!r}")
         for name in pair:
             if name not in mission.places and name != HERE:
                 hint = did_you_mean(name, mission.places)
                 raise MissionError(f"no place {name}, of which a flight time is given", hint=hint)
-    return lambda origin, goal: table.get((origin, goal), math.inf)
+
+    def flight_time(origin: str, goal: str) -> float:
+        seconds = given(origin, goal) if callable(given) else table.get((origin, goal), math.inf)
+        check_kind(seconds, (int, float), f"seconds from {origin} to {goal}")
+        if not (0 <= seconds <= LONGEST_S or seconds == math.inf):
+            raise CompanionError(f"{seconds:g} s is no time of a flight from {origin} to {goal}")
+        return seconds
+
+    return flight_time

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from companion.errors import named
+from companion.arguments import named
 
 
 class Objective(StrEnum):

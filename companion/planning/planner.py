@@ -16,7 +16,8 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
-from companion.errors import CompanionError, RequestError, check_kind
+from companion.arguments import check_kind
+from companion.errors import CompanionError, RequestError
 from companion.ltl.monitor import Runs
 from companion.mission.facts import HERE, Fact
 from companion.mission.model import Fly, Mission
@@ -30,7 +31,7 @@ from companion.planning.energy.ledger import Ledger, ledger
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.energy_check import place_of
 from companion.planning.explain import Explanation, NoPlan
-from companion.planning.flight_times import flight_times, from_table, route_map
+from companion.planning.flight_times import flight_times, given_times, route_map
 from companion.planning.flown_ways import FlownWays
 from companion.planning.instances import FlightTime, Instances, task_model
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
@@ -93,8 +94,8 @@ class Planner:
                 "flight times say nothing of energy, and the mission has a battery\n"
                 "    leave out flight_time, or the mission's battery"
             )
-        elif not callable(flight_time):
-            flight_time = from_table(mission, flight_time)
+        else:
+            flight_time = given_times(mission, flight_time)
         self.mission = mission
         start_s = clock()
         self.energy = energy
@@ -152,8 +153,7 @@ class Planner:
 
         It is the move of the mission that flies there, or else one of its own.
         """
-        moves = (action for action in self.departures(place) if action.execute == (Fly(place),))
-        move = next(moves, None)
+        move = next((a for a in self.departures(place) if a.execute == (Fly(place),)), None)
         if move is not None:
             return replace(move, requires=frozenset(), forbids=frozenset(), assumes=frozenset())
         return reach(place) if math.isfinite(self.flight_time(HERE, place)) else None

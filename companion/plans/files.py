@@ -10,7 +10,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from companion.errors import KeyPath, MissionError, check_kind
+from companion.arguments import check_kind, path_of
+from companion.errors import KeyPath, MissionError
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.planning.low_places import low_among, too_low
@@ -52,9 +53,8 @@ def import_plan(
         MissionError: it cannot be read, or a mission cannot mean it: its item and why.
         CompanionError: an argument is of another kind.
     """
-    check_kind(path, (Path, str), "the path of a plan")
     check_kind(given, Given, "what the file does not say, as Given has it")
-    path = Path(path)
+    path = path_of(path, "the path of a plan")
     try:
         plan = _reader(path)(_bytes(path), leave_out)
         drafted = draft(plan, given, name or _name(path))

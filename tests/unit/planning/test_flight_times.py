@@ -16,7 +16,7 @@ from companion.mission.model import Place
 from companion.motion.departure import Departure, at_rest
 from companion.motion.region import Disc
 from companion.motion.trajectory import Trajectory
-from companion.planning.flight_times import flight_times, from_table, route_map
+from companion.planning.flight_times import flight_times, given_times, route_map
 from companion.planning.flown_ways import ARRIVAL_S, FlownWays
 from companion.vehicle_profile import VehicleProfile
 
@@ -83,8 +83,8 @@ def test_among_shelves_flights_take_longer_than_their_length_says() -> None:
 
 def test_a_table_has_the_ways_that_it_has() -> None:
     asked = mission("F at(A)")
-    seconds = from_table(asked, {("H", "A"): 4.0, ("here", "A"): 1.5})
+    seconds = given_times(asked, {("H", "A"): 4.0, ("here", "A"): 1.5})
     assert (seconds("H", "A"), seconds("here", "A")) == (4.0, 1.5)
     assert seconds("A", "H") == math.inf
     with pytest.raises(MissionError, match="no place a, of which"):
-        from_table(asked, {("H", "a"): 4.0})
+        given_times(asked, {("H", "a"): 4.0})
