@@ -9,13 +9,13 @@ import gc
 import logging
 from collections.abc import Callable
 
-from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.errors import LinkTimeout
 from companion.flight_events.hosting import ClockFollowed
 from companion.ground.operations import SystemStatus
 from companion.slices import abandon_all
+from companion.tick import TICK_S
 from companion.vehicle.control_watch import PAUSED_S
 from companion.vehicle.endpoints import SerialPort, TcpServer
 from companion.vehicle.link import Link

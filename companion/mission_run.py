@@ -305,7 +305,7 @@ class Run:
         """What the vehicle's drag is; and how good its position is, by what routes keep more."""
         state = self.vehicle.state
         if not self.sortie.has_ended and state is not None:
-            self.flight.learn(state)
+            self.flight.guidance.learn(state)
             self._clearance.follow(state)
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:

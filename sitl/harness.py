@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.errors import LinkTimeout
 from companion.geometry import Ned
+from companion.tick import TICK_S
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 

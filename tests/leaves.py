@@ -10,8 +10,8 @@ from py_trees.common import Status
 from rig import Rig
 from synthetic import POSITIONS, command, event, mission, move
 
-from companion.acting.flight import TICK_S
 from companion.motion.grid import OccupancyGrid
+from companion.tick import TICK_S
 
 
 def a_rig(**fields: object) -> Rig:
@@ -22,7 +22,7 @@ def a_rig(**fields: object) -> Rig:
 
 def tick(rig: Rig, leaf: Behaviour) -> Status:
     rig.pass_time()
-    rig.flight.brake()
+    rig.flight.guidance.brake()
     leaf.tick_once()
     return leaf.status
 

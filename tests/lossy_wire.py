@@ -16,8 +16,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from random import Random
 
-from companion.acting.flight import TICK_S
 from companion.mavlink.framing import dialect, message_id
+from companion.tick import TICK_S
 from sitl.link.routing import LinkName
 from sitl.link.server import COMPANION_PORT, HOST, LOCAL_PORTS
 

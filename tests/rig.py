@@ -11,7 +11,6 @@ from happened import Happened
 from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import TaskStatus
-from companion.acting.flight import TICK_S
 from companion.acting.preparation import prepare
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
@@ -20,6 +19,7 @@ from companion.mission.signals import Signal
 from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.engine_port import Engine
 from companion.planning.lasso import Lasso
+from companion.tick import TICK_S
 
 
 class Rig(Happened):
@@ -77,7 +77,7 @@ class Rig(Happened):
         """One tick, in the order of `Sortie.step`."""
         self.pass_time()
         self.executive.sense(readings)
-        self.flight.brake()
+        self.flight.guidance.brake()
         status = self.executive.tick()
         self._collect()
         return status

@@ -22,7 +22,6 @@ from autopilot import Autopilot, of_type
 from notes import Notes
 from synthetic import mission
 
-from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.cli.monitoring import Page, monitored
 from companion.cli.terminal import Terminal
@@ -31,6 +30,7 @@ from companion.flight_events.sortie import TaskSatisfied
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, decode, encode
 from companion.run_sources.only_run import OnlyRun
+from companion.tick import TICK_S
 
 HTTP_S = GONE_S = 300.0  # wall time that no answer and no end needs
 NAME = b"CMP_MONITOR"

@@ -64,7 +64,7 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
     )
 
     def here() -> Departure | None:
-        return flight.departure
+        return flight.guidance.departure
 
     planner.flight_time = flight_times(mission, prepared.ways, here, lambda: speed_limit.target)
     if (energy := planner.energy) is not None:

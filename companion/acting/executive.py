@@ -152,7 +152,7 @@ class Executive:
                 self._tick_by_hand(self._root)
             case ExecutiveState.REPLANNING | ExecutiveState.EXPLAINING:
                 assert self.due is not None
-                self._flight.hold()
+                self._flight.guidance.hold()
                 self._plan_again(self.due)
             case ExecutiveState.AWAITING_PLAN:
                 assert self.due is not None and self.failure is not None
@@ -192,7 +192,7 @@ class Executive:
         if self._root is not None:
             self._root.stop(Status.INVALID)
             self._tell_tree()
-        self._flight.hold()
+        self._flight.guidance.hold()
 
     def pause(self) -> None:
         """Interrupts what is under way, to go on with it later; the vehicle holds."""
@@ -200,7 +200,7 @@ class Executive:
             self._paused_s = self._flight.now_s
             pausing.pause(self._root)
             self._tell_tree()
-            self._flight.hold()
+            self._flight.guidance.hold()
         else:
             self.stop()
 

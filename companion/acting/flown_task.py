@@ -135,7 +135,7 @@ class FlownTask:
 
     def tick_paused(self) -> SortieEvent | None:
         """One tick of a pause, in which the vehicle holds; how the charge ends it, or None."""
-        self._flight.hold()
+        self._flight.guidance.hold()
         energy = self._executive.planner.energy
         is_needed = energy is not None and energy.is_needed_to_land
         if is_needed or (self.is_called_home and self._low_battery.is_due):
@@ -151,7 +151,7 @@ class FlownTask:
         if event := self._called_home():
             return event
         is_planned = executive.lasso is not None and not executive.is_leaving
-        self._flight.is_task_flown = is_planned
+        self._flight.guidance.is_for_task = is_planned
         status = executive.resume() if self.is_interrupted else executive.tick()
         self.is_interrupted = False
         if status is TaskStatus.SATISFIED:
@@ -208,7 +208,7 @@ class FlownTask:
             safe.place = None
         place = safe.choose()
         if place is None:
-            flight.hold()
+            flight.guidance.hold()
             return None
         if place != NOWHERE and executive.go_to(place):
             flight.report(ReturnBegun(place))
@@ -220,7 +220,7 @@ class FlownTask:
         return SortieEvent.LEFT_ON_HOLD if is_hold else SortieEvent.OUT_OF_PLANS
 
     def _fly_home(self, return_home: ReturnHome) -> SortieEvent | None:
-        self._flight.is_task_flown = False
+        self._flight.guidance.is_for_task = False
         outcome = return_home.tick()
         if outcome is Progress.DONE:
             return SortieEvent.SATISFIED

@@ -53,7 +53,7 @@ class KeptClearance:
 
     def _off_m(self, state: VehicleState) -> float:
         """How far the vehicle was off the way of its setpoints at most, while it is told one."""
-        told, now_s = self._flight.setpoint, self._flight.now_s
+        told, now_s = self._flight.guidance.setpoint, self._flight.now_s
         is_flown = state.mode is Mode.OFFBOARD and not state.is_landed
         if told is None or not is_flown or now_s - state.stamp_s > LOOK_S:
             self._tracking.pause(now_s)

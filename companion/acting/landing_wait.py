@@ -40,10 +40,10 @@ class LandingWait:
         flight, state = self._flight, self._flight.vehicle.state
         if state is None or state.mode is not Mode.OFFBOARD:
             return True
-        flight.hold()
+        flight.guidance.hold()
         now_s = flight.now_s
         if self._since_s is None:
             self._since_s = now_s
-        if flight.approaches_wall:
+        if flight.guidance.approaches_wall:
             self._approached_s = now_s
         return now_s - self._since_s >= LONGEST_S or now_s - self._approached_s >= STEADY_S

@@ -131,7 +131,7 @@ class Sortie:
                 self._land(lost, SortieEvent.FRAME_LOST)
             if flight.vehicle.is_doubted or self._frame_watch.is_frozen(self.phase):
                 return  # it goes on from here, or is lost
-            flight.brake()
+            flight.guidance.brake()
         _WORK[self.phase](self, state)
 
     def pause(self) -> Refusal | None:
@@ -235,7 +235,7 @@ class Sortie:
     def _regain(self, news: FlightEvent) -> None:
         """Control is back: streams again, and goes on with what was interrupted."""
         self._flight.vehicle.regain()
-        self._flight.forget_setpoint()  # hold where it is, not where it was taken from us
+        self._flight.guidance.forget_setpoint()  # hold where it is, not where it was taken from us
         self._on(SortieEvent.HANDED_BACK, news)
 
     def _await_control(self, state: VehicleState) -> None:
@@ -288,9 +288,9 @@ class Sortie:
         if is_held or (self.phase is Phase.ARMING and not self._flight.journal.is_kept):
             return
         if self.phase is Phase.OFFBOARD:
-            self._flight.hold_here()  # it may still rise
+            self._flight.guidance.hold_here()  # it may still rise
         elif self.phase in (Phase.HOLDING, Phase.PARTING, Phase.LANDING):
-            self._flight.hold()  # until the autopilot does
+            self._flight.guidance.hold()  # until the autopilot does
         outcome = self._flight.vehicle.pursue(GOALS[self.phase])
         if outcome is Progress.DONE:
             is_entered = self.phase is Phase.OFFBOARD

@@ -67,7 +67,7 @@ class Whereabouts:
             return None
         margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
         north, east, down = state.position
-        there = flight.sent(place.position)
+        there = flight.guidance.sent(place.position)
         if flight.progress.is_descending:
             down = there[2]  # it comes down to its marker
         if place.region.away_m(there, (north, east, down)) <= margin_m:

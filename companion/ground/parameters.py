@@ -23,9 +23,9 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from companion.acting.flight import TICK_S
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.parameters import INT32, REAL32, asked_for, decode, value_message
+from companion.tick import TICK_S
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,6 @@ from time import thread_time
 
 from benches import Row, timed
 from benches.shipped import shipped
-from companion.acting.flight import TICK_S
 from companion.acting.journal import Journal, NoJournal
 from companion.app import Companion
 from companion.flight_events.event import Stamped
@@ -21,6 +20,7 @@ from companion.geometry import Ned, distance
 from companion.ground.operations import SystemStatus
 from companion.mavlink.framing import MavlinkCodec, split_frames
 from companion.planning.planner import Planner
+from companion.tick import TICK_S
 from companion.vehicle.run_clocks import ClockReading
 from sitl.simulation import Simulation
 

@@ -12,8 +12,8 @@ from typing import Protocol
 import pytest
 from fakes import FakeVehicle
 
-from companion.acting.flight import TICK_S
 from companion.geometry import distance
+from companion.tick import TICK_S
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.port import Goal, Mode, Progress, Vehicle, hold_at

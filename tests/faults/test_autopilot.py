@@ -10,13 +10,13 @@ from campaign import actions, begin, shipped, sweep, undisturbed, world
 from lockstep import Lockstep
 from synthetic import mission
 
-from companion.acting.flight import TICK_S
 from companion.api.simulating import world_of
 from companion.errors import Aborted
 from companion.flight_events.skills import SkillCompleted
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, RunFailed, TaskSatisfied
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import dialect
+from companion.tick import TICK_S
 from companion.vehicle.heard_time import QUIET_S
 from companion.vehicle.wire import AUTOPILOT
 from companion.vehicle_profile import VehicleProfile

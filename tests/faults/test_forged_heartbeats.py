@@ -9,11 +9,11 @@ import pytest
 from campaign import LONGEST_S, actions, shipped, sweep, undisturbed, world
 from lockstep import VEHICLE, Lockstep
 
-from companion.acting.flight import TICK_S
 from companion.errors import Aborted
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.px4_modes import custom_mode
+from companion.tick import TICK_S
 
 pytestmark = pytest.mark.faults
 

@@ -10,10 +10,10 @@ import pytest
 from campaign import fly, shipped, sweep, undisturbed, world
 from lockstep import Lockstep
 
-from companion.acting.flight import TICK_S
 from companion.errors import Aborted
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, SetpointRefused
 from companion.mavlink.framing import MavlinkCodec, dialect
+from companion.tick import TICK_S
 from companion.vehicle.position_watch import WORST_M
 
 pytestmark = pytest.mark.faults

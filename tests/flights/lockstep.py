@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 from happened import Happened
 
-from companion.acting.flight import TICK_S
 from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalEntry, JournalledFlight, put_together
 from companion.acting.preflight.arming_terms import USUAL_ARMING, ArmingTerms
@@ -29,6 +28,7 @@ from companion.mavlink.signing import Signing
 from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from companion.run_sources.only_run import OnlyRun
+from companion.tick import TICK_S
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.run_clocks import ClockReading
 from sitl.link.routing import LinkName

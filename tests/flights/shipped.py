@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 from lockstep import Lockstep
 
-from companion.acting.flight import TICK_S
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import LineDropped, LineTakenUp, NoPlanFound, PlanReplaced
@@ -32,6 +31,7 @@ from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
 from companion.planning.domain import Action
 from companion.planning.instances import departures, instantiate
+from companion.tick import TICK_S
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"

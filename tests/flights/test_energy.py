@@ -12,7 +12,6 @@ from lockstep import Lockstep
 from two_docks import PADS, RESERVE, between_docks, lowest, text, two_docks
 
 from companion.acting.behaviour_tree import landing
-from companion.acting.flight import TICK_S
 from companion.api.simulating import world_of
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned
 from companion.flight_events.energy import EnergyUsed, ReserveUsed
@@ -33,6 +32,7 @@ from companion.mission.model import Mission
 from companion.planning.builtin.search import Search
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.planner import Planner
+from companion.tick import TICK_S
 
 CONTINUE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
 COMPANION = 191

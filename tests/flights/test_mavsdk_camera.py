@@ -13,7 +13,7 @@ import pytest
 from lockstep import Lossy
 from photo_missions import AREA, PhotoFlight, photo_mission
 
-from companion.acting.flight import TICK_S
+from companion.tick import TICK_S
 from sitl.link.routing import LinkName
 from sitl.simulation import Simulation
 from sitl.world.scenario import read_scenario

@@ -15,7 +15,6 @@ import pytest
 from lockstep import COMPANION, VEHICLE, Lockstep, World
 from preparations import Polled
 
-from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import MissionEventChanged
@@ -38,6 +37,7 @@ from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.run_sources.hosted_runs import HostedRuns
+from companion.tick import TICK_S
 from sitl.link.routing import LinkName
 from sitl.world.scenario import read_scenario
 

@@ -13,7 +13,6 @@ from lockstep import SETPOINT, Lockstep
 from scipy import ndimage
 from shipped import MISSIONS
 
-from companion.acting.flight import TICK_S
 from companion.flight_events.skills import ClearanceChanged, PlaceReached, SkillFailed
 from companion.flight_events.sortie import (
     Phase,
@@ -22,6 +21,7 @@ from companion.flight_events.sortie import (
     VehicleCrashed,
 )
 from companion.mission.loader import load_mission
+from companion.tick import TICK_S
 from sitl.world.scenario import read_scenario
 
 NEEDED_M = 0.45

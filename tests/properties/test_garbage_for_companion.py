@@ -21,7 +21,6 @@ from notes import Notes
 from preparations import Polled
 from synthetic import mission
 
-from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, PhaseEntered
@@ -34,6 +33,7 @@ from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.run_sources.hosted_runs import HostedRuns
 from companion.run_sources.only_run import OnlyRun
+from companion.tick import TICK_S
 
 TASK = "G F at(A) & G F at(B)"
 PER_TICK = 4

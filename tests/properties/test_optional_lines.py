@@ -9,10 +9,10 @@ from rig import Rig
 from synthetic import event, mission, reading
 
 from companion.acting.executive_states import TaskStatus
-from companion.acting.flight import TICK_S
 from companion.flight_events.event import Stamped
 from companion.record.audit import audit
 from companion.record.events import record_of
+from companion.tick import TICK_S
 
 EVENTS = [event("rain"), event("wind"), event("again", restarts=["calm"])]
 LINES = {

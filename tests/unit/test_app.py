@@ -13,7 +13,6 @@ from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
 from companion.acting import authority
-from companion.acting.flight import TICK_S
 from companion.acting.journal import NoJournal
 from companion.acting.preflight.arming_terms import ArmingTerms
 from companion.acting.sortie_terms import SortieTerms
@@ -36,6 +35,7 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.run_sources.only_run import OnlyRun
 from companion.slices import InSlices
+from companion.tick import TICK_S
 from companion.vehicle.run_clocks import ClockReading
 
 

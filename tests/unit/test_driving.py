@@ -14,7 +14,6 @@ from preparations import Polled
 from synthetic import mission
 
 from companion import driving
-from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.driving import fly
 from companion.flight_events.event import FlightEvent, Stamped
@@ -22,6 +21,7 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.run_sources.hosted_runs import HostedRuns
+from companion.tick import TICK_S
 
 UNDER_WAY_S = 0.002
 """From one end to the other."""

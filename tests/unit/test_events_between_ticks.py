@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from notes import Notes
 from synthetic import event, mission, move, skill
 
-from companion.acting.flight import TICK_S
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly
@@ -28,6 +27,7 @@ from companion.geometry import Ned, distance
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Charge, Land, Mission, TakeOff
 from companion.run_sources.only_run import OnlyRun
+from companion.tick import TICK_S
 
 STREAM_S = 0.02
 """Between two messages of the autopilot, so that something else arrives as well."""

@@ -15,7 +15,6 @@ from notes import Notes
 from preparations import Polled
 from synthetic import mission
 
-from companion.acting.flight import TICK_S
 from companion.acting.preparation import PreparedMission
 from companion.app import Companion
 from companion.errors import CompanionError, NoPlanError
@@ -29,6 +28,7 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.run_sources.hosted_runs import HostedRuns
+from companion.tick import TICK_S
 
 ACCEPTED, NOT_NOW = dialect.MAV_RESULT_ACCEPTED, dialect.MAV_RESULT_TEMPORARILY_REJECTED
 START = dialect.MAV_CMD_MISSION_START

@@ -55,7 +55,7 @@ class CallFunction(Leaf):
     def update(self) -> Status:
         """SUCCESS if it has returned."""
         flight = self._flight
-        flight.hold()
+        flight.guidance.hold()
         elapsed_s = flight.now_s - self._begun_s
         if self._ticket is None:
             if (is_kept := kept(flight, self._begun_s)) is not Progress.DONE:

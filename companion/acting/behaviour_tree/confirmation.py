@@ -36,7 +36,7 @@ class Confirm(Leaf):
     def update(self) -> Status:
         """SUCCESS once such a reading was heard."""
         flight, condition = self._flight, self._condition
-        flight.hold()
+        flight.guidance.hold()
         heard_s, value = flight.heard.get(condition.signal, (self._begun_s, None))
         is_new = heard_s > self._begun_s
         if is_new and condition.is_met_by(value):

@@ -61,7 +61,7 @@ class AimGimbal(_Pointing):
 
     def update(self) -> Status:
         """SUCCESS when it points there."""
-        self._flight.hold()
+        self._flight.guidance.hold()
         return self._point(self._aim)
 
 
@@ -89,7 +89,7 @@ class LookThroughGimbal(_Pointing):
             return Status.SUCCESS
         if flight.progress.is_landed_by_plan:
             return Status.SUCCESS
-        flight.hold(towards(state.position, self._target.position))
+        flight.guidance.hold(towards(state.position, self._target.position))
         down_m = -state.position[2] - self._target.up_m
         away_m = horizontal_distance(state.position, self._target.position)
         heading_rad = towards(state.position, self._target.position)

@@ -101,12 +101,13 @@ class LandOnMarker(ReachGoals):
             return self.fail("the vehicle is on the ground already")
         if state is None or self._is_landing:
             return super().update()
-        if flight.stop is not None:
+        if flight.guidance.stop is not None:
             return Status.RUNNING  # it still comes to rest from the flight before
         if self._glide is None:
             if problem := self._not_above(state):
                 return self.fail(problem)
-            self._glide = Glide(flight.setpoint.position if flight.setpoint else state.position)
+            told = flight.guidance.setpoint
+            self._glide = Glide(told.position if told else state.position)
         self._look(state)
         problem = self._problem(state)
         self._why = problem or self._why
@@ -124,12 +125,12 @@ class LandOnMarker(ReachGoals):
         """Holds where it is when something above interrupts."""
         self._flight.progress.is_descending = False
         if new_status is Status.INVALID and self.status is Status.RUNNING:
-            self._flight.hold()
+            self._flight.guidance.hold()
 
     def reached(self) -> VehicleLanded:
         """The last setpoint is outdated: the vehicle will hold where it takes off."""
         flight, state, marker = self._flight, self._flight.vehicle.state, self._track.position
-        flight.forget_setpoint()
+        flight.guidance.forget_setpoint()
         if state is not None and marker is not None:
             off_m = horizontal_distance(state.position, marker)
             flight.report(LandedOnMarker(self._place.name, round(off_m, 2)))
@@ -312,7 +313,7 @@ class LandOnMarker(ReachGoals):
         assert glide is not None
         dt_s, self._stepped_s = flight.elapsed_s(self._stepped_s), flight.now_s
         if distance(glide.position, state.position) > flight.profile.carrot_m / 2:
-            flight.descend(glide.wait())
+            flight.guidance.descend(glide.wait())
             return
         profile, limit_mps = flight.profile, flight.speed_limit.now_mps / 2
         sink_mps = max(SLOWEST_MPS, SINK_PER_M * (self._above_m(state) - LAND_FROM_M))
@@ -323,7 +324,7 @@ class LandOnMarker(ReachGoals):
             min(profile.climb_mps, limit_mps),
             min(profile.descent_mps, SINK_MPS, sink_mps, limit_mps),
         )
-        flight.descend(sample)
+        flight.guidance.descend(sample)
 
     def _is_back(self, state: VehicleState) -> bool:
         assert self._glide is not None

@@ -54,9 +54,9 @@ class ReachGoals(Leaf):
         """SUCCESS when the last goal is reached."""
         flight = self._flight
         if self._left[0] is Goal.OFFBOARD:
-            flight.hold_here()  # it may still rise
+            flight.guidance.hold_here()  # it may still rise
         elif self._left[0] is Goal.LANDED:
-            flight.hold()  # until the autopilot does
+            flight.guidance.hold()  # until the autopilot does
         outcome = flight.vehicle.pursue(self._left[0], self.takeoff_up_m)
         if isinstance(outcome, Failed):
             return Status.RUNNING if self._ends_sortie(outcome) else self.fail(outcome.reason)
@@ -103,7 +103,7 @@ class LandVehicle(ReachGoals):
 
     def reached(self) -> FlightEvent:
         """The last setpoint is outdated: the vehicle will hold where it takes off."""
-        self._flight.forget_setpoint()
+        self._flight.guidance.forget_setpoint()
         return VehicleLanded()
 
 

@@ -73,7 +73,7 @@ class Precondition(Leaf):
             return self.fail("")
         is_surprised = assumptions is not None and bool(assumptions.wrong)
         if (task.may_take_up or is_surprised) and not is_landed:
-            self._flight.hold()
+            self._flight.guidance.hold()
             return Status.RUNNING
         if intention.tries.is_any and (again := task.begin_again(intention.actions)) is not None:
             intention.action = again
@@ -210,7 +210,7 @@ class UpdateParam(Leaf):
         """
         flight, place, grounding = self._flight, self._place, self._grounding
         if grounding is not None and not grounding.step():
-            flight.hold()
+            flight.guidance.hold()
             return Status.RUNNING
         if grounding is None or not grounding.result:
             last_failure = self._move.feedback_message if self._has_failed else ""
@@ -249,7 +249,7 @@ class SendCommand(Leaf):
     def update(self) -> Status:
         """SUCCESS if it was accepted."""
         flight, command = self._flight, self._command
-        flight.hold()
+        flight.guidance.hold()
         if self._ticket is None:
             if (is_kept := kept(flight, self._begun_s)) is not Progress.DONE:
                 return self.status_of(is_kept)
@@ -284,5 +284,5 @@ class Rest(Leaf):
 
     def update(self) -> Status:
         """SUCCESS when the time is over."""
-        self._flight.hold()
+        self._flight.guidance.hold()
         return Status.SUCCESS if self._flight.now_s >= self._end_s else Status.RUNNING

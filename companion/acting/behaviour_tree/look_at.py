@@ -49,7 +49,7 @@ class LookAt(Leaf):
         if state is None or heading_rad is None:
             return Status.SUCCESS
         off_rad = error_rad(state.yaw_rad, heading_rad)
-        flight.hold(heading_rad)
+        flight.guidance.hold(heading_rad)
         if off_rad <= HEADING_TOLERANCE_RAD:
             return Status.SUCCESS
         if flight.now_s > self._end_s:

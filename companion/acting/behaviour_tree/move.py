@@ -9,7 +9,8 @@ from py_trees.common import Status
 
 from companion.acting.behaviour_tree.flight_heading import FlightHeading
 from companion.acting.behaviour_tree.leaf import Leaf
-from companion.acting.flight import LAG_SHARE, TICK_S, Flight
+from companion.acting.flight import Flight
+from companion.acting.guidance import LAG_SHARE
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.flight_events.tree import LeafType
 from companion.geometry import Ned, NorthEast, distance
@@ -24,6 +25,7 @@ from companion.motion.departure import (
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import CELLS_PER_TICK
 from companion.motion.trajectory import Sample, Stop, Trajectory, motion_of
+from companion.tick import TICK_S
 from companion.vehicle.port import VehicleState
 
 ARRIVAL_M = 0.3
@@ -99,7 +101,7 @@ class MoveCommand(Leaf):
 
         While the ways are being searched the vehicle holds.
         """
-        departure = self._flight.departure_of(state)
+        departure = self._flight.guidance.departure_of(state)
         now, is_stopping = departure.now, departure.stop is not None
         self._is_turning = departure.is_turning
         limits = gentle(self._flight.speed_limit.for_trajectory, now)
@@ -119,8 +121,8 @@ class MoveCommand(Leaf):
 
     def _wait(self, state: VehicleState) -> None:
         """Begins when a stop has ended, or leads straight on at last."""
-        is_straight = self._is_turning and not self._flight.departure_of(state).is_turning
-        if self._flight.stop is None or is_straight:
+        is_straight = self._is_turning and not self._flight.guidance.departure_of(state).is_turning
+        if self._flight.guidance.stop is None or is_straight:
             self._begin(state)
 
     def _knows_ways(self, start: Ned) -> bool:
@@ -149,7 +151,7 @@ class MoveCommand(Leaf):
         if state is not None and self._is_waiting:
             self._wait(state)
             if self._is_waiting:
-                flight.hold()
+                flight.guidance.hold()
                 return Status.RUNNING
         self._advance()
         if state is not None:
@@ -161,7 +163,7 @@ class MoveCommand(Leaf):
             return self._stop_and_fail(f"not there after {self._timeout_s:.0f} s")
         self._flown_s = self._time_s
         sample = self._sample()
-        gap_m = distance(flight.sent(sample.position), state.position)
+        gap_m = distance(flight.guidance.sent(sample.position), state.position)
         is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
         if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:
@@ -170,7 +172,7 @@ class MoveCommand(Leaf):
         following = _following(gap_m / flight.profile.carrot_m)
         sample, self._rate = sample.slower(following), self._rate * following
         is_at_end = sample.is_finished and not self._is_braking
-        flight.fly(sample, self._heading.wanted(sample, state, is_at_end))
+        flight.guidance.fly(sample, self._heading.wanted(sample, state, is_at_end))
         if is_at_end and self._is_there(gap_m, state) and self._heading.is_reached(state):
             return Status.SUCCESS
         if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S + self._heading.turn_s:
@@ -209,7 +211,7 @@ class MoveCommand(Leaf):
     def _sample(self) -> Sample:
         """What may be flown of the trajectory now; sets how fast its time runs."""
         assert self._trajectory is not None
-        led = self._flight.led(self._trajectory, self._time_s)
+        led = self._flight.guidance.led(self._trajectory, self._time_s)
         slowed, self._rate = self._flight.speed_limit.slowed(led)
         return slowed
 
@@ -228,14 +230,14 @@ class MoveCommand(Leaf):
         """Comes to rest along the path, from the setpoint that was flown last."""
         flight, trajectory = self._flight, self._trajectory
         if isinstance(trajectory, Stop):
-            flight.stop_along(trajectory, self._flown_s)
-        elif self._is_waiting or trajectory is None or flight.setpoint is None:
-            flight.hold()
+            flight.guidance.stop_along(trajectory, self._flown_s)
+        elif self._is_waiting or trajectory is None or flight.guidance.setpoint is None:
+            flight.guidance.hold()
         else:
             now = trajectory.sample(self._flown_s).slower(self._rate)
             limits = gentle(flight.speed_limit.for_trajectory, now)
             stop = _stop(trajectory, self._flown_s, now, limits)
-            flight.stop_along(stop, 0.0) if stop else flight.hold()
+            flight.guidance.stop_along(stop, 0.0) if stop else flight.guidance.hold()
 
     def _follow_map(self, state: VehicleState) -> None:
         """Leaves a trajectory that is no longer clear, and goes on from a stop."""
@@ -244,7 +246,7 @@ class MoveCommand(Leaf):
             return
         if self._is_braking:
             has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
-            told = self._flight.departure_of(state).now.position
+            told = self._flight.guidance.departure_of(state).now.position
             has_stopped = has_stopped and trajectory.sample(self._time_s).is_finished
             if has_stopped and self._knows_ways(told):
                 self._adopt(self._from_rest(told), is_braking=False)

@@ -58,7 +58,7 @@ class TakePhoto(Leaf):
         """SUCCESS if the photo is there."""
         flight, ticket = self._flight, self._ticket
         assert ticket is not None
-        flight.hold()
+        flight.guidance.hold()
         match flight.vehicle.cameras.outcome(ticket):
             case ShotReady() as ready:
                 return self._shoot(ready, ticket)

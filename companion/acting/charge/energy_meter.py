@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
-from companion.acting.flight import TICK_S, Flight
+from companion.acting.flight import Flight
 from companion.acting.journal import EnergyLearnt
 from companion.flight_events.energy import EnergyUsed
 from companion.planning.charger import UNITS_PER_WH
@@ -21,6 +21,7 @@ from companion.planning.domain import WAIT, Action
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.energy.ratio_estimate import AGEING_PER_S, KnownRatios
 from companion.planning.step_times import waits_s
+from companion.tick import TICK_S
 
 LOOKS_S = 1.0
 WINDOW_S = 60.0

@@ -33,7 +33,7 @@ from companion.acting.contingencies.changes import (
 )
 from companion.acting.contingencies.supposed_charge import SupposedCharge
 from companion.acting.contingencies.supposed_vehicle import SupposedVehicle
-from companion.acting.flight import TICK_S, PlanProgress
+from companion.acting.flight import PlanProgress
 from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
 from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
@@ -50,6 +50,7 @@ from companion.planning.energy.model import EnergyModel
 from companion.planning.energy_check import level_after, of_reserve, place_of
 from companion.planning.explain import Explanation
 from companion.planning.lasso import ChosenPlan, Lasso, Problem
+from companion.tick import TICK_S
 from companion.vehicle.port import Vehicle
 
 

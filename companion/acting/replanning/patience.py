@@ -62,12 +62,12 @@ class Patience:
         """
         flight = self._flight
         if THE_MAP not in self.hopes:
-            flight.hold()
+            flight.guidance.hold()
             return
         if flight.now_s - self._held_s > APART_S:
-            self._heading_rad, self._facing_s = flight.heading_rad, flight.now_s
+            self._heading_rad, self._facing_s = flight.guidance.heading_rad, flight.now_s
         self._held_s = flight.now_s
-        flight.hold(self._heading_rad + glance(flight.now_s - self._facing_s))
+        flight.guidance.hold(self._heading_rad + glance(flight.now_s - self._facing_s))
 
     def begin(self, failure: NoPlanError | SearchLimit) -> None:
         """There is no plan, or still none; why."""

@@ -14,7 +14,6 @@ from synthetic import POSITIONS, command, event, facts_of, mission, move, readin
 from companion import slices
 from companion.acting import replan_triggers
 from companion.acting.executive_states import TaskStatus
-from companion.acting.flight import TICK_S
 from companion.acting.replan_triggers import (
     REPLAN_TRIGGERS,
     PlanUnderWay,
@@ -43,6 +42,7 @@ from companion.planning.explain import Explanation, NoPlan, why_no_plan
 from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
 from companion.planning.solver import Solver
+from companion.tick import TICK_S
 from companion.vehicle.port import Failed, Progress, hold_at
 
 FOUND, LOW = event("found"), event("low")

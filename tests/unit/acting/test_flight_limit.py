@@ -6,7 +6,6 @@ import pytest
 from sortie_rig import SortieRig
 from synthetic import command, event, mission, reading
 
-from companion.acting.flight import TICK_S
 from companion.acting.flight_limit import FlightLimit
 from companion.errors import NoPlanError
 from companion.flight_events.plans import LapCompleted, PlanReplaced
@@ -19,6 +18,7 @@ from companion.flight_events.sortie import (
     StoppedAsAsked,
     TaskSatisfied,
 )
+from companion.tick import TICK_S
 from companion.vehicle.port import Failed
 
 PATROL = "G F at(A) & G F at(B)"

@@ -11,11 +11,11 @@ from rig import Rig
 from synthetic import mission
 
 from companion.acting.behaviour_tree.landing import LandVehicle
-from companion.acting.flight import TICK_S
 from companion.acting.landing_wait import LONGEST_S, STEADY_S, LandingWait
 from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
 from companion.motion.trajectory import Sample
+from companion.tick import TICK_S
 from companion.vehicle.port import Goal, Mode, Progress
 
 WALL_EAST_M = 1.5
@@ -31,7 +31,7 @@ def beside_a_wall() -> Rig:
     rig = Rig(replace(mission("F at(A)"), grid=grid))
     rig.flight.routes.find(10**6)
     rig.vehicle.change(mode=Mode.OFFBOARD, position=(0.0, 0.0, -2.0))
-    rig.flight.hold_here()
+    rig.flight.guidance.hold_here()
     return rig
 
 
@@ -58,17 +58,17 @@ def test_it_is_held_while_it_is_or_will_be_nearer_to_a_wall_than_its_setpoint(
 def test_what_lands_beside_a_wall_is_no_nearer_to_it_than_it_shall_be() -> None:
     rig = beside_a_wall()
     rig.vehicle.change(position=BESIDE)
-    rig.flight.hold_here()
+    rig.flight.guidance.hold_here()
     assert LandingWait(rig.flight).tick() is Progress.DONE
 
 
 def test_it_is_held_where_it_shall_be_and_for_no_longer_than_ten_seconds() -> None:
     rig = beside_a_wall()
-    told = rig.flight.setpoint
+    told = rig.flight.guidance.setpoint
     rig.vehicle.change(position=BESIDE)
     wait, ticks = LandingWait(rig.flight), 0
     while wait.tick() is Progress.RUNNING:
-        assert rig.flight.setpoint == told
+        assert rig.flight.guidance.setpoint == told
         ticks += 1
         rig.flight.now_s += TICK_S
     assert ticks == round(LONGEST_S / TICK_S)
@@ -98,7 +98,7 @@ def test_a_skill_that_lands_waits_too_each_time_anew() -> None:
     for _ in range(2):
         rig.vehicle.pursued.clear()
         rig.vehicle.change(position=BESIDE, mode=Mode.OFFBOARD, is_landed=False)
-        rig.flight.fly(Sample((0.0, 0.0, -2.0), STILL, STILL, is_finished=True))
+        rig.flight.guidance.fly(Sample((0.0, 0.0, -2.0), STILL, STILL, is_finished=True))
         land.tick_once()
         assert land.status is Status.RUNNING and rig.vehicle.pursued == []
         rig.vehicle.change(position=(0.0, 0.0, -2.0))

@@ -6,7 +6,6 @@ import pytest
 from sortie_rig import SortieRig, aborted
 from synthetic import mission, skill
 
-from companion.acting.flight import TICK_S
 from companion.acting.flight_limit import FlightLimit
 from companion.acting.low_battery import IN_FLIGHT, LOW_S, ON_GROUND, says_what_then
 from companion.flight_events.sortie import (
@@ -19,6 +18,7 @@ from companion.flight_events.sortie import (
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Event, LandAtSafePlace, Mission
 from companion.mission.steps import Charge
+from companion.tick import TICK_S
 from companion.vehicle.port import Mode, Takeover
 
 PATROL = "G F at(A) & G F at(B)"

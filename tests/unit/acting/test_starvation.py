@@ -10,8 +10,8 @@ import pytest
 from rig import Rig
 from synthetic import event, mission, reading
 
-from companion.acting.flight import TICK_S
 from companion.flight_events.skills import PlaceReached
+from companion.tick import TICK_S
 
 SITES = "ABC"
 

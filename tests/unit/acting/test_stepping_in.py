@@ -11,7 +11,6 @@ from sortie_rig import SortieRig
 from synthetic import mission
 
 from companion.acting.authority import FRESH_S, not_handed_over
-from companion.acting.flight import TICK_S
 from companion.acting.sortie import ON_THE_GROUND_BY_PLAN
 from companion.errors import Aborted
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
@@ -25,6 +24,7 @@ from companion.flight_events.sortie import (
 )
 from companion.mission.model import Limits
 from companion.outcomes import Refusal
+from companion.tick import TICK_S
 from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, Takeover, VehicleState
 
 LIMITS = Limits(2.0, (0.5, 4.0), ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)))

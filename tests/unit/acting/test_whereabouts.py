@@ -10,7 +10,6 @@ from rig import Rig
 from sortie_rig import SortieRig
 from synthetic import POSITIONS, command, mission
 
-from companion.acting.flight import TICK_S
 from companion.acting.whereabouts import MARGIN_M, OUTSIDE_S
 from companion.flight_events.facts import BeliefWithdrawn, PlaceLost
 from companion.flight_events.plans import PlanReplaced
@@ -18,6 +17,7 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import Phase
 from companion.geometry import Ned, distance
 from companion.mission.tree_nodes import Act, Fallback, Steps
+from companion.tick import TICK_S
 from companion.vehicle.port import Mode, Progress, Takeover
 
 AT_A = command("do", "at(A)", "done")

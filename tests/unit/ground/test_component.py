@@ -14,7 +14,6 @@ from drawn import drawn
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.acting.flight import TICK_S
 from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.flight_events.sortie import RunEnded, RunFailed, TaskSatisfied
 from companion.ground.component import WANTED, Component
@@ -24,6 +23,7 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from companion.mission.signals import Signal
 from companion.outcomes import Refusal
+from companion.tick import TICK_S
 from companion.vehicle.wire import Wire
 
 DOCS = Path(__file__).parents[3] / "docs"

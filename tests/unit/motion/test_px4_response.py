@@ -13,13 +13,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from companion.acting.flight import TICK_S
 from companion.geometry import times
 from companion.mission.loader import load_mission
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import Route
 from companion.motion.trajectory import Trajectory
 from companion.planning.flight_times import route_map
+from companion.tick import TICK_S
 from companion.vehicle_profile import VehicleProfile
 
 MISSIONS = FilePath(__file__).parents[3] / "missions"

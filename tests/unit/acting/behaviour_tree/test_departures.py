@@ -15,9 +15,9 @@ from rig import Rig
 from synthetic import POSITIONS
 
 from companion.acting.behaviour_tree.move import MoveCommand
-from companion.acting.flight import TICK_S
 from companion.motion.departure import SLOW_MPS, at_rest
 from companion.planning.flown_ways import ARRIVAL_S, FlownWays
+from companion.tick import TICK_S
 
 SEEN_S = 4 * TICK_S
 """The first and the last tick of a flight, and that in which a turn has become straight."""
@@ -30,7 +30,7 @@ def rig() -> Rig:
 
 
 def reckoned_s(rig: Rig, place: str) -> float:
-    departure = rig.flight.departure
+    departure = rig.flight.guidance.departure
     assert departure is not None
     ways = FlownWays(rig.flight.routes)
     return ways.departure_s(departure, place, rig.speed_limit.target) - ARRIVAL_S
@@ -49,7 +49,7 @@ def flown_s(rig: Rig, leaf: MoveCommand) -> float:
 
 def give_up(rig: Rig, first: str, second: str, ticks: int, later: int) -> None:
     """A flight from one place to another ends after some ticks, and its stop goes on for others."""
-    rig.flight.forget_setpoint()
+    rig.flight.guidance.forget_setpoint()
     rig.vehicle.change(position=POSITIONS[first], velocity=(0.0, 0.0, 0.0))
     leaf = MoveCommand(rig.flight, second, None)
     for _ in range(ticks):
@@ -57,7 +57,7 @@ def give_up(rig: Rig, first: str, second: str, ticks: int, later: int) -> None:
     leaf.stop(Status.INVALID)
     for _ in range(later):
         rig.pass_time()
-        rig.flight.brake()
+        rig.flight.guidance.brake()
 
 
 @drawn(30)
@@ -67,7 +67,7 @@ def test_from_any_motion(
 ) -> None:
     """The vehicle's own motion, where it is told nothing yet."""
     velocity = (mps * math.cos(course), mps * math.sin(course), 0.0)
-    rig.flight.forget_setpoint()
+    rig.flight.guidance.forget_setpoint()
     rig.vehicle.change(position=(north, east, -2.0), velocity=velocity)
     reckoned = reckoned_s(rig, place)
     assert flown_s(rig, MoveCommand(rig.flight, place, None)) == pytest.approx(reckoned, abs=SEEN_S)
@@ -92,7 +92,7 @@ def test_at_rest_it_is_the_leg_from_there(rig: Rig) -> None:
 
 
 def test_to_turn_back_takes_the_way_to_a_stop_and_back(rig: Rig) -> None:
-    rig.flight.forget_setpoint()
+    rig.flight.guidance.forget_setpoint()
     rig.vehicle.change(position=(3.0, 0.0, -2.0), velocity=(2.0, 0.0, 0.0))
     ahead, back = reckoned_s(rig, "A"), reckoned_s(rig, "H")
     rig.vehicle.change(velocity=(0.9 * SLOW_MPS, 0.0, 0.0))

@@ -21,7 +21,6 @@ from companion.acting.behaviour_tree.leaves import (
     Withdraw,
 )
 from companion.acting.behaviour_tree.move import MoveCommand
-from companion.acting.flight import TICK_S
 from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import BeliefWithdrawn
@@ -29,6 +28,7 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFa
 from companion.mission.model import Command
 from companion.motion.grid import OccupancyGrid
 from companion.planning.domain import WAIT, Action
+from companion.tick import TICK_S
 from companion.vehicle.port import Failed, Progress, hold_at
 
 ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
@@ -231,5 +231,5 @@ def test_nothing_is_flown_while_no_position_is_known() -> None:
     vehicle = FakeVehicle()
     vehicle.state = None
     rig = Rig(mission("F at(A)"), vehicle=vehicle)
-    rig.flight.hold()
+    rig.flight.guidance.hold()
     assert vehicle.flown == []

@@ -20,10 +20,10 @@ from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.leaves import Rest
 from companion.acting.behaviour_tree.look_at import TURN_TIMEOUT_S, LookAt
 from companion.acting.behaviour_tree.move import ARRIVAL_TIMEOUT_S, MoveCommand
-from companion.acting.flight import TICK_S
 from companion.flight_events.skills import SkillFailed
 from companion.mission.model import Do, Land, Mission, PointOfInterest, Skill, TakeOff, Wait
 from companion.motion.heading import HEADING_TOLERANCE_RAD, error_rad
+from companion.tick import TICK_S
 from companion.vehicle_profile import VehicleProfile
 
 RATE = VehicleProfile().yaw_rate_radps
@@ -83,8 +83,8 @@ def test_a_flight_that_is_interrupted_amid_its_turn_keeps_the_heading() -> None:
     stopped_rad = told(rig)[-1]
     for _ in range(40):
         rig.pass_time()
-        rig.flight.brake()
-        rig.flight.hold()
+        rig.flight.guidance.brake()
+        rig.flight.guidance.hold()
     assert told(rig)[-1] == stopped_rad != approx(SOUTH)
 
 
@@ -200,7 +200,7 @@ def test_after_a_pause_by_hand_the_vehicle_looks_there_again() -> None:
     while rest.status is not Status.RUNNING:
         tick(rig, tree)
     pausing.pause(tree)
-    rig.flight.forget_setpoint()
+    rig.flight.guidance.forget_setpoint()
     rig.vehicle.change(yaw_rad=EAST)
     rig.vehicle.is_turning = False
     pausing.resume(tree, 5.0)

@@ -19,11 +19,12 @@ from companion.acting.behaviour_tree.move import (
     WAITS_SHARE,
     MoveCommand,
 )
-from companion.acting.flight import LAG_SHARE, TICK_S
+from companion.acting.guidance import LAG_SHARE
 from companion.flight_events.skills import RouteBlocked, RouteResponse
 from companion.geometry import distance
 from companion.motion.grid import OccupancyGrid
 from companion.planning.flight_times import route_map
+from companion.tick import TICK_S
 from companion.vehicle.port import Setpoint, hold_at
 from companion.vehicle_profile import VehicleProfile
 
@@ -180,7 +181,7 @@ def test_a_move_that_is_interrupted_goes_on_without_a_jump() -> None:
     first.stop(Status.INVALID)
     for _ in range(5):
         rig.pass_time()
-        rig.flight.brake()
+        rig.flight.guidance.brake()
     assert run(rig, second) is Status.SUCCESS
     since = setpoints_since(rig, 0)
     assert greatest_acceleration_mps2(since) <= QUAD.acceleration_mps2 + 1e-6
@@ -241,7 +242,7 @@ def come_to_rest(rig: Rig) -> Setpoint:
     """Ticks of a flight in which nothing acts."""
     for _ in range(60):
         rig.pass_time()
-        rig.flight.brake()
+        rig.flight.guidance.brake()
     assert rig.vehicle.setpoint is not None
     assert rig.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
     return rig.vehicle.setpoint

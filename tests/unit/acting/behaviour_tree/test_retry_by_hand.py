@@ -286,7 +286,7 @@ def test_a_vehicle_that_was_moved_in_a_pause_flies_on_from_there() -> None:
         rig.tick()
     rig.executive.pause()
     rig.vehicle.change(position=POSITIONS["B"])
-    rig.flight.forget_setpoint()
+    rig.flight.guidance.forget_setpoint()
     rig.executive.resume()
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.places == ["A", "B"]

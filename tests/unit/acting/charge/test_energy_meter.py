@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from companion.acting.charge.energy_meter import UNITS_PER_J, EnergyMeter
-from companion.acting.flight import TICK_S
 from companion.flight_events.energy import EnergyUsed
 from companion.mission.steps import Fly, Wait
 from companion.planning.energy.ratio_estimate import KnownRatios
+from companion.tick import TICK_S
 
 POWER_W = 180.0
 LEG_S = 70.0

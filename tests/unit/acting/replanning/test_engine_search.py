@@ -10,7 +10,6 @@ from rig import Rig
 from synthetic import event, mission, reading
 
 from companion.acting.executive_states import ExecutiveState, TaskStatus
-from companion.acting.flight import TICK_S
 from companion.acting.replanning.assumptions import FLAPPING_S
 from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
 from companion.errors import NoPlanError
@@ -19,6 +18,7 @@ from companion.mission.model import Mission
 from companion.planning.builtin.search import Search
 from companion.planning.engine_port import EngineFailure
 from companion.planning.lasso import Lasso, Letter, Problem
+from companion.tick import TICK_S
 
 
 @dataclass

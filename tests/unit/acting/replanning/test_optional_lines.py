@@ -10,7 +10,6 @@ from rig import Rig
 from synthetic import command, event, facts_of, mission, reading, skill
 
 from companion.acting.executive_states import ExecutiveState, TaskStatus
-from companion.acting.flight import TICK_S
 from companion.acting.replanning.optional_lines import LED_NOWHERE
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import (
@@ -31,6 +30,7 @@ from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.optional_lines import NO_PLAN
 from companion.planning.planner import Planner
 from companion.planning.solver import Solver
+from companion.tick import TICK_S
 from companion.vehicle.port import Failed
 
 RAIN = event("rain")

@@ -10,13 +10,13 @@ from rig import Rig
 from synthetic import command, event, mission, move, reading
 
 from companion.acting.executive_states import ExecutiveState, TaskStatus
-from companion.acting.flight import TICK_S
 from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.mission.conditions import parse_condition
 from companion.mission.model import PATIENCE_S, Event, Mission, Skill
 from companion.mission.signals import Signal
 from companion.motion.grid import OccupancyGrid
+from companion.tick import TICK_S
 from companion.vehicle.port import Failed
 
 COVERED = event("covered")

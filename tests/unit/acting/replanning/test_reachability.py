@@ -11,7 +11,6 @@ from synthetic import command, event, mission, reading, skill
 
 from companion import slices
 from companion.acting.executive_states import TaskStatus
-from companion.acting.flight import TICK_S
 from companion.acting.replanning.reachability import BeliefChange
 from companion.acting.safe_places import flight_to
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
@@ -19,6 +18,7 @@ from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed, SymbolMoved
 from companion.mission.model import Fly
 from companion.motion.grid import OccupancyGrid
+from companion.tick import TICK_S
 from companion.vehicle.port import Failed
 
 INSPECT = skill(

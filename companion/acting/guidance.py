@@ -1,0 +1,258 @@
+"""Guidance: the setpoints of one flight, from moments of trajectories, stops and holds.
+
+Once a tick somebody says what is flown: a moment of a trajectory, a step of a way down, or a hold.
+The walls and the ground that the vehicle itself is too near to move the setpoint; then it goes to
+the vehicle, and so to the gate. What is flown next goes on from the setpoint as it was.
+
+A flight that is interrupted comes to rest along its path: from then on `brake` streams the stop.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from companion.acting.ground_guard import GroundGuard
+from companion.acting.wall_guard import WallGuard
+from companion.flight_events.event import FlightEvent
+from companion.geometry import Ned, distance, times
+from companion.mission.model import Limits
+from companion.motion.departure import Departure, at_rest
+from companion.motion.drag_estimate import DragEstimate
+from companion.motion.heading import turned
+from companion.motion.layered_routes import LayeredRoutes
+from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory
+from companion.tick import TICK_S
+from companion.vehicle.port import Setpoint, Vehicle, VehicleState
+from companion.vehicle_profile import VehicleProfile
+
+HELD_M = 0.5
+"""Nearer to its setpoint a vehicle is held there, and does not have it moved to where it is."""
+LAG_SHARE = 0.6
+"""Of the gate's carrot: distance behind its setpoint at which the vehicle counts as behind."""
+
+
+class Guidance:
+    """What the vehicle is told to fly.
+
+    Args:
+        vehicle: which is told.
+        routes: know the walls, and what is below.
+        profile: of the vehicle that the mission is written for.
+        limits: of the mission.
+        now: the time of the tick.
+        report: is told of walls and of ground that are too near.
+
+    Attributes:
+        is_for_task: what is flown is the plan of the task; `FlownTask` writes it.
+        drag: of the vehicle, as it is learnt in flight.
+    """
+
+    def __init__(
+        self,
+        vehicle: Vehicle,
+        routes: LayeredRoutes,
+        profile: VehicleProfile,
+        limits: Limits,
+        now: Callable[[], float],
+        report: Callable[[FlightEvent], None],
+    ) -> None:
+        self.is_for_task = False
+        self.drag = DragEstimate()
+        self._vehicle, self._profile, self._limits = vehicle, profile, limits
+        self._now, self._report = now, report
+        self._setpoint: Setpoint | None = None
+        self._is_landing = False
+        self._stop: Stop | None = None
+        self._stop_begin_s = self._streamed_s = 0.0
+        self._walls = WallGuard(routes, profile)
+        self._ground = GroundGuard(routes, profile, limits.up_m[1])
+
+    @property
+    def setpoint(self) -> Setpoint | None:
+        """What is streamed; None while it is not known where the vehicle is told to be."""
+        return self._setpoint
+
+    @property
+    def approaches_wall(self) -> bool:
+        """Whether the vehicle swings towards a wall, from where it is told to be."""
+        told, state = self._setpoint, self._vehicle.state
+        if told is None or state is None:
+            return False
+        return self._walls.is_approached(told.position, state)
+
+    @property
+    def stop(self) -> Stop | None:
+        """How it brakes along the path that was flown before; None if it does not."""
+        return self._stop
+
+    @property
+    def stopping_s(self) -> float:
+        """The time since that began."""
+        return self._now() - self._stop_begin_s
+
+    @property
+    def departure(self) -> Departure | None:
+        """How a flight would begin now; None while nothing is known of the vehicle."""
+        state = self._vehicle.state
+        return None if state is None else self.departure_of(state)
+
+    def departure_of(self, state: VehicleState) -> Departure:
+        """The same for a state: the motion that it is told, if it follows that; else its own.
+
+        A vehicle above its altitudes comes down to them as it leaves.
+        """
+        told, stop, t_s = self._setpoint, self._stop, self.stopping_s
+        within_m = LAG_SHARE * self._profile.carrot_m
+        if told is None or distance(self.sent(told.position), state.position) >= within_m:
+            here = self._not_above_band(state.position)
+            own = Sample(here, state.velocity, AT_REST, is_finished=False)
+            return Departure(own, stop, t_s)
+        return at_rest(told.position) if stop is None else Departure(stop.sample(t_s), stop, t_s)
+
+    def led(self, flown: Trajectory | Stop, t_s: float) -> Sample:
+        """A moment with the acceleration that the vehicle is told: that of a little later.
+
+        Its own follows by `response_s`, its controller takes a share away (`feed_forward`), and the
+        air takes what its drag is.
+        """
+        profile = self._profile
+        later = flown.sample(t_s + profile.response_s)
+        north, east, down = times(later.acceleration, profile.feed_forward)
+        v_north, v_east, _ = times(later.velocity, self.drag.per_s)
+        told = (north + v_north, east + v_east, down)
+        return replace(flown.sample(t_s), acceleration=told)
+
+    def learn(self, state: VehicleState) -> None:
+        """Takes what the vehicle's motion says of its drag; once a tick."""
+        if state.is_landed:
+            self.drag.pause()
+        else:
+            self.drag.take(state.measured_s, state.velocity[:2], state.thrust_mps2)
+
+    def brake(self) -> None:
+        """Goes on with a stop; once a tick, before anything else acts."""
+        if self._stop is None:
+            return
+        sample = self.led(self._stop, self.stopping_s)
+        self._stream(sample, None)
+        if sample.is_finished:
+            self._stop = None
+
+    def fly(self, sample: Sample, heading_rad: float | None = None) -> None:
+        """Streams a moment of a flight from now on.
+
+        Args:
+            sample: where the vehicle shall be, and how it shall move.
+            heading_rad: to which it turns, as fast as it may; None to keep the heading.
+        """
+        self._stop = None
+        self._stream(sample, heading_rad, self.is_for_task)
+
+    def descend(self, sample: Sample) -> None:
+        """Streams a moment of the way down to a marker, or of the search for it."""
+        self._stop = None
+        self._stream(sample, None, self.is_for_task, is_landing=True)
+
+    def stop_along(self, stop: Stop, time_s: float) -> None:
+        """Comes to rest along a path, and stays at its end.
+
+        Args:
+            stop: how.
+            time_s: its time at the setpoint that was streamed last.
+        """
+        self._stop, self._stop_begin_s = stop, self._streamed_s - time_s
+        self.brake()
+
+    def sent(self, position: Ned) -> Ned:
+        """Where a position is truly sent to: higher, where the ground is nearer than it may be."""
+        north, east, down = position
+        return (north, east, down - self._ground.lift_m)
+
+    def forget_setpoint(self) -> None:
+        """Holds from now on where the vehicle is, not where its last setpoint was."""
+        self._setpoint = self._stop = None
+
+    @property
+    def heading_rad(self) -> float:
+        """The heading that was told last, or that of the vehicle."""
+        before = self._setpoint or self._vehicle.state
+        return before.yaw_rad if before is not None else 0.0
+
+    def hold(self, heading_rad: float | None = None) -> None:
+        """Stays where the last setpoint was, or where the vehicle is in the air.
+
+        A little above its altitudes, where a pilot may have given it back, it comes down to them.
+
+        Args:
+            heading_rad: to which it turns; None to keep the heading.
+        """
+        state = self._vehicle.state
+        if self._stop is not None:
+            return
+        if self._setpoint is not None:
+            at_rest = _rest_at(self._setpoint.position)
+            self._stream(at_rest, heading_rad, is_landing=self._is_landing)
+        elif state is not None and not state.is_landed:
+            self._stream(_rest_at(self._not_above_band(state.position)), heading_rad)
+
+    def hold_unless_told(self) -> None:
+        """Holds where nothing was told in this tick."""
+        if self._streamed_s < self._now():
+            self.hold()
+
+    def _not_above_band(self, position: Ned) -> Ned:
+        """A position, or the highest one below it that is allowed, if that is a setpoint away."""
+        north, east, down = position
+        highest_down = -self._limits.up_m[1]
+        is_near = highest_down - down < self._profile.carrot_m
+        return (north, east, highest_down) if down < highest_down and is_near else position
+
+    def hold_here(self) -> None:
+        """Stays over where the vehicle is, at the height that it comes to; for one that may climb.
+
+        Once held there it stays there: a setpoint that went with the vehicle would leave it to the
+        wind. One that has gone further, as in the hands of a pilot, is held where it is then.
+        """
+        told, state = self._setpoint, self._vehicle.state
+        self.forget_setpoint()
+        if state is None or state.is_landed:
+            return
+        north, east, down = state.position
+        if told is not None and math.dist(told.position[:2], (north, east)) < HELD_M:
+            north, east, _ = told.position
+        self._stream(_rest_at(self._not_above_band((north, east, down))), None)
+
+    def _stream(
+        self,
+        sample: Sample,
+        heading_rad: float | None,
+        is_for_task: bool = False,
+        is_landing: bool = False,
+    ) -> None:
+        yaw_rad = self._turned(heading_rad)
+        setpoint = Setpoint(sample.position, sample.velocity, sample.acceleration, yaw_rad)
+        self._setpoint, self._streamed_s = setpoint, self._now()
+        self._is_landing = is_landing
+        position, near = self._walls.kept_off(sample, self._vehicle.state)
+        if near is not None:
+            self._report(near)
+        if position != sample.position:
+            setpoint = replace(setpoint, position=position)
+        setpoint, low = self._ground.kept_off(setpoint, self._vehicle.state, is_landing)
+        if low is not None:
+            self._report(low)
+        self._vehicle.fly(setpoint, is_for_task, is_landing)
+
+    def _turned(self, heading_rad: float | None) -> float:
+        """The heading that is told next: that of before, turned no faster than the vehicle may."""
+        now_rad = self.heading_rad
+        if heading_rad is None:
+            return now_rad
+        most_rad = self._profile.yaw_rate_radps * min(self._now() - self._streamed_s, 2 * TICK_S)
+        return turned(now_rad, heading_rad, most_rad)
+
+
+def _rest_at(position: Ned) -> Sample:
+    return Sample(position, AT_REST, AT_REST, is_finished=True)
