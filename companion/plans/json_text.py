@@ -127,7 +127,7 @@ def number(value: object, item: str, name: str) -> float:
         ItemRefused: it is something else.
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
-        what = f"has no {name}" if value is None else f"{name} is not a number"
+        what = f"{name} is missing" if value is None else f"{name} is not a number"
         raise ItemRefused(item, what, "save the file anew")
     try:
         found = float(value)

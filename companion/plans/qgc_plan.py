@@ -219,8 +219,8 @@ def _areas(file: JsonObject, told: list[str]) -> tuple[PlanArea, ...]:
     """The areas of the fence."""
     fence = file.object("geoFence")
     if "version" not in fence or fence.integer("version") != 2:
-        if "polygon" in fence and fence.list("polygon"):
-            told.append("fence: of a version before 2, which QGroundControl ignores; left out")
+        if any(key in fence and fence.list(key) for key in ("polygon", "polygons", "circles")):
+            told.append("fence: of a version that QGroundControl ignores; left out")
         return ()
     areas = []
     for index, entry in enumerate(fence.list("polygons"), 1):

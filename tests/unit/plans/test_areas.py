@@ -60,6 +60,16 @@ def test_without_a_fence_a_box_around_all_places_is_one(tmp_path: Path) -> None:
     assert any("has no fence" in line for line in imported(tmp_path, plan(*WAY))[1].told)
 
 
+@pytest.mark.parametrize("version", [None, 1, 3])
+@pytest.mark.parametrize("areas", ["polygon", "polygons", "circles"])
+def test_a_fence_of_another_version_is_not_left_out_without_a_word(
+    tmp_path: Path, version: int | None, areas: str
+) -> None:
+    of_file = {"version": version, areas: [polygon(square(80))]}
+    _, draft = imported(tmp_path, plan(*WAY) | {"geoFence": of_file})
+    assert "fence: of a version that QGroundControl ignores; left out" in draft.told
+
+
 def test_several_inclusions_are_what_all_share(tmp_path: Path) -> None:
     areas = [polygon(square(80)), polygon(square(80, north_m=50))]
     assert are_near(

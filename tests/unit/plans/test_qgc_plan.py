@@ -256,6 +256,12 @@ def test_plans_of_planes_and_other_versions_are_refused(tmp_path: Path) -> None:
             imported(tmp_path, plan(*WAY) | {"version": version})
 
 
+def test_a_position_that_is_missing_is_told(tmp_path: Path) -> None:
+    assert refusal(tmp_path, *WAY, rally=[[None, 8.5]]).startswith(
+        "rally point 1: its position is missing"
+    )
+
+
 def test_more_places_than_are_planned_are_refused(tmp_path: Path) -> None:
     way = [waypoint(10 + 5 * i, 0) for i in range(MAX_PLACES + 1)]
     assert f"leads to more than {MAX_PLACES} places" in refusal(tmp_path, TAKE_OFF, *way)
