@@ -66,6 +66,7 @@ class FakePayloads:
         answers: seconds and outcome for each command, in the order they are sent; then DONE.
         sent: every command, as (component, command, parameters).
         patience: how long the answer of each is waited for.
+        left: the tickets of those that were left, and that nobody has come back to.
         forgotten: the tickets of those that were forgotten.
     """
 
@@ -73,6 +74,7 @@ class FakePayloads:
         self.answers: list[tuple[float, Outcome]] = []
         self.sent: list[tuple[int, int, tuple[float, ...]]] = []
         self.patience: list[float | None] = []
+        self.left: list[int] = []
         self.forgotten: list[int] = []
         self._now_s = 0.0
         self._due: dict[int, tuple[float, Outcome]] = {}
@@ -99,6 +101,12 @@ class FakePayloads:
     def outcome(self, ticket: int) -> Outcome:
         due_s, outcome = self._due[ticket]
         return outcome if self._now_s >= due_s else Progress.RUNNING
+
+    def leave(self, ticket: int) -> None:
+        self.left.append(ticket)
+
+    def come_back(self, ticket: int) -> None:
+        self.left.remove(ticket)
 
     def forget(self, ticket: int) -> None:
         self.forgotten.append(ticket)

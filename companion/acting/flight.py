@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from companion.acting.begun_steps import BegunSteps
 from companion.acting.docks import AnyDock, Dock
 from companion.acting.function_port import FunctionPort, NoFunctions
 from companion.acting.guidance import Guidance
-from companion.acting.journal import CommandIntended, CommandSettled, Journal, NoJournal
+from companion.acting.journal import Journal, NoJournal
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
@@ -71,6 +72,7 @@ class Flight:
         believed_percent: of the charge, where the gauge tells more than can be; `energy_gauge.py`
             writes it.
         guidance: what the vehicle is told to fly.
+        steps: of the skill under way that may not be done twice; the leaves of its tree write them.
         kept_fence: of somebody else, to which it keeps; `kept_fence.py` writes it.
     """
 
@@ -92,10 +94,11 @@ class Flight:
     believed_percent: int = 100
     kept_fence: KeptFence | None = None
     guidance: Guidance = field(init=False)
-    _intentions: int = field(default=0, init=False)
+    steps: BegunSteps = field(init=False)
 
     def __post_init__(self) -> None:
-        """Guidance goes by the flight's own time, and reports to it."""
+        """Guidance goes by the flight's own time, and reports to it; steps know the payloads."""
+        self.steps = BegunSteps(self.vehicle)
         self.guidance = Guidance(
             self.vehicle, self.routes, self.profile, self.limits, lambda: self.now_s, self.report
         )
@@ -132,14 +135,3 @@ class Flight:
         """Notes that a place is flown to at another waypoint."""
         value = self.symbols[place]
         self.report(SymbolMoved(place, value.position, value.source))
-
-    def intend(self, command: str) -> int:
-        """Notes that the skill under way is about to send a command; returns a number for it."""
-        self._intentions += 1
-        action = self.task.running.name if self.task.running is not None else ""
-        self.journal.note(self.now_s, CommandIntended(self._intentions, action, command))
-        return self._intentions
-
-    def settle(self, intention: int) -> None:
-        """Notes that a command has failed, or that it is given up."""
-        self.journal.note(self.now_s, CommandSettled(intention))

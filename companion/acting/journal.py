@@ -93,7 +93,7 @@ class CommandIntended:
 
 @dataclass(frozen=True, slots=True)
 class CommandSettled:
-    """It has failed, or nobody waits for it any more. One that was done is part of its skill."""
+    """It has failed, with its try or by itself. One that was done is part of its skill."""
 
     number: int
 
@@ -180,7 +180,8 @@ class JournalledFlight:
         armed_s: when it was to arm; None if it never was.
         seen: where the vehicle was last; None if it never was seen.
         changes: of the task's state.
-        unsettled: commands of the skill under way that were done, or of which that is not known.
+        unsettled: commands since the last completed skill that were done, or of which that is not
+            known.
         shots: photos that were about to be asked for, the newest ones.
         settings: of the operator; None for the first ones.
         replans: how often it has planned again.
@@ -238,7 +239,6 @@ class JournalledFlight:
 
 
 KEPT_SHOTS = 20
-_END_OF_SKILL = ("complete", "interrupt")
 _ON_THE_WAY_BACK = (Phase.YIELDED, Phase.OFFBOARD)
 
 
@@ -260,7 +260,7 @@ def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFli
             flight = JournalledFlight(entry)
         elif isinstance(entry, TaskChange):
             changes.append(entry)
-            if flight is not None and entry.method in _END_OF_SKILL:
+            if flight is not None and entry.method == "complete":
                 flight = replace(flight, unsettled=())
         elif flight is not None:
             flight = _after(flight, time_s, entry)

@@ -10,6 +10,11 @@ Rules (https://mavlink.io/en/services/command.html):
 5. ACCEPTED is success. Every other result is final and a failure.
 6. A sender that says how long it waits for the final answer waits as long, whatever is heard or not
    heard before: that time stands in place of the 5 s, the 10 s and the ten times.
+7. Who is interrupted leaves a command, and may come back to it: meanwhile it is not sent, its time
+   passes, and its answer counts.
+8. While a component is at work on an abandoned command, by IN_PROGRESS, another one with the same
+   number is not sent to it, and its time does not pass: it might take effect twice, and the answer
+   to the first would be taken for its own.
 
 An answer belongs to the command that was sent last to its component with that number. A second
 answer may follow (PX4 accepts DO_SET_MODE at once and refuses it 10 ms later), so an accepted
@@ -46,6 +51,7 @@ class Exchange:
         result: name of the final MAV_RESULT without its prefix, None while there is none,
             "NO_ANSWER" for silence, "REFUSED" if it is not sent at all.
         refusal: why it is not sent.
+        is_left: nobody waits for it now.
     """
 
     system: int
@@ -61,6 +67,12 @@ class Exchange:
     is_answered: bool = False
     is_in_progress: bool = False
     refusal: Refusal | None = None
+    is_left: bool = False
+
+    @property
+    def addressee(self) -> tuple[int, int, int]:
+        """What an answer has in common with it."""
+        return (self.system, self.component, self.command)
 
     @property
     def has_failed(self) -> bool:
@@ -103,6 +115,11 @@ class Exchange:
         if self.timeout_s is None:
             self.deadline_s = deadline_s
 
+    def wait_for_other(self, now_s: float) -> None:
+        """Another one has to end before this one is sent for the first time."""
+        patience_s = SILENCE_S if self.timeout_s is None else self.timeout_s
+        self.deadline_s = now_s + patience_s
+
     def due(self, now_s: float) -> Message | None:
         """Returns the COMMAND_LONG to send now, if any."""
         if self.result is not None:
@@ -111,7 +128,7 @@ class Exchange:
             self.result = "NO_ANSWER"
             log.debug("command %d to %d/%d: no answer", self.command, self.system, self.component)
             return None
-        if self.is_answered or now_s < self.next_send_s:
+        if self.is_answered or self.is_left or now_s < self.next_send_s:
             return None
         message = dialect.MAVLink_command_long_message(
             self.system, self.component, self.command, self.confirmation, *self.parameters
@@ -134,6 +151,7 @@ class CommandSender:
 
     def __init__(self) -> None:
         self._exchanges: dict[int, Exchange] = {}
+        self._abandoned: list[Exchange] = []
         self._tickets = 0
 
     def start(
@@ -170,23 +188,51 @@ class CommandSender:
         """Ends a command: nothing more is sent, answers are ignored."""
         self._exchanges.pop(ticket, None)
 
+    def abandon(self, ticket: int) -> None:
+        """Ends a command as `forget` does, but that rule 8 holds while a component is at work."""
+        exchange = self._exchanges.pop(ticket, None)
+        if exchange is not None and exchange.is_in_progress and exchange.result is None:
+            exchange.is_left = True
+            self._abandoned.append(exchange)
+
+    def leave(self, ticket: int) -> None:
+        """Sends a command no more for now; its answer still counts."""
+        self._exchanges[ticket].is_left = True
+
+    def leave_all(self) -> None:
+        """Sends no command any more for now."""
+        for exchange in self._exchanges.values():
+            exchange.is_left = True
+
+    def come_back(self, ticket: int) -> None:
+        """Waits again for a command that was left."""
+        self._exchanges[ticket].is_left = False
+
     def __getitem__(self, ticket: int) -> Exchange:
         return self._exchanges[ticket]
 
     def receive(self, now_s: float, ack: Message) -> None:
         """Hands a COMMAND_ACK to the newest command that it answers."""
-        for ticket in sorted(self._exchanges, reverse=True):
-            exchange = self._exchanges[ticket]
-            if ack.command == exchange.command and source(ack) == (
-                exchange.system,
-                exchange.component,
-            ):
+        answered = (*source(ack), ack.command)
+        sent = [each for _, each in sorted(self._exchanges.items()) if each.confirmation]
+        for exchange in reversed([*self._abandoned, *sent]):
+            if exchange.addressee == answered:
                 exchange.receive(now_s, ack)
                 return
 
     def due(self, now_s: float) -> list[Message]:
         """Returns the messages to send now."""
-        return [m for e in self._exchanges.values() if (m := e.due(now_s)) is not None]
+        for each in self._abandoned:
+            each.due(now_s)
+        self._abandoned = [each for each in self._abandoned if each.result is None]
+        at_work = {each.addressee for each in self._abandoned}
+        messages = []
+        for exchange in self._exchanges.values():
+            if exchange.addressee in at_work and not exchange.confirmation:
+                exchange.wait_for_other(now_s)
+            elif (message := exchange.due(now_s)) is not None:
+                messages.append(message)
+        return messages
 
 
 def result_name(result: int) -> str:

@@ -48,7 +48,7 @@ ShotOutcome = ShotReady | PhotoMade | NoPhoto | None
 
 
 ShotOwner = tuple[str, int, int]
-"""What a photo is for: an action, at a position of the word, and which of its photos."""
+"""What a photo is for: an action, at a position of the word, and which of its steps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +59,7 @@ class IntendedShot:
         component: the camera.
         action: that it is for.
         position: of the word, at which the action is done.
-        nth: of the action's photos, from 0.
+        nth: of the action's steps, from 0.
         sequence: that it is asked for with.
         image_count: what the camera has counted before it.
     """

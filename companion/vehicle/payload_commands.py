@@ -3,6 +3,7 @@
 1. A command passes the rules of `mavlink/payload_commands.py`, or it is never sent.
 2. Silence and absence are two things: who did not answer, and sends no heartbeat, is not there.
 3. While nothing is heard of the autopilot no command is sent, and no command's time passes.
+4. What is released is not sent any more, until somebody comes back to it; its answer counts.
 
 Source: https://mavlink.io/en/services/command.html.
 """
@@ -68,9 +69,17 @@ class PayloadCommands:
             return Failed(exchange.in_words + self._absence(ticket, exchange))
         return Progress.DONE if exchange.result else Progress.RUNNING
 
+    def leave(self, ticket: int) -> None:
+        """Sends a command no more for now; its answer still counts."""
+        self._commands.leave(ticket)
+
+    def come_back(self, ticket: int) -> None:
+        """Waits again for a command that was left."""
+        self._commands.come_back(ticket)
+
     def forget(self, ticket: int) -> None:
-        """Asks for a command no longer."""
-        self._commands.forget(ticket)
+        """Asks for a command no longer; one that is at work on it gets no other one meanwhile."""
+        self._commands.abandon(ticket)
         self._targets.pop(ticket, None)
 
     def _absence(self, ticket: int, exchange: Exchange) -> str:
@@ -104,5 +113,5 @@ class PayloadCommands:
         return [] if moment.is_quiet else self._commands.due(moment.heard_s)
 
     def release(self) -> None:
-        """Asks for nothing any longer."""
-        self._commands = CommandSender()
+        """Sends nothing any longer."""
+        self._commands.leave_all()

@@ -190,8 +190,17 @@ class Payloads(Protocol):
     def outcome(self, ticket: int) -> Outcome:
         """How far the command of a ticket has come."""
 
+    def leave(self, ticket: int) -> None:
+        """Send a command no more for now; its answer still counts."""
+
+    def come_back(self, ticket: int) -> None:
+        """Wait again for a command that was left."""
+
     def forget(self, ticket: int) -> None:
-        """Do not ask for a command any longer."""
+        """Do not ask for a command any longer.
+
+        While its component is at work on it, no other one with its number is sent there.
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,8 @@ Rules, which the vehicle holds all services to:
 1. A service takes the messages that it names, of every component of the vehicle's system; whom it
    believes, and whether a message is meant for us, it says itself.
 2. While control is not ours, or in doubt, one that needs control says nothing.
-3. What is released begins anew: nothing that was asked for before is sent any more.
+3. What is released begins anew: nothing that was asked for before is sent any more, unless
+   somebody asks for it again.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ from collections.abc import Sequence as Many
 from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.composites import Selector, Sequence
-from py_trees.decorators import Inverter, Repeat, Retry
+from py_trees.decorators import Inverter, Repeat
 
 from companion.acting.behaviour_tree import landing
 from companion.acting.behaviour_tree.call_function import CallFunction
@@ -38,7 +38,7 @@ from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.behaviour_tree.gimbal import AimGimbal, LookThroughGimbal
 from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.land_on import LandOnMarker
-from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.behaviour_tree.leaf import Leaf, leaves_of
 from companion.acting.behaviour_tree.leaves import (
     AssumptionsHold,
     Effects,
@@ -51,7 +51,8 @@ from companion.acting.behaviour_tree.leaves import (
 )
 from companion.acting.behaviour_tree.look_at import LookAt
 from companion.acting.behaviour_tree.move import MoveCommand
-from companion.acting.behaviour_tree.photo import TakePhoto, number_photos
+from companion.acting.behaviour_tree.photo import TakePhoto
+from companion.acting.behaviour_tree.tries import RetrySteps
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
 from companion.mission.model import (
@@ -148,18 +149,19 @@ def action_tree(
         ],
     )
     selector = ActionNode(flight, intention)
-    number_photos(refinement)
+    for nth, leaf in enumerate(leaves_of(refinement)):
+        leaf.nth = nth
     selector.add_children([triple, Inverter("not", Withdraw(flight, intention, triple))])
     return selector
 
 
 def move_tree(flight: Flight, place: str, tries: int, timeout_s: float | None) -> Behaviour:
     """The tree of a flight to a place: MAX_TRY(m) of Fig. 6."""
-    return _tried(_flight_to(flight, place, timeout_s, None), tries)
+    return _tried(flight, _flight_to(flight, place, timeout_s, None), tries)
 
 
-def _tried(child: Behaviour, tries: int) -> Behaviour:
-    return Retry(f"MAX_TRY({tries})", child, tries) if tries > 1 else child
+def _tried(flight: Flight, child: Behaviour, tries: int) -> Behaviour:
+    return RetrySteps(flight, child, tries) if tries > 1 else child
 
 
 def _refinement(
@@ -180,7 +182,7 @@ def _refinement(
     once = _one_try(flight, skill, limit_s, skill.look_at or look_at)
     if skill.tries > 1 and _touches_ground(skill.steps):
         once = _sequence("another try", [landing.BeginAgain(flight), once])
-    return _tried(once, skill.tries)
+    return _tried(flight, once, skill.tries)
 
 
 def _one_try(

@@ -2,6 +2,7 @@
 
 That it is about to be called is in the journal, on the disk, before it is; so is each command that
 it asks for. Whatever leaves the leaf cancels the call: a pause, another plan, a pilot, a landing.
+Called anew after that, it gets for a command that it asks for again what has become of the first.
 """
 
 from __future__ import annotations
@@ -10,13 +11,16 @@ import math
 
 from py_trees.common import Status
 
+from companion.acting.begun_steps import BegunStep
 from companion.acting.behaviour_tree.kept_intention import kept
 from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.behaviour_tree.payload_command import PayloadCommand
 from companion.acting.flight import Flight
 from companion.acting.function_port import known_place, known_vehicle
 from companion.errors import printable
 from companion.flight_events.skills import SkillProgressed
 from companion.flight_events.tree import LeafType
+from companion.mission.model import Command
 from companion.mission.python_call import PythonCall
 from companion.skills.calls import CallRequest, CommandAsked, NotDone, Progressed, Returned
 from companion.vehicle.port import Failed, Progress
@@ -42,20 +46,25 @@ class CallFunction(Leaf):
         super().__init__(flight, step.call.text)
         self._step = step
         self._timeout_s = CALL_S if timeout_s is None else timeout_s
-        self._intention: int | None = None
+        self._begun: BegunStep | None = None
         self._ticket: int | None = None
-        self._command: _AskedCommand | None = None
+        self._command: PayloadCommand | None = None
 
     def initialise(self) -> None:
         """Writes down what is intended."""
-        self._intention = self._flight.intend(self._step.call.text)
-        self._begun_s, self._told_s = self._flight.now_s, -math.inf
+        flight, text, self._owner = self._flight, self._step.call.text, self.owner()
+        self._begun = flight.steps.come_to(self._owner, text, flight.journal, flight.now_s)
+        self._begun_s, self._told_s = flight.now_s, -math.inf
         self._news: Progressed | None = None
+        self._asked = 0
 
     def update(self) -> Status:
         """SUCCESS if it has returned."""
-        flight = self._flight
+        flight, begun = self._flight, self._begun
+        assert begun is not None
         flight.guidance.hold()
+        if begun.is_done:
+            return Status.SUCCESS
         elapsed_s = flight.now_s - self._begun_s
         if self._ticket is None:
             if (is_kept := kept(flight, self._begun_s)) is not Progress.DONE:
@@ -63,16 +72,17 @@ class CallFunction(Leaf):
             self._ticket = flight.functions.begin(self._request())
         if elapsed_s > self._timeout_s:
             return self.fail(f"not done after {self._timeout_s:g} s")
-        if self._command is not None and not self._step_command(self._command, self._ticket):
+        if self._command is not None and not self._is_answered(self._command, self._ticket):
             return Status.RUNNING
         for answer in flight.functions.take(self._ticket, flight.now_s):
             match answer:
                 case Progressed():
                     self._news = answer
                 case CommandAsked():
-                    self._command = _AskedCommand(flight, answer, self._step.components)
+                    self._ask(answer, self._ticket)
                 case Returned():
                     self._tell()
+                    begun.is_done = True
                     return Status.SUCCESS
                 case NotDone(reason):
                     self._tell()
@@ -81,16 +91,17 @@ class CallFunction(Leaf):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Leaves the call. What was done is settled by the end of the skill that it belongs to."""
-        if new_status is Status.RUNNING or self._intention is None:
+        """Leaves the call, and the command that it waits for."""
+        flight, begun = self._flight, self._begun
+        if new_status is Status.RUNNING or begun is None:
             return
         if self._command is not None:
-            self._command.forget()
+            self._command.leave()
         if self._ticket is not None:
-            self._flight.functions.cancel(self._ticket)
-        if new_status is not Status.SUCCESS:
-            self._flight.settle(self._intention)
-        self._intention = self._ticket = self._command = None
+            flight.functions.cancel(self._ticket)
+        if not begun.is_done:
+            flight.steps.drop(self._owner, flight.journal, flight.now_s)
+        self._begun = self._ticket = self._command = None
 
     def _request(self) -> CallRequest:
         flight = self._flight
@@ -99,9 +110,26 @@ class CallFunction(Leaf):
         places = tuple(known_place(place, location) for place in known if place is not None)
         return CallRequest(self._step.call, places, known_vehicle(state))
 
-    def _step_command(self, command: _AskedCommand, ticket: int) -> bool:
+    def _ask(self, asked: CommandAsked, ticket: int) -> None:
+        """Begins with a command that the function asks for, or says why not."""
+        payloads, named = self._flight.vehicle.payloads, dict(self._step.components)
+        component, number = asked.component, payloads.number(asked.command)
+        component_id = named.get(component) if isinstance(component, str) else component
+        if component_id is None or not 0 < component_id < 256:
+            why = f"the mission has no component {printable(str(component))}"
+            self._flight.functions.reply(ticket, why)
+        elif number is None:
+            why = f"there is no command {printable(asked.command)}"
+            self._flight.functions.reply(ticket, why)
+        else:
+            self._asked += 1
+            owner = self.owner(self._asked)
+            command = Command(component_id, number, asked.command, asked.parameters)
+            self._command = PayloadCommand(self._flight, owner, command, None)
+
+    def _is_answered(self, command: PayloadCommand, ticket: int) -> bool:
         """Goes on with the command that was asked for; whether its outcome is known."""
-        outcome = command.step()
+        outcome = command.progress()
         if outcome is Progress.RUNNING:
             return False
         failure = outcome.reason if isinstance(outcome, Failed) else None
@@ -118,57 +146,3 @@ class CallFunction(Leaf):
         action = running.name if running is not None else self.name
         flight.report(SkillProgressed(action, percent, printable(news.text)))
         self._told_s, self._news = flight.now_s, None
-
-
-class _AskedCommand:
-    """A payload's command that a function has asked for."""
-
-    def __init__(
-        self, flight: Flight, asked: CommandAsked, components: tuple[tuple[str, int], ...]
-    ) -> None:
-        self._flight, self._asked = flight, asked
-        self._number = flight.vehicle.payloads.number(asked.command)
-        named, component = dict(components), asked.component
-        self._component = named.get(component) if isinstance(component, str) else component
-        self._intention: int | None = None
-        self._ticket: int | None = None
-        self._begun_s = flight.now_s
-
-    def step(self) -> Progress | Failed:
-        """One tick; the command is sent once, when the journal has it."""
-        flight, asked = self._flight, self._asked
-        if self._component is None or not 0 < self._component < 256:
-            return Failed(f"the mission has no component {printable(str(asked.component))}")
-        if self._number is None:
-            return Failed(f"there is no command {printable(asked.command)}")
-        if self._intention is None:
-            self._intention = flight.intend(asked.command)
-        if self._ticket is None:
-            match kept(flight, self._begun_s):
-                case Failed(reason):
-                    return self._settled(reason)
-                case Progress.RUNNING:
-                    return _WAITS
-            self._ticket = flight.vehicle.payloads.send(
-                self._component, self._number, asked.parameters, None
-            )
-        outcome = flight.vehicle.payloads.outcome(self._ticket)
-        if outcome is not _WAITS:
-            flight.vehicle.payloads.forget(self._ticket)
-            self._ticket = None
-        return self._settled(outcome.reason) if isinstance(outcome, Failed) else outcome
-
-    def forget(self) -> None:
-        """It is asked for no longer."""
-        if self._ticket is not None:
-            self._flight.vehicle.payloads.forget(self._ticket)
-        if self._intention is not None:
-            self._settled("")
-
-    def _settled(self, reason: str) -> Failed:
-        assert self._intention is not None
-        self._flight.settle(self._intention)
-        return Failed(reason)
-
-
-_WAITS = Progress.RUNNING

@@ -10,6 +10,7 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.decorators import Inverter
 
+from companion.acting.begun_steps import StepOwner
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.flight import Flight
 from companion.flight_events.tree import LeafType
@@ -21,6 +22,7 @@ class Leaf(Behaviour):
 
     Attributes:
         does: what kind of leaf it is.
+        nth: of the leaves of its action, from 0.
 
     Args:
         flight: what it acts on.
@@ -31,7 +33,18 @@ class Leaf(Behaviour):
 
     def __init__(self, flight: Flight, name: str) -> None:
         super().__init__(name)
+        self.nth = 0
         self._flight = flight
+
+    def owner(self, asked: int = 0) -> StepOwner:
+        """Whose step it is, for the action under way.
+
+        Args:
+            asked: which of the commands that a function has asked for; 0 for the leaf's own step.
+        """
+        task = self._flight.task
+        name = task.running.name if task.running is not None else ""
+        return StepOwner(name, task.positions, self.nth, asked)
 
     def fail(self, reason: str) -> Status:
         """Returns FAILURE, with the reason for people."""
@@ -43,6 +56,11 @@ class Leaf(Behaviour):
         if isinstance(outcome, Failed):
             return self.fail(outcome.reason)
         return Status.SUCCESS if outcome is Progress.DONE else Status.RUNNING
+
+
+def leaves_of(node: Behaviour) -> list[Leaf]:
+    """The leaves of a part of the tree, in order."""
+    return [leaf for leaf in node.iterate() if isinstance(leaf, Leaf)]
 
 
 def failure_of(node: Behaviour) -> str:

@@ -11,9 +11,9 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.behaviour_tree.intention import Intention
-from companion.acting.behaviour_tree.kept_intention import kept
 from companion.acting.behaviour_tree.leaf import Leaf, failure_of
 from companion.acting.behaviour_tree.move import MoveCommand
+from companion.acting.behaviour_tree.payload_command import PayloadCommand
 from companion.acting.flight import Flight
 from companion.acting.place_functions import PlaceFunctions
 from companion.acting.replanning.assumptions import Assumptions
@@ -22,7 +22,6 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFa
 from companion.flight_events.tree import LeafType
 from companion.mission.model import Command
 from companion.slices import InSlices
-from companion.vehicle.port import Progress
 
 RUNNING = Status.RUNNING
 
@@ -165,6 +164,7 @@ class Withdraw(Leaf):
         flight.report(failed)
         if self._intention.tries.next is not None:
             return Status.SUCCESS
+        flight.steps.end_skill(action.name, flight.journal, flight.now_s)
         after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
         retry_s = None if after_s is None else flight.now_s + after_s
         flight.task.withdraw(action.assumes, retry_s)
@@ -238,35 +238,23 @@ class SendCommand(Leaf):
         super().__init__(flight, f"command {command.name}")
         self._command = command
         self._timeout_s = timeout_s
-        self._intention: int | None = None
-        self._ticket: int | None = None
+        self._sent: PayloadCommand | None = None
 
     def initialise(self) -> None:
-        """Writes down what is intended."""
-        self._intention = self._flight.intend(self._command.name)
-        self._begun_s = self._flight.now_s
+        """Writes down what is intended, or comes back to what was."""
+        self._sent = PayloadCommand(self._flight, self.owner(), self._command, self._timeout_s)
 
     def update(self) -> Status:
         """SUCCESS if it was accepted."""
-        flight, command = self._flight, self._command
-        flight.guidance.hold()
-        if self._ticket is None:
-            if (is_kept := kept(flight, self._begun_s)) is not Progress.DONE:
-                return self.status_of(is_kept)
-            self._ticket = flight.vehicle.payloads.send(
-                command.component, command.command, command.parameters, self._timeout_s
-            )
-        return self.status_of(flight.vehicle.payloads.outcome(self._ticket))
+        assert self._sent is not None
+        self._flight.guidance.hold()
+        return self.status_of(self._sent.progress())
 
     def terminate(self, new_status: Status) -> None:
-        """Stops asking. What was done is settled by the end of the skill that it belongs to."""
-        if new_status is RUNNING or self._intention is None:
-            return
-        if self._ticket is not None:
-            self._flight.vehicle.payloads.forget(self._ticket)
-        if new_status is not Status.SUCCESS:
-            self._flight.settle(self._intention)
-        self._intention = self._ticket = None
+        """Waits for it no longer."""
+        if new_status is not RUNNING and self._sent is not None:
+            self._sent.leave()
+            self._sent = None
 
 
 class Rest(Leaf):

@@ -1,8 +1,8 @@
 """A pause in a tree that is not replaced: what was under way begins anew when it is over.
 
 Leaves alone are stopped. Sequences, retries and repeats stay where they are, and the actions under
-way stay so: a pause is no failed try. A flight goes on from where the vehicle is, a command is sent
-anew, a wait begins again.
+way stay so: a pause is no failed try. A flight goes on from where the vehicle is, a command where
+it was, a wait begins again.
 """
 
 from __future__ import annotations

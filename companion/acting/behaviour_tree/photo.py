@@ -7,7 +7,6 @@ same photo: the camera's count then says whether it was made.
 
 from __future__ import annotations
 
-from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 
 from companion.acting.behaviour_tree.kept_intention import kept
@@ -26,9 +25,6 @@ class TakePhoto(Leaf):
 
     That it is about to be asked for is in the journal, on the disk, before it is.
 
-    Attributes:
-        nth: of the photos of its action, from 0.
-
     Args:
         flight: what it acts on.
         photo: by which camera.
@@ -39,7 +35,6 @@ class TakePhoto(Leaf):
 
     def __init__(self, flight: Flight, photo: Photo, timeout_s: float | None) -> None:
         super().__init__(flight, f"photo {photo.camera}")
-        self.nth = 0
         self._photo = photo
         self._timeout_s = timeout_s
         self._ticket: int | None = None
@@ -77,8 +72,8 @@ class TakePhoto(Leaf):
 
     @property
     def _owner(self) -> ShotOwner:
-        task = self._flight.task
-        return (task.running.name if task.running else "", task.positions, self.nth)
+        owner = self.owner()
+        return (owner.action, owner.position, owner.nth)
 
     def _shoot(self, ready: ShotReady, ticket: int) -> Status:
         """What is intended is written down first."""
@@ -108,10 +103,3 @@ class TakePhoto(Leaf):
             flight.report(
                 PhotoTaken(made.number, self._photo.camera, place, made.image_index, state.position)
             )
-
-
-def number_photos(steps: Behaviour) -> None:
-    """Numbers the photos of one action."""
-    photos = [leaf for leaf in steps.iterate() if isinstance(leaf, TakePhoto)]
-    for nth, photo in enumerate(photos):
-        photo.nth = nth

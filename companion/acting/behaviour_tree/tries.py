@@ -1,4 +1,4 @@
-"""The retries of a tree written by hand, and what an action below one knows of them.
+"""Retries of a skill's steps, and those of a tree by hand with what an action below knows of them.
 
 An action that fails, and is tried again, has not failed yet: what it assumes is still believed.
 """
@@ -9,7 +9,27 @@ from py_trees.behaviour import Behaviour
 from py_trees.common import Status
 from py_trees.decorators import Retry
 
+from companion.acting.behaviour_tree.leaf import leaves_of
 from companion.acting.flight import Flight
+
+
+class RetrySteps(Retry):
+    """The child again after a failure, so many times at most: MAX_TRY(m) of Fig. 6.
+
+    What a failed try has done is done anew by the next one.
+    """
+
+    def __init__(self, flight: Flight, child: Behaviour, tries: int) -> None:
+        super().__init__(f"MAX_TRY({tries})", child, tries)
+        self._flight = flight
+
+    def update(self) -> Status:
+        """RUNNING before another try."""
+        flight = self._flight
+        if self.decorated.status is Status.FAILURE:
+            leaves = {leaf.nth for leaf in leaves_of(self.decorated)}
+            flight.steps.end_try(flight.journal, flight.now_s, leaves)
+        return super().update()
 
 
 class RetryByHand(Retry):
@@ -28,6 +48,13 @@ class RetryByHand(Retry):
         """Begins with the first try."""
         super().initialise()
         self.began_on_ground = self._flight.progress.is_landed_by_plan
+
+    def update(self) -> Status:
+        """RUNNING before another try."""
+        flight = self._flight
+        if self.decorated.status is Status.FAILURE:
+            flight.steps.end_try(flight.journal, flight.now_s)
+        return super().update()
 
     def terminate(self, new_status: Status) -> None:
         """There is no other try after something above has interrupted."""

@@ -308,7 +308,7 @@ def test_stop_interrupts_the_skill_under_way() -> None:
     rig.vehicle.payloads.answers = [(0.0, Progress.RUNNING)]
     rig.tick()
     rig.executive.stop()
-    assert rig.vehicle.payloads.forgotten == [1]
+    assert rig.vehicle.payloads.left == [1]
     assert rig.vehicle.setpoint == hold_at(POSITIONS["H"], 0.0)
 
 

@@ -20,7 +20,7 @@ from companion.flight_events.sortie import Phase, TaskSatisfied
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Event, Land, Mission, TakeOff, Wait
 from companion.mission.signals import COMMAND, Signal
-from companion.vehicle.port import Failed, Progress
+from companion.vehicle.port import Failed
 
 ASKED = event("asked")
 PATROL = "G F at(A) & G F at(B)"
@@ -146,7 +146,7 @@ def test_a_moment_is_answered_where_the_plan_would_have_stayed_on_the_ground() -
 def test_a_failed_command_consumes_no_rise() -> None:
     task = {"work": "F done | F at(B)", "come": "G (asked -> F at(A))"}
     rig = Rig(mission(task, skills=[command("do", "at(H)", "done")], events=[ASKED]))
-    rig.vehicle.payloads.answers = [(9.0, Progress.DONE), (1.0, Failed("denied"))]
+    rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     rig.begin()
     rig.tick()
     raise_for(rig, 0)

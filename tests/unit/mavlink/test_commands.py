@@ -228,6 +228,7 @@ def test_an_answer_belongs_to_the_command_that_was_sent_last() -> None:
     sender = CommandSender()
     first = sender.start(0.0, PAYLOAD, USER_1, (0.0,) * 7)
     second = sender.start(0.0, PAYLOAD, USER_1, (1.0,) * 7)
+    sender.due(0.0)
     sender.receive(0.0, ack("ACCEPTED"))
     assert (sender[first].result, sender[second].result) == (None, "ACCEPTED")
 
@@ -286,3 +287,80 @@ def test_results_in_words() -> None:
     assert result_name(dialect.MAV_RESULT_TEMPORARILY_REJECTED) == "TEMPORARILY_REJECTED"
     assert result_name(6) == "CANCELLED"
     assert result_name(99) == "result 99"
+
+
+# -- interruptions ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("answered_s", [1.0, 3.0, 20.0])
+def test_a_command_that_is_left_is_not_sent_and_its_answer_counts(answered_s: float) -> None:
+    talk = Talk()
+    talk.wait(0.3)
+    talk.sender.leave(talk.ticket)
+    talk.wait(answered_s)
+    talk.hear("ACCEPTED")
+    talk.wait(1.0)
+    talk.sender.come_back(talk.ticket)
+    talk.wait(1.0)
+    assert (talk.result, talk.times) == ("ACCEPTED", [0.0])
+
+
+def test_who_comes_back_sends_it_again_as_long_as_its_time_lasts() -> None:
+    talk = Talk()
+    talk.wait(0.3)
+    talk.sender.leave(talk.ticket)
+    talk.wait(2.7)
+    talk.sender.come_back(talk.ticket)
+    talk.wait(1.0)
+    assert talk.times == [0.0, 3.0, 3.5]
+    assert talk.sent[1][1].confirmation == 1
+    talk.sender.leave(talk.ticket)
+    talk.wait(SILENCE_S)
+    assert talk.result == "NO_ANSWER"
+
+
+def at_work_when_abandoned(timeout_s: float | None = None) -> Talk:
+    """A payload that is at work on a command of which nobody asks any more, and another one."""
+    talk = Talk()
+    talk.wait(0.3)
+    talk.hear("IN_PROGRESS")
+    talk.sender.abandon(talk.ticket)
+    talk.ticket = talk.sender.start(talk.now_s, PAYLOAD, USER_1, (9.0,) * 7, timeout_s)
+    return talk
+
+
+@pytest.mark.parametrize("result", ["ACCEPTED", "FAILED"])
+def test_the_same_command_waits_until_its_component_is_idle(result: str) -> None:
+    talk = at_work_when_abandoned()
+    talk.wait(8.0)
+    assert talk.times == [0.0]
+    talk.hear(result)
+    talk.wait(0.2)
+    assert talk.times == [0.0, 8.3] and talk.result is None
+    talk.hear("ACCEPTED")
+    assert talk.result == "ACCEPTED"
+
+
+@pytest.mark.parametrize("timeout_s", [None, 3.0])
+def test_its_own_time_begins_then_and_work_without_a_word_ends(timeout_s: float | None) -> None:
+    talk = at_work_when_abandoned(timeout_s)
+    talk.wait(PROGRESS_S + 1.0)
+    assert talk.times[1] == pytest.approx(0.3 + PROGRESS_S, abs=0.02)
+    talk.wait(SILENCE_S)
+    assert talk.result == "NO_ANSWER"
+
+
+def test_only_the_same_command_to_the_same_component_waits() -> None:
+    talk = at_work_when_abandoned()
+    talk.sender.start(talk.now_s, (1, 26), USER_1, (0.0,) * 7)
+    talk.sender.start(talk.now_s, PAYLOAD, USER_1 + 1, (0.0,) * 7)
+    sent = [(m.target_component, m.command) for m in talk.sender.due(talk.now_s)]
+    assert sent == [(26, USER_1), (25, USER_1 + 1)]
+
+
+def test_one_that_is_abandoned_before_any_answer_holds_up_nothing() -> None:
+    talk = Talk()
+    talk.wait(0.3)
+    talk.sender.abandon(talk.ticket)
+    talk.sender.start(talk.now_s, PAYLOAD, USER_1, (0.0,) * 7)
+    assert len(talk.sender.due(talk.now_s)) == 1

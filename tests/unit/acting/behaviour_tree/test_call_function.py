@@ -164,11 +164,42 @@ def test_a_command_that_fails_is_replied_and_settled() -> None:
     assert CommandSettled(2) in journal.entries
 
 
-def test_a_call_that_is_left_asks_for_its_command_no_longer() -> None:
+def test_a_call_that_is_left_waits_for_its_command_no_longer() -> None:
     rig, functions, leaf = leaf_of([(0.0, GRIP)])
     rig.vehicle.payloads.answers = [(60.0, Progress.DONE)]
     for _ in range(5):
         tick(rig, leaf)
     leaf.stop(Status.INVALID)
-    assert rig.vehicle.payloads.forgotten == [1]
+    assert rig.vehicle.payloads.left == [1]
     assert functions.cancelled == [1]
+
+
+def test_called_anew_it_gets_what_has_become_of_its_command() -> None:
+    rig, functions, leaf = leaf_of([(0.0, GRIP)], [(0.0, GRIP), (0.0, Returned())])
+    rig.vehicle.payloads.answers = [(3.0, Progress.DONE)]
+    for _ in range(5):
+        tick(rig, leaf)
+    leaf.stop(Status.INVALID)
+    later(rig)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert functions.replies == [None]
+    assert len(rig.vehicle.payloads.sent) == 1
+
+
+def test_called_anew_it_may_ask_for_something_else() -> None:
+    other = replace(GRIP, parameters=(1.0, 1.0))
+    rig, _, leaf = leaf_of([(0.0, GRIP)], [(0.0, other), (0.0, Returned())])
+    rig.vehicle.payloads.answers = [(9.0, Progress.DONE)]
+    for _ in range(5):
+        tick(rig, leaf)
+    leaf.stop(Status.INVALID)
+    assert run(rig, leaf) is Status.SUCCESS
+    assert [parameters for *_, parameters in rig.vehicle.payloads.sent] == [(1.0, 0.0), (1.0, 1.0)]
+    assert rig.vehicle.payloads.forgotten == [1, 2]
+
+
+def test_a_function_that_has_returned_is_not_called_again_for_the_same_position() -> None:
+    rig, functions, leaf = leaf_of([(0.0, Returned())])
+    assert run(rig, leaf) is Status.SUCCESS
+    assert run(rig, leaf) is Status.SUCCESS
+    assert len(functions.requests) == 1

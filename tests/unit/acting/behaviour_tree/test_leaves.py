@@ -209,14 +209,15 @@ def test_a_command_without_a_final_answer_fails_at_its_timeout() -> None:
     assert rig.vehicle.payloads.forgotten == [1]
 
 
-def test_an_interrupted_command_is_not_asked_for_any_longer() -> None:
+def test_an_interrupted_command_is_not_waited_for_any_longer() -> None:
     rig = a_rig()
     rig.vehicle.payloads.answers = [(9.0, Progress.DONE)]
     leaf = SendCommand(rig.flight, ASK, None)
     assert tick(rig, leaf) is Status.RUNNING
     leaf.stop(Status.INVALID)
     leaf.stop(Status.INVALID)
-    assert rig.vehicle.payloads.forgotten == [1]
+    assert rig.vehicle.payloads.left == [1]
+    assert rig.vehicle.payloads.forgotten == []
 
 
 def test_rest_holds_for_its_time() -> None:

@@ -1,0 +1,64 @@
+"""A command to a payload, as a part of a leaf: intended, sent, waited for, left, come back to."""
+
+from __future__ import annotations
+
+from companion.acting.begun_steps import StepOwner
+from companion.acting.behaviour_tree.kept_intention import kept
+from companion.acting.flight import Flight
+from companion.mission.steps import Command
+from companion.vehicle.port import Failed, Outcome, Progress
+
+
+class PayloadCommand:
+    """A command of the skill under way; the one of before, where that was interrupted.
+
+    Args:
+        flight: whose payloads take it.
+        owner: whose step it is.
+        command: what is sent.
+        timeout_s: time for the final answer; None for the protocol's own times.
+    """
+
+    def __init__(
+        self, flight: Flight, owner: StepOwner, command: Command, timeout_s: float | None
+    ) -> None:
+        self._flight, self._owner, self._command = flight, owner, command
+        self._timeout_s = timeout_s
+        self._step = flight.steps.come_to(owner, command, flight.journal, flight.now_s)
+        self._has_ended = self._step.is_done
+        if self._step.ticket is not None:
+            flight.vehicle.payloads.come_back(self._step.ticket)
+
+    def progress(self) -> Outcome:
+        """How far it has come; once a tick, until it has ended."""
+        flight, command, step = self._flight, self._command, self._step
+        if step.is_done:
+            return Progress.DONE
+        if step.ticket is None:
+            if (is_kept := kept(flight, step.intended_s)) is not Progress.DONE:
+                return self._after(is_kept)
+            step.ticket = flight.vehicle.payloads.send(
+                command.component, command.command, command.parameters, self._timeout_s
+            )
+        return self._after(flight.vehicle.payloads.outcome(step.ticket))
+
+    def leave(self) -> None:
+        """Nobody waits for it now; its answer still counts."""
+        flight, step = self._flight, self._step
+        if self._has_ended:
+            return
+        if step.ticket is None:
+            flight.steps.drop(self._owner, flight.journal, flight.now_s)
+        else:
+            flight.vehicle.payloads.leave(step.ticket)
+
+    def _after(self, outcome: Outcome) -> Outcome:
+        flight, step = self._flight, self._step
+        if isinstance(outcome, Failed):
+            self._has_ended = True
+            flight.steps.drop(self._owner, flight.journal, flight.now_s)
+        elif outcome is Progress.DONE and step.ticket is not None:
+            self._has_ended = step.is_done = True
+            flight.vehicle.payloads.forget(step.ticket)
+            step.ticket = None
+        return outcome
