@@ -115,8 +115,8 @@ class Exchange:
         if self.timeout_s is None:
             self.deadline_s = deadline_s
 
-    def wait_for_other(self, now_s: float) -> None:
-        """Another one has to end before this one is sent for the first time."""
+    def postpone(self, now_s: float) -> None:
+        """Its time begins later: it is not sent for the first time yet."""
         patience_s = SILENCE_S if self.timeout_s is None else self.timeout_s
         self.deadline_s = now_s + patience_s
 
@@ -228,8 +228,9 @@ class CommandSender:
         at_work = {each.addressee for each in self._abandoned}
         messages = []
         for exchange in self._exchanges.values():
-            if exchange.addressee in at_work and not exchange.confirmation:
-                exchange.wait_for_other(now_s)
+            has_to_wait = exchange.is_left or exchange.addressee in at_work
+            if has_to_wait and not exchange.confirmation:
+                exchange.postpone(now_s)
             elif (message := exchange.due(now_s)) is not None:
                 messages.append(message)
         return messages

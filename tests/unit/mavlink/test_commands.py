@@ -350,6 +350,15 @@ def test_its_own_time_begins_then_and_work_without_a_word_ends(timeout_s: float 
     assert talk.result == "NO_ANSWER"
 
 
+def test_the_time_of_one_that_waits_and_is_left_begins_when_it_is_sent() -> None:
+    talk = at_work_when_abandoned()
+    talk.sender.leave(talk.ticket)
+    talk.wait(3 * PROGRESS_S)
+    talk.sender.come_back(talk.ticket)
+    talk.wait(1.0)
+    assert talk.result is None and len(talk.times) == 3
+
+
 def test_only_the_same_command_to_the_same_component_waits() -> None:
     talk = at_work_when_abandoned()
     talk.sender.start(talk.now_s, (1, 26), USER_1, (0.0,) * 7)
