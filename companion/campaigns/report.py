@@ -105,16 +105,21 @@ def report_html(source: ReportSource) -> str:
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         f"<title>{name}: campaign</title><style>{style}</style></head>"
-        f"<body>{pictures.symbol}<header><h1>{name}: {len(source.flown)} flights</h1>"
+        f"<body>{pictures.symbol}<header><h1>{name}: {_flights(source)}</h1>"
         f'<p class="quiet">{_headline(source)}</p></header><main>{"".join(sections)}</main>'
         "</body></html>\n"
     )
 
 
+def _flights(source: ReportSource) -> str:
+    count = len(source.flown)
+    return f"{count} flight{'s' * (count != 1)}"
+
+
 def _headline(source: ReportSource) -> str:
     failed = sum(each.is_failure for each in source.valid)
     invalid = len(source.flown) - len(source.valid)
-    unfair = f"; {invalid} more rows were unfair and do not count" if invalid else ""
+    unfair = f"; unfair, and not counted: {invalid} more" if invalid else ""
     return f"{failed} of {len(source.valid)} failed{unfair}."
 
 

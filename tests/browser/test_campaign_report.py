@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -42,6 +43,20 @@ def test_nothing_is_wider_than_a_telephone(report: Page) -> None:
     for details in report.query_selector_all("details"):
         details.evaluate("each => each.open = true")
     assert report.evaluate(WIDTHS) == [360, 360]
+
+
+def test_the_longest_names_fit_a_telephone(browser: Browser, tmp_path: Path) -> None:
+    long = "W" * 40
+    given = source([replace(each, conjunct=each.conjunct and long, place=long) for each in ROWS])
+    kit = replace(given.kit, mission=replace(given.kit.mission, name=long))
+    file = tmp_path / "report.html"
+    file.write_text(report_html(replace(given, kit=kit)), encoding="utf-8")
+    page = browser.new_page(viewport={"width": 360, "height": 740})
+    page.goto(file.as_uri())
+    for details in page.query_selector_all("details"):
+        details.evaluate("each => each.open = true")
+    assert page.evaluate(WIDTHS) == [360, 360]
+    page.close()
 
 
 def test_it_is_dark_for_those_who_like_it_dark(report: Page) -> None:
