@@ -25,6 +25,7 @@ from companion.vehicle.camera_port import (
 )
 from companion.vehicle.gimbal_port import Aim, Aimed, AimOutcome
 from companion.vehicle.port import (
+    Anchoring,
     Failed,
     FrameLocation,
     Goal,
@@ -304,8 +305,7 @@ class FakeVehicle:
         is_stuck: it moves no longer.
         frame_doubt: why its position is not certain; nothing at first.
         location: where its frames lie on the earth; not known at first.
-        is_home_fixed: home lies where it does wherever the vehicle stands.
-        is_home_recalled: the mission begins where another program's flights have begun.
+        anchoring: what decides where home lies.
         is_settling: it is measured where the vehicle stands.
         is_turning: its heading is that of its setpoint.
         payloads: its payloads.
@@ -331,7 +331,7 @@ class FakeVehicle:
         self.frame_doubt: Refusal | None = None
         self.origin: GlobalOrigin | None = None
         self.location: FrameLocation | None = None
-        self.is_home_fixed = self.is_home_recalled = self.is_settling = False
+        self.anchoring, self.is_settling = Anchoring.BY_VEHICLE, False
         self.refusal: Refusal | None = None
         self.takeoff_up_m = 2.0
         self.script: dict[Goal, tuple[float, Outcome]] = {}

@@ -21,7 +21,7 @@ from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import EXACT_M, greatest_error_m
 from companion.outcomes import Refusal
-from companion.vehicle.port import FrameLocation, Mode, VehicleState
+from companion.vehicle.port import Anchoring, FrameLocation, Mode, VehicleState
 
 LINK_LOST_S = 10.0
 """Silence after which a sortie is given up whose vehicle was on the ground, disarmed."""
@@ -64,8 +64,7 @@ def not_at_home(
     gap_m: float,
     state: VehicleState,
     home: Place,
-    is_fixed: bool = False,
-    is_recalled: bool = False,
+    anchoring: Anchoring = Anchoring.BY_VEHICLE,
     location: FrameLocation | None = None,
 ) -> Aborted | None:
     """Returns why the mission may not begin where the vehicle stands; None if it may.
@@ -78,27 +77,27 @@ def not_at_home(
         gap_m: from the vehicle to home.
         state: of the vehicle.
         home: where the mission begins.
-        is_fixed: that lies where it does wherever the vehicle stands.
-        is_recalled: that is where another program's flights have begun.
+        anchoring: what decides where that lies.
         location: where the frames lie on the earth, if that is known.
     """
+    is_fixed = anchoring is not Anchoring.BY_VEHICLE
     landing_m = LANDING_M if is_fixed and state.accuracy_m > EXACT_M else 0.0
     if gap_m <= home.inner_m + greatest_error_m(state.accuracy_m) + landing_m:
         return None
     if gap_m > FAR_M:
         return far_away(gap_m, state, home, location)
     what = f"the vehicle stands {gap_m:.1f} m from {home.name}, where the mission begins"
-    advice = _way_out(state, home, is_fixed, is_recalled)
+    advice = _way_out(state, home, anchoring)
     return Aborted("\n    ".join([f"{what}; put it there", *advice]))
 
 
-def _way_out(state: VehicleState, home: Place, is_fixed: bool, is_recalled: bool) -> list[str]:
+def _way_out(state: VehicleState, home: Place, anchoring: Anchoring) -> list[str]:
     """What to do beside carrying a vehicle to where the mission begins."""
-    if is_recalled:
+    if anchoring is Anchoring.RECALLED:
         return [LAID_BEFORE]
     near_m = home.inner_m + greatest_error_m(state.accuracy_m)
     is_at_zero = math.hypot(*state.position[:2]) <= near_m
-    if is_fixed or not is_at_zero or begins_at_zero(home):
+    if anchoring is Anchoring.FIXED or not is_at_zero or begins_at_zero(home):
         return []
     return [AT_ZERO, f"if that is {home.name}, {as_begun_at_zero(home)}"]
 

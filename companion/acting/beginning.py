@@ -19,7 +19,7 @@ from companion.mission.model import Place
 from companion.skills.calls import NotDone
 from companion.slices import InSlices
 from companion.vehicle.mission_frame import SETTLING_S
-from companion.vehicle.port import Progress, VehicleState
+from companion.vehicle.port import Anchoring, Progress, VehicleState
 
 GROUND_SLICE_US = 30_000
 """Work of a tick on the ground, where no setpoints leave."""
@@ -54,15 +54,14 @@ class Beginning:
             if gap_m is None:
                 self._tell_settling(state)
                 return Progress.RUNNING
-            fixed, recalled = vehicle.is_home_fixed, vehicle.is_home_recalled
-            place = vehicle.location
-            if elsewhere := not_at_home(gap_m, state, home, fixed, recalled, place):
+            anchoring, location = vehicle.anchoring, vehicle.location
+            if elsewhere := not_at_home(gap_m, state, home, anchoring, location):
                 return elsewhere
             if (loaded := self._load()) is not Progress.DONE:
                 return loaded
             vehicle.stand_at(home.position)
             self._tell_location()
-            if vehicle.is_home_recalled:
+            if anchoring is Anchoring.RECALLED:
                 self._flight.report(HomeRecalled(home.name, round(gap_m, 1)))
             self._planning = InSlices(self._executive.plan, GROUND_SLICE_US)
         if not self._planning.step():

@@ -41,6 +41,7 @@ from companion.vehicle.marker_sightings import MarkerSightings
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.payload_commands import PayloadCommands
 from companion.vehicle.port import (
+    Anchoring,
     Failed,
     FrameLocation,
     Goal,
@@ -270,14 +271,12 @@ class MavlinkVehicle:
         return outcome
 
     @property
-    def is_home_fixed(self) -> bool:
-        """Whether home lies where it does wherever the vehicle stands now."""
-        return self._telemetry.frame.is_fixed
-
-    @property
-    def is_home_recalled(self) -> bool:
-        """Whether the mission begins where another program's flights have begun."""
-        return self._telemetry.frame.is_recalled
+    def anchoring(self) -> Anchoring:
+        """What decides where home lies."""
+        frame = self._telemetry.frame
+        if frame.is_recalled:
+            return Anchoring.RECALLED
+        return Anchoring.FIXED if frame.is_fixed else Anchoring.BY_VEHICLE
 
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands; None until that is certain."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import Enum, StrEnum
 from typing import Protocol
 
 from companion.geofence import KeptFence
@@ -42,6 +42,14 @@ class Mode(StrEnum):
     LAND = "AUTO.LAND"
     OFFBOARD = "OFFBOARD"
     OTHER = "OTHER"
+
+
+class Anchoring(Enum):
+    """What decides where the origin of the mission's frame, and so home, lies."""
+
+    BY_VEHICLE = "where the vehicle stands when its first sortie begins"
+    FIXED = "the mission, or an earlier sortie of this program"
+    RECALLED = "the earlier flights of another program"
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,12 +304,8 @@ class Vehicle(Protocol):
         """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
 
     @property
-    def is_home_fixed(self) -> bool:
-        """Whether home lies where it does wherever the vehicle stands now."""
-
-    @property
-    def is_home_recalled(self) -> bool:
-        """Whether the mission begins where another program's flights have begun."""
+    def anchoring(self) -> Anchoring:
+        """What decides where home lies."""
 
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands on the ground; None until that is certain."""

@@ -27,7 +27,7 @@ from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.motion.region import Disc
 from companion.outcomes import Refusal
-from companion.vehicle.port import Failed, FrameLocation, Mode, Takeover, VehicleState
+from companion.vehicle.port import Anchoring, Failed, FrameLocation, Mode, Takeover, VehicleState
 
 NOW_S = 10_000.0
 FLYING = on_hold(NOW_S)
@@ -123,8 +123,8 @@ def test_where_no_map_goes_along_it_may_have_landed_further_away(
 ) -> None:
     state = replace(STANDING, accuracy_m=accuracy_m)
     wide_m = HOME.inner_m + greatest_error_m(accuracy_m) + further_m
-    assert not_at_home(wide_m, state, HOME, is_fixed=True) is None
-    refused = not_at_home(wide_m + EPSILON, state, HOME, is_fixed=True, is_recalled=True)
+    assert not_at_home(wide_m, state, HOME, Anchoring.FIXED) is None
+    refused = not_at_home(wide_m + EPSILON, state, HOME, Anchoring.RECALLED)
     assert reason(refused) == (
         f"the vehicle stands {wide_m:.1f} m from Home, where the mission begins; put it there\n"
         "    an earlier flight has begun there; restart the autopilot to begin elsewhere"
@@ -146,7 +146,7 @@ def test_who_stands_at_zero_of_a_mission_that_begins_elsewhere_is_told_what_to_w
     )
     carried = replace(at_zero, position=(4.0, 0.0, 0.0))
     assert reason(not_at_home(9.0, carried, home)) == refused
-    assert reason(not_at_home(9.0, at_zero, home, is_fixed=True)) == refused
+    assert reason(not_at_home(9.0, at_zero, home, Anchoring.FIXED)) == refused
     assert reason(not_at_home(9.0, at_zero, HOME)) == refused
 
 
