@@ -115,6 +115,8 @@ class Problem:
         energy: None where plans know of none.
         clocks_ms: per conjunct, what its clock shows after the present position was read; None: it
             stands still, or there is no bound. Empty if no conjunct has one.
+        with_ruled_out: the actions, and between them those that lines to be ready rule out
+            (readiness.py). Empty if none is to be ready.
     """
 
     actions: tuple[Action, ...]
@@ -126,6 +128,7 @@ class Problem:
     waiting_since_ms: tuple[int, ...] = ()
     energy: Energy | None = None
     clocks_ms: tuple[int | None, ...] = ()
+    with_ruled_out: tuple[Action, ...] = ()
 
     def only(self, indices: Sequence[int]) -> Problem:
         """The same with some of the conjuncts alone."""

@@ -109,7 +109,7 @@ class Planner:
         self.flight_time = flight_time
         self.without_a_move: frozenset[Fact] = frozenset()
         self._readiness = Readiness(ready_lines(mission))
-        self.solver = Solver(mission, self.model.actions, self._readiness)
+        self.solver = Solver(mission, self.model.actions)
         self._unread_rises = UnreadRises()
         self._log_sizes()
 
@@ -201,13 +201,16 @@ class Planner:
             actions = (*actions, *extra)
             beliefs = beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
-        actions, energy = self._readiness.allowed(actions, withdrawn), None
+        every, energy = actions, None
+        actions = self._readiness.allowed(every, withdrawn)
         if self.energy is not None:
             now = self.energy.now(is_en_route)
             actions, energy = self._readiness.on_battery(actions, now, withdrawn)
             energy = self.energy.with_reserve(energy, place_of(held), actions)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
         problem = replace(problem, clocks_ms=clocks_ms, energy=energy)
+        if self._readiness.lines:
+            problem = replace(problem, with_ruled_out=every)
         return self._unread_rises.with_unread(problem, unread) if unread else problem
 
     def plan(

@@ -28,7 +28,7 @@ from companion.mission.model import Mission
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import WAIT, Action, duration_ms, ends_of
 from companion.planning.energy.ready_levels import FlightBetween, Pad, kept_at, ready_levels
-from companion.planning.lasso import Energy
+from companion.planning.lasso import Energy, Problem
 from companion.slices import spent
 
 _ACTION_US = 3
@@ -123,47 +123,47 @@ class Readiness:
             kept[number] = replace(kept[number], charger=kept_at(pad, flights, levels))
         return tuple(kept), levels
 
-    def most_kept(self, energy: Energy) -> str:
-        """What lines that are ready keep of a battery where it is most, in words."""
-        more = {place: level - energy.floors[place] for place, level in energy.ready.items()}
-        place = max(more, key=lambda each: more[each])
-        names = dict.fromkeys(line.name for line in self.lines)
-        answers = dict.fromkeys(line.place for line in self.lines)
-        return (
-            f"without ready: there would be a plan; for {', '.join(names)} {place} keeps "
-            f"{more[place] / UNITS_PER_WH:.2f} Wh more than it takes to land at a safe place: for "
-            f"the way to {' or '.join(answers)}, and on to a dock"
-        )
 
-    @property
-    def left_out(self) -> frozenset[str]:
-        """The names of those that were asked for last, and are not allowed."""
-        actions, _ = self._last
-        return frozenset(a.name for a in actions) - {a.name for a in self._kept}
+def most_kept(lines: Sequence[ReadyLine], energy: Energy) -> str:
+    """What lines that are ready keep of a battery where it is most, in words."""
+    more = {place: level - energy.floors[place] for place, level in energy.ready.items()}
+    place = max(more, key=lambda each: more[each])
+    names = dict.fromkeys(line.name for line in lines)
+    answers = dict.fromkeys(line.place for line in lines)
+    return (
+        f"without ready: there would be a plan; for {', '.join(names)} {place} keeps "
+        f"{more[place] / UNITS_PER_WH:.2f} Wh more than it takes to land at a safe place: for "
+        f"the way to {' or '.join(answers)}, and on to a dock"
+    )
 
-    @property
-    def too_far(self) -> tuple[str, ...]:
-        """The places and docks that no action may lead to, in words, of those asked for last."""
-        actions, _ = self._last
-        found = []
-        for line in self.lines:
-            ways_ms = _ways_ms(actions, frozenset(), line.place)
-            nearest: dict[tuple[str, bool], tuple[int, Action]] = {}
-            for action in actions:
-                origin, end = ends_of(action)
-                charges = action.charger is not None
-                if end is not None and (origin != end or charges) and origin != HERE:
-                    way_ms, key = duration_ms(action) + ways_ms.get(end, math.inf), (end, charges)
-                    if math.isfinite(way_ms) and way_ms < nearest.get(key, (math.inf, action))[0]:
-                        nearest[key] = int(way_ms), action
-            for (place, _), (way_ms, action) in nearest.items():
-                if way_ms > line.bound.planned_ms:
-                    found.append(
-                        f"{place} is too far for {line.name} to be ready: {action.name} and the "
-                        f"way to {line.place} take {way_ms / 1000:.1f} s, a plan has "
-                        f"{line.bound.planned_ms / 1000:g} s"
-                    )
-        return tuple(found)
+
+def ruled_out(problem: Problem) -> frozenset[str]:
+    """The names of the actions that a problem does not have, so that its lines are ready."""
+    names = frozenset(action.name for action in problem.with_ruled_out)
+    return names.difference(action.name for action in problem.actions)
+
+
+def too_far(lines: Sequence[ReadyLine], problem: Problem) -> tuple[str, ...]:
+    """The places and docks that no action may lead to, so that lines are ready, in words."""
+    found = []
+    for line in lines:
+        ways_ms = _ways_ms(problem.with_ruled_out, frozenset(), line.place)
+        nearest: dict[tuple[str, bool], tuple[int, Action]] = {}
+        for action in problem.with_ruled_out:
+            origin, end = ends_of(action)
+            charges = action.charger is not None
+            if end is not None and (origin != end or charges) and origin != HERE:
+                way_ms, key = duration_ms(action) + ways_ms.get(end, math.inf), (end, charges)
+                if math.isfinite(way_ms) and way_ms < nearest.get(key, (math.inf, action))[0]:
+                    nearest[key] = int(way_ms), action
+        for (place, _), (way_ms, action) in nearest.items():
+            if way_ms > line.bound.planned_ms:
+                found.append(
+                    f"{place} is too far for {line.name} to be ready: {action.name} and the "
+                    f"way to {line.place} take {way_ms / 1000:.1f} s, a plan has "
+                    f"{line.bound.planned_ms / 1000:g} s"
+                )
+    return tuple(found)
 
 
 def _allowed(

@@ -26,7 +26,7 @@ from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, WorldModel, why_no_plan, world_of
 from companion.planning.lasso import DroppedLine, Lasso, Letter, Problem, Solution
 from companion.planning.objective import Objective
-from companion.planning.readiness import Readiness
+from companion.planning.readiness import most_kept, ready_lines, ruled_out, too_far
 from companion.planning.time_check import time_fault
 from companion.planning.timed.known_laps import KnownLaps
 from companion.planning.timed.lateness import NO_LIMIT_MS, late_bounds, with_limit
@@ -54,15 +54,14 @@ class Solver:
     Args:
         mission: says of its problems what they do not say themselves.
         actions: those that every problem begins with.
-        readiness: removed actions from the problems that are asked; says which, and why.
     """
 
-    def __init__(self, mission: Mission, actions: Sequence[Action], readiness: Readiness) -> None:
+    def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
         self.mission = mission
         self._search = Search(actions)
         self._loops = KnownLoops()
         self._timed = TimedSearch(self._search, self._loops)
-        self._readiness = readiness
+        self._ready = ready_lines(mission)
 
     def take_actions(self, actions: Sequence[Action]) -> None:
         """From now on every problem begins with these actions; what they cost has changed."""
@@ -139,7 +138,7 @@ class Solver:
         return None
 
     def _world_of(self, problem: Problem) -> WorldModel:
-        return world_of(self.mission, problem, self._readiness.left_out)
+        return world_of(self.mission, problem, ruled_out(problem))
 
     def explain_soon(self, problem: Problem) -> Explanation:
         """Why there is no plan, as far as searches in flight can tell."""
@@ -279,19 +278,19 @@ class Solver:
             if conjunct.bound is not None
             and self._is_solvable_soon(with_limit(problem, number, NO_LIMIT_MS))
         )
-        return *late, *self._readiness.too_far
+        return *late, *too_far(self._ready, problem)
 
     def _shortages(self, problem: Problem) -> tuple[str, ...]:
         short = shortages(self._search, problem, BEFORE_FLIGHT)
         if problem.energy is None or not problem.energy.ready:
             return short
         is_why = self.is_solvable(without_ready(problem))
-        return (*short, self._readiness.most_kept(problem.energy)) if is_why else short
+        return (*short, most_kept(self._ready, problem.energy)) if is_why else short
 
     def _late_bounds(self, problem: Problem) -> tuple[str, ...]:
         is_bounded = any(conjunct.bound for conjunct in problem.conjuncts)
         late = late_bounds(self._timed, problem, BEFORE_FLIGHT) if is_bounded else ()
-        return *late, *self._readiness.too_far
+        return *late, *too_far(self._ready, problem)
 
 
 def _or_less(problem: Problem) -> Iterator[Problem]:
