@@ -10,7 +10,7 @@ from companion.acting.assembly import flight_of
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.hand_built import build_by_hand
 from companion.acting.behaviour_tree.tree_report import described
-from companion.acting.contingencies.supposed_vehicle import SupposedVehicle
+from companion.acting.contingencies.hypothetical_vehicle import HypotheticalVehicle
 from companion.acting.preparation import prepare
 from companion.acting.replanning.assumptions import Assumptions
 from companion.api.results import FlightResult
@@ -95,7 +95,7 @@ def _planned(mission: Mission) -> tuple[PlanNode, ...]:
     """The tree of the first plan, or the one written by hand; nothing ticks it."""
     prepared = prepare(mission)
     planner, first = prepared.planner, prepared.first_plan
-    flight = flight_of(prepared, cast(Vehicle, SupposedVehicle(mission.home.position)))
+    flight = flight_of(prepared, cast(Vehicle, HypotheticalVehicle(mission.home.position)))
     if mission.tree is not None:
         return described(build_by_hand(flight, mission.tree, planner.actions_of(mission.tree)))
     assert first is not None, "a mission without a tree of its own"

@@ -23,8 +23,8 @@ from companion.acting.contingencies.changes import (
     EventTurns,
     SiteLost,
 )
+from companion.acting.contingencies.hypothetical_flight import HypotheticalFlight
 from companion.acting.contingencies.remembered_routes import RememberedRoutes
-from companion.acting.contingencies.supposed_flight import SupposedFlight
 from companion.acting.contingencies.table import Contingency, ContingencyTable, PlanPosition
 from companion.acting.preparation import prepare
 from companion.errors import RequestError
@@ -154,7 +154,7 @@ class Contingencies:
         position = self.positions[number]
         level = None if self._energy is None else self._energy.level
         self._prepared.planner.solver.recall(self._memory)  # as each flight begins
-        with closing(SupposedFlight(self._prepared, self._plan, level, reasons)) as flight:
+        with closing(HypotheticalFlight(self._prepared, self._plan, level, reasons)) as flight:
             flight.complete(number, position.level)
             for change in before:
                 _, plan = flight.meet(change)

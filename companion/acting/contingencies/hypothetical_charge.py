@@ -1,12 +1,12 @@
-"""The charge of a flight that is supposed."""
+"""The charge of a hypothetical flight."""
 
 from __future__ import annotations
 
 from companion.acting.flight import Flight
 
 
-class SupposedCharge:
-    """What is supposed is exact; fulfils `ChargeSource`.
+class HypotheticalCharge:
+    """A charge that is known exactly; fulfils `ChargeSource`.
 
     Attributes:
         level: that there is now, in units of energy.

@@ -1,4 +1,4 @@
-"""A flight that is supposed to have come to some position of its plan; what it does then.
+"""A hypothetical flight, at some position of its plan: what it would do about a change there.
 
 Nothing flies. The task's state, the assumptions of the plan, the triggers of a replan, the search
 for it, and the choice of a safe place are those of a flight, called in the order in which a flight
@@ -31,8 +31,8 @@ from companion.acting.contingencies.changes import (
     EventTurns,
     SiteLost,
 )
-from companion.acting.contingencies.supposed_charge import SupposedCharge
-from companion.acting.contingencies.supposed_vehicle import SupposedVehicle
+from companion.acting.contingencies.hypothetical_charge import HypotheticalCharge
+from companion.acting.contingencies.hypothetical_vehicle import HypotheticalVehicle
 from companion.acting.flight import PlanProgress
 from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
@@ -54,7 +54,7 @@ from companion.tick import TICK_S
 from companion.vehicle.port import Vehicle
 
 
-class SupposedFlight:
+class HypotheticalFlight:
     """One flight, from the beginning of a plan on; it serves one contingency.
 
     Args:
@@ -73,11 +73,11 @@ class SupposedFlight:
     ) -> None:
         self._mission, self._planner = prepared.mission, prepared.planner
         self._routes = prepared.routes
-        self._charge: SupposedCharge | None = None
-        self._vehicle = SupposedVehicle(self._mission.home.position)
+        self._charge: HypotheticalCharge | None = None
+        self._vehicle = HypotheticalVehicle(self._mission.home.position)
         self._flight = flight = flight_of(prepared, cast(Vehicle, self._vehicle))
         if (energy := self._planner.energy) is not None and level is not None:
-            energy.charge = self._charge = SupposedCharge(flight, level)
+            energy.charge = self._charge = HypotheticalCharge(flight, level)
         self._assumptions = Assumptions(self._planner, flight)
         self._patience = Patience(self._planner, flight)
         self._replanner = Replanner(

@@ -1,4 +1,4 @@
-"""The vehicle of a flight that is supposed: in the air, at rest, and where the plan has it."""
+"""The vehicle of a hypothetical flight: in the air, at rest, and where the plan has it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from companion.geometry import Ned
 from companion.vehicle.port import Mode, VehicleState
 
 
-class SupposedVehicle:
+class HypotheticalVehicle:
     """A vehicle in the air, at rest; those who decide on plans ask it for its state alone."""
 
     def __init__(self, position: Ned) -> None:
