@@ -1,15 +1,16 @@
 """The independent check that every plan passes before it flies.
 
-No automaton and no search takes part: the actions are executed on the facts, the loop must
-close for all facts that the task or the plan reads, and each conjunct must hold on the word by the
-direct semantics of LTL. The history is part of the word, for a task is about the whole flight and
-not only about what is left of it.
+No automaton and no search takes part: the actions are executed on the facts, the loop must close,
+in its second lap if not in its first one, for all facts that the task or the plan reads, and each
+conjunct must hold on the word by the direct semantics of LTL. The history is part of the word, for
+a task is about the whole flight and not only about what is left of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from companion.ltl.semantics import holds
 from companion.mission.facts import Fact
@@ -34,24 +35,41 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
         return "the loop is empty"
     read = _read(problem, lasso)
     problem = replace(problem, facts=problem.facts & read)
-    facts = problem.facts
-    anchor = facts
-    for i, action in enumerate((*lasso.prefix, *lasso.loop)):
-        if i == len(lasso.prefix):
-            anchor = facts
-        spent(_ACTION_US)
-        if not action.is_applicable(facts):
-            missing = sorted(action.requires - facts) + [f"not {f}" for f in action.forbids & facts]
-            return f"{action.name} cannot be executed: {', '.join(missing)} does not hold"
-        facts = action.apply(facts)
-    if changed := (facts ^ anchor) & read:
-        return f"the loop does not close: {', '.join(sorted(changed))} changed"
+    lap = _lap(problem, lasso)
+    if isinstance(lap, str):
+        return lap
+    if changed := (lap.begin ^ lap.end) & read:
+        lasso = Lasso((*lasso.prefix, *lasso.loop), lasso.loop)  # what it makes is there by now
+        second = _lap(problem, lasso)
+        if isinstance(second, str) or (second.begin ^ second.end) & read:
+            return f"the loop does not close: {', '.join(sorted(changed))} changed"
     prefix, loop = word(problem, lasso)
     for conjunct, history in zip(problem.conjuncts, histories, strict=True):
         spent(_CONJUNCT_US + _LETTER_US * (len(history) + len(prefix) + len(loop)))
         if not holds(conjunct.formula, [*history, *prefix], loop):
             return f"the plan's word does not satisfy {conjunct.name}: {conjunct.formula}"
     return None
+
+
+class _Lap(NamedTuple):
+    """The facts before the first lap of a plan and after it."""
+
+    begin: frozenset[Fact]
+    end: frozenset[Fact]
+
+
+def _lap(problem: Problem, lasso: Lasso) -> _Lap | str:
+    """The first lap of a plan, or why it is not reached or cannot be flown."""
+    facts = begin = problem.facts
+    for i, action in enumerate((*lasso.prefix, *lasso.loop)):
+        if i == len(lasso.prefix):
+            begin = facts
+        spent(_ACTION_US)
+        if not action.is_applicable(facts):
+            missing = sorted(action.requires - facts) + [f"not {f}" for f in action.forbids & facts]
+            return f"{action.name} cannot be executed: {', '.join(missing)} does not hold"
+        facts = action.apply(facts)
+    return _Lap(begin, facts)
 
 
 def _read(problem: Problem, lasso: Lasso) -> frozenset[Fact]:
