@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from random import Random
 
@@ -11,6 +12,7 @@ import numpy as np
 from problems import Legs, action, asking, move
 
 from companion.ltl.patterns import PATTERNS
+from companion.mission.facts import Fact
 from companion.planning.charger import Charger
 from companion.planning.domain import WAIT, Action
 from companion.planning.lasso import Energy, Problem
@@ -79,6 +81,59 @@ def energy_problem(seed: int) -> Problem:
     a, b, c, *_ = [*chance.sample(sites, len(sites)), "H"]
     text = task.format(every=", ".join(sites), some=", ".join(some), a=a, b=b, c=c, d=docks[0])
     return replace(asking(text, [*actions, WAIT], [{"at(H)"}]), energy=energy)
+
+
+MADE = ("f0", "f1", "f2")
+"""Facts that the skills of `with_skills` read and make."""
+
+MORE = ("", "", " & G F f0", " & F (f0 & X f1)", " & X X X !f2", " & G (alarm -> F f1)")
+
+
+def with_skills(asked: Problem, seed: int) -> Problem:
+    """A problem with skills besides, and lines, docks and flights that may ask for what they make.
+
+    Some are done in two ways, one quicker and one thriftier.
+    """
+    chance = Random(f"skills {seed}")
+    places = sorted(asked.energy.floors if asked.energy else ())
+    actions = [*asked.actions[:-1], *(_skill(chance, i, places) for i in range(3))]
+    key = frozenset({Fact.parse(chance.choice(MADE))})
+    if chance.random() < 0.4:
+        is_used_up = chance.random() < 0.3
+        for number, each in enumerate(actions):
+            if each.charger is not None:
+                deletes = each.deletes | key if is_used_up else each.deletes
+                actions[number] = replace(each, requires=each.requires | key, deletes=deletes)
+    if chance.random() < 0.3:  # a place that is never left
+        last = chance.choice(places)
+        actions = [a for a in actions if a.skill != "move" or a.arguments[0] != last]
+    actions += [
+        _other_way(chance, a) for a in actions if a.charger is None and chance.random() < 0.3
+    ]
+    chance.shuffle(actions)
+    task = " & ".join(str(each.formula) for each in asked.conjuncts)
+    task += chance.choice(
+        ("", "", " & G F f0", " & F (f0 & X f1)", " & X X X !f2", " & G (x -> F f1)")
+    )
+    return replace(asking(task, [*actions, WAIT], [{"at(H)"}]), energy=asked.energy)
+
+
+def _skill(chance: Random, number: int, places: Sequence[str]) -> Action:
+    def literals(most: int) -> str:
+        drawn = chance.sample(MADE, chance.randint(0, most))
+        return " & ".join(chance.choice(("", "", "!")) + name for name in drawn)
+
+    where = chance.choice(("", f"at({chance.choice(places)})"))
+    when = " & ".join(part for part in (where, literals(2)) if part)
+    skill = action(f"do{number}", when, literals(2), chance.choice((0.2, 0.5, 2.0)))
+    return replace(skill, drain=chance.choice((0, 1, 1, 2, 3)))
+
+
+def _other_way(chance: Random, each: Action) -> Action:
+    """The same by another skill: a flight takes no less than what floors reckon with."""
+    cost_ms = max(200, 100 * round(each.cost_ms * chance.choice((0.3, 0.6, 1, 2, 3)) / 100))
+    more = chance.choice((0, 1, 2, 4) if each.skill == "move" else (-3, -1, 0, 1, 2, 4))
+    return replace(each, skill=f"{each.skill}_", cost_ms=cost_ms, drain=max(0, each.drain + more))
 
 
 def _legs(chance: Random, places: str) -> tuple[Legs, dict[tuple[str, str], int]]:

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Sequence
 
 from companion.planning.builtin.transition_system import Successors
 
 Node = tuple[int, tuple[int, ...], int]
 """Facts, states of the automata, marks met on the way in."""
+
+Takes = tuple[int, int] | None
+"""What counts of an action besides its cost: time and energy. None: it charges."""
+_Way = tuple[int, int, Takes]
+"""Along an edge: its action, its cost, and what it takes."""
+_NOTHING: Takes = 0, 0
 
 
 class EnteredNodes(dict[int, list[int]]):
@@ -20,7 +26,7 @@ class EnteredNodes(dict[int, list[int]]):
         moves: the joint moves of the automata on the label of some facts, with their marks.
         nodes: all that are known; new ones are added.
         number_of: their numbers.
-        charging: actions of which each edge is kept, whatever it costs.
+        takes: by action; empty where nothing but costs counts.
     """
 
     def __init__(
@@ -28,11 +34,11 @@ class EnteredNodes(dict[int, list[int]]):
         moves: Callable[[int], list[tuple[tuple[int, ...], int]]],
         nodes: list[Node],
         number_of: dict[Node, int],
-        charging: Collection[int],
+        takes: Sequence[Takes],
     ) -> None:
         super().__init__()
         self._moves, self._nodes, self._number_of = moves, nodes, number_of
-        self._charging = charging
+        self._takes = takes
         self._is_function = True  # so far each set of facts leads to one node
 
     def __missing__(self, facts: int) -> list[int]:
@@ -48,29 +54,39 @@ class EnteredNodes(dict[int, list[int]]):
         return numbers
 
     def edges(self, successors: Successors) -> Successors:
-        """The nodes after a node, the cheapest edge to each."""
+        """The nodes after a node, the cheapest edge to each.
+
+        Others are kept that charge, or take less of what counts besides.
+        """
         entered = list(map(self.__getitem__, successors.states))
         ends = list(itertools.chain.from_iterable(entered))
         if self._is_function and len(set(ends)) == len(ends):
             return Successors(ends, successors.actions, successors.costs)
-        cheapest: dict[int, tuple[int, int]] = {}
-        charging: list[tuple[int, tuple[int, int]]] = []
+        best: dict[int, list[_Way]] = {}
         each = zip(entered, successors.actions, successors.costs, strict=True)
         for numbers, action, cost_ms in each:
+            way = action, cost_ms, self._takes[action] if self._takes else _NOTHING
             for number in numbers:
-                if action in self._charging:
-                    charging.append((number, (cost_ms, action)))
-                    continue
-                known = cheapest.get(number)
-                if known is None or cost_ms < known[0]:
-                    cheapest[number] = (cost_ms, action)
-        kept = sorted([*cheapest.items(), *charging], key=_by_action)
+                known = best.get(number, ())
+                if not any(_is_as_good(other, way) for other in known):
+                    best[number] = [way, *(other for other in known if not _is_as_good(way, other))]
+        kept = sorted((action, ms, end) for end, ways in best.items() for action, ms, _ in ways)
         return Successors(
-            [number for number, _ in kept],
-            [action for _, (_, action) in kept],
-            [cost_ms for _, (cost_ms, _) in kept],
+            [end for _, _, end in kept],
+            [action for action, _, _ in kept],
+            [cost_ms for _, cost_ms, _ in kept],
         )
 
 
-def _by_action(edge: tuple[int, tuple[int, int]]) -> int:
-    return edge[1][1]
+def _is_as_good(one: _Way, other: _Way) -> bool:
+    """Whether a way costs and takes no more than another one."""
+    return one[1] <= other[1] and is_no_less(other[2], one[2])
+
+
+def is_no_less(one: Takes, other: Takes) -> bool:
+    """Whether an action takes no less than another one; a charge does not compare.
+
+    >>> is_no_less((0, 3), (0, 2)), is_no_less(None, (0, 2))
+    (True, False)
+    """
+    return one is not None and other is not None and one[0] >= other[0] and one[1] >= other[1]

@@ -29,13 +29,14 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from companion.errors import SearchLimit
-from companion.mission.facts import Fact
-from companion.planning.builtin.entered_nodes import EnteredNodes, Node
+from companion.mission.facts import Fact, at
+from companion.planning.builtin.entered_nodes import EnteredNodes, Node, Takes, is_no_less
 from companion.planning.builtin.forgotten_facts import forgotten_facts, unread_facts
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.transition_system import TransitionSystem
+from companion.planning.domain import WAIT, duration_ms
 from companion.planning.effort import BEFORE_FLIGHT, PRODUCT_EDGE_US
 from companion.planning.lasso import Problem
 from companion.slices import spent
@@ -72,8 +73,8 @@ class Product:
         automata: those that are read, one for each place of a node's automaton states.
         one_shot_goals: for each goal that is kept out of the product the nodes that meet it.
         ends, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
-            Between two nodes only the cheapest edge is kept, in the order of the actions, and all
-            those that charge.
+            Between two nodes only the cheapest edge is kept, in the order of the actions, and those
+            that charge, or take less time or energy where that counts.
 
     Args:
         problem: what to plan.
@@ -99,10 +100,7 @@ class Product:
         self._problem, self._bits, self._max_edges = problem, known.bits, max_edges
         self.system = TransitionSystem(problem.actions, problem.facts, known)
         self._restrictions = restrictions
-        self._charging = frozenset[int]()
-        if problem.energy is not None:
-            chargers = (action.charger for action in problem.actions)
-            self._charging = frozenset(n for n, each in enumerate(chargers) if each is not None)
+        self._takes = _takes(problem)
         self._parts: list[RestrictedConjunct] = []  # whose automata are read
         self.automata: list[MaskedAutomaton] = []
         self.waiting_since_ms: list[int] = []
@@ -111,8 +109,9 @@ class Product:
         marks = 0
         parts = self._restricted()
         readers = Counter(p for part in parts for p in part.automaton.propositions)
-        if problem.energy is None:
-            self.system.drop_idle(self._bits.mask(readers))
+        if problem.energy is not None:
+            readers.update(map(at, problem.energy.floors))
+        self.system.drop_idle(self._bits.mask(readers), self._better_than_rest())
         self.system.leave_out(unread_facts(self.system, readers, self._bits))
         if not with_implied:
             letters = partial(self.system.reachable, MAX_LETTERS)
@@ -195,7 +194,7 @@ class Product:
     @cached_property
     def _cost_matrix(self) -> csr_array:
         shape = (self.nodes, self.nodes)
-        if not self._charging:
+        if not self._takes:
             return csr_array((self.costs.astype(float), self.ends, self.first), shape=shape)
         sources = np.repeat(np.arange(self.nodes), np.diff(self.first))
         order = np.lexsort((self.costs, self.ends, sources))
@@ -249,6 +248,14 @@ class Product:
                 graph.add_edge(node, end, action=name, cost_ms=cost_ms)
         return graph
 
+    def _better_than_rest(self) -> frozenset[int]:
+        """The actions that charge, or that take less time or energy than a rest where it counts."""
+        rests = (n for n, action in enumerate(self._problem.actions) if action is WAIT)
+        if not self._takes or (rest := next(rests, None)) is None:
+            return frozenset()
+        own = self._takes[rest]
+        return frozenset(n for n, each in enumerate(self._takes) if not is_no_less(each, own))
+
     def _restricted(self) -> list[RestrictedConjunct]:
         """The conjuncts under the constants, but for those that hold whatever is done."""
         problem, constants = self._problem, self.system.constant_value
@@ -271,7 +278,7 @@ class Product:
             into = entered.get(states)
             if into is None:
                 moves = partial(self._joint_moves, states=states)
-                into = entered[states] = EnteredNodes(moves, nodes, number_of, self._charging)
+                into = entered[states] = EnteredNodes(moves, nodes, number_of, self._takes)
             leaving = into.edges(self.system.successors(facts))
             ends += leaving.states
             costs += leaving.costs
@@ -308,6 +315,20 @@ class Product:
             (tuple([z for z, _ in moves]), reduce(or_, [marks for _, marks in moves], 0))
             for moves in itertools.product(*each)
         ]
+
+
+def _takes(problem: Problem) -> list[Takes]:
+    """What counts of each action besides its cost, if anything does: time, and energy."""
+    energy, has_clocks = problem.energy, bool(problem.clocks_ms)
+    if energy is None and not has_clocks:
+        return []
+    rest = 0 if energy is None else energy.rest
+    return [
+        None
+        if energy is not None and action.charger is not None
+        else (has_clocks * duration_ms(action), rest if action is WAIT else action.drain)
+        for action in problem.actions
+    ]
 
 
 def dijkstra_steps(nodes: int, edges: int) -> int:

@@ -71,28 +71,25 @@ class TransitionSystem:
             facts &= ~group.reads
         return facts
 
-    def drop_idle(self, read: int) -> None:
+    def drop_idle(self, read: int, kept: frozenset[int] = frozenset()) -> None:
         """Leaves out actions that change none of some facts, nor make possible what changes them.
 
-        Where the problem has a rest, that does as well as they, for no more. Where energy counts
-        it need not.
+        Where the problem has a rest, that does as well as they, for no more.
 
         Args:
             read: these facts (bits).
+            kept: numbers of actions that are not left out, nor what makes them possible.
         """
         rest_ms = min((ms for group in self._possible for ms in group.rests_ms), default=None)
         if rest_ms is None:
             return
-        idle, before = self._possible, -1
-        while read != before:
+        idle, needed = set(self._possible), self._possible
+        while needed:
             spent(_GROUP_US * len(idle))
-            before, others = read, []
-            for group in idle:
-                if group.changes & before:
-                    read |= group.reads
-                else:
-                    others.append(group)
-            idle = others
+            needed = [g for g in idle if g.changes & read or not kept.isdisjoint(g.numbers)]
+            idle.difference_update(needed)
+            for group in needed:
+                read |= group.reads
         if gone := {g for g in idle if not g.rests_ms and min(g.costs) >= rest_ms}:
             self._possible = [group for group in self._possible if group not in gone]
             self._always, self._by_fact = _indexed(self._possible)

@@ -7,6 +7,7 @@ one that is minimised is the upper part.
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,11 +43,11 @@ class Paths:
         starts: list[int],
         is_thrifty: bool,
     ) -> None:
-        begins, ends, numbers = edges
         times, drains = costs
         self._starts, self._is_thrifty = starts, is_thrifty
         self._bits = _TIME_BITS if is_thrifty else _DRAIN_BITS
         weights = (drains << _TIME_BITS) + times if is_thrifty else (times << _DRAIN_BITS) + drains
+        begins, ends, numbers, weights = _least((*edges, weights))
         matrix = csr_array((weights.astype(float), (begins, ends)), shape=(nodes, nodes))
         spent(DIJKSTRA_STEP_US * (len(numbers) + _STEPS_OF_NODE * nodes) * len(starts))
         self._costs, self._before = dijkstra(matrix, indices=starts, return_predecessors=True)
@@ -70,3 +71,12 @@ class Paths:
         while nodes[-1] != begin:
             nodes.append(int(self._before[start, nodes[-1]]))
         return [self._number_of[pair] for pair in pairwise(nodes[::-1])]
+
+
+def _least(edges: tuple[NDArray[Any], ...]) -> tuple[NDArray[Any], ...]:
+    """Of edges with start, end, number and weight: of each pair the one of least weight."""
+    begins, ends, _, weights = edges
+    order = np.lexsort((weights, ends, begins))
+    pairs = np.stack((begins, ends))[:, order]
+    is_new = np.append(True, (np.diff(pairs) != 0).any(axis=0))[: len(order)]
+    return tuple(each[order][is_new] for each in edges)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from problems import histories
+from problems import action, histories, problem, unit_legs
 from reference_time import TimeReference
-from timed_problems import later, timed_problem
+from timed_problems import later, timed_problem, with_bounds
 
+from companion.ltl.parser import parse
+from companion.ltl.time_bounds import Within
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
@@ -76,3 +78,13 @@ def test_bounded_laps_may_visit_a_place_several_times() -> None:
         longer += solution.cost_ms > untimed.cost_ms
     assert without >= 10
     assert longer >= 3
+
+
+def test_a_skill_that_is_quicker_than_a_rest_may_be_what_keeps_a_bound() -> None:
+    """A rest of one step takes 1 s."""
+    skill = action("nod", "at(A)", "nodded", 0.2)
+    asked = problem("HAB", unit_legs("HAB"), "!at(B) U (at(A) & X (at(A) & X at(B)))", [skill])
+    bound = Within(parse("at(B)"), 4500)
+    found = planned(with_bounds(asked, {"soon": bound}, asked.facts))
+    assert found is not None
+    assert "nod" in [each.name for each in found.lasso.prefix]
