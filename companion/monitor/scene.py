@@ -65,7 +65,7 @@ def read_scene(folder: Path) -> Scene:
     """
     path = folder / SCENE_FILE
     try:
-        data = json.loads(path.read_bytes())
+        data = json.loads(path.read_bytes(), parse_float=_finite, parse_constant=_finite)
     except OSError as error:
         if not has_a_run(folder):
             raise no_run_folder(folder, SCENE_FILE, error) from error
@@ -74,8 +74,15 @@ def read_scene(folder: Path) -> Scene:
         raise MissionError(f"{path}: this is not JSON") from error
     try:
         return _scene(data)
-    except (AttributeError, KeyError, TypeError, ValueError, zlib.error) as error:
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError, zlib.error) as error:
         raise MissionError(f"{path}: not as docs/run-folder.md describes it: {error}") from error
+
+
+def _finite(text: str) -> float:
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is no number of a scene")
+    return number
 
 
 def _scene(data: dict[str, Any]) -> Scene:

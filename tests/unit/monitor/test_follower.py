@@ -232,6 +232,17 @@ def test_the_scene_is_as_documented(surveillance_run: Path, surveillance: Missio
     assert math.isclose(scene["start_unix_s"], 1_700_000_000.0)
 
 
+@pytest.mark.parametrize("number", ["NaN", "1e999", "1" + 400 * "0"])
+@pytest.mark.parametrize("key", ['"rows": ', '"cell_m": ', '"start_unix_s": '])
+def test_a_scene_with_a_number_that_is_none_is_refused(
+    surveillance_run: Path, tmp_path: Path, key: str, number: str
+) -> None:
+    scene = (surveillance_run / "scene.json").read_text(encoding="utf-8")
+    (tmp_path / "scene.json").write_text(scene.replace(key, f'{key}{number}, "before": '))
+    with pytest.raises(MissionError, match=r"scene\.json: "):
+        read_scene(tmp_path)
+
+
 def test_a_scene_that_was_written_before_zones_and_low_walls_is_read(
     surveillance_run: Path, tmp_path: Path
 ) -> None:
