@@ -11,13 +11,13 @@ from companion.flight_events.event_fields import Doc
 
 @dataclass(frozen=True, slots=True)
 class ChargeMeasured(FlightEvent):
-    """The gauge of the battery says something else than before; once a second at most."""
+    """The gauge of the battery shows another charge; recorded once a second at most."""
 
     kind = "battery"
     template = "the battery is at {words}"
     is_told = False
 
-    percent: Annotated[int | None, Doc("of the charge, as the gauge tells it; null is unknown")]
+    percent: Annotated[int | None, Doc("the charge by the gauge; null if unknown")]
 
     @property
     def words(self) -> str:
@@ -37,19 +37,19 @@ class PlannedCharge:
 
 @dataclass(frozen=True, slots=True)
 class ChargePlanned(FlightEvent):
-    """What the plan reckons with until the end of its next lap, if the mission has a battery."""
+    """The charge that the plan expects until its next lap is done, in missions with a battery."""
 
     kind = "charge"
     template = "at least {percent:.1f} % are there, {required_percent:.1f} % are required"
     is_told = False
 
-    percent: Annotated[float, Doc("of the charge, which is there at least")]
-    required_percent: Annotated[float, Doc("of the charge, which the plan takes from here on")]
-    reserve_percent: Annotated[float, Doc("of the charge kept for what nobody foresees")]
+    percent: Annotated[float, Doc("the least charge that is expected")]
+    required_percent: Annotated[float, Doc("the charge that the rest of the plan requires")]
+    reserve_percent: Annotated[float, Doc("the reserve, in percent of the charge")]
     ahead: Annotated[
         tuple[PlannedCharge, ...],
         Doc(
-            "the positions to come, until a lap is done: a list of `{action, duration_s, percent, "
+            "the later positions, until a lap is done: a list of `{action, duration_s, percent, "
             "required_percent}`"
         ),
     ]

@@ -11,7 +11,7 @@ from companion.flight_events.event_fields import Doc
 
 @dataclass(frozen=True, slots=True)
 class EnergyUsed(FlightEvent):
-    """A stretch between two charges was flown: what it took, and what was expected of it."""
+    """A stretch between two charges was flown: the energy that it used, and the expected one."""
 
     kind = "energy"
     template = (
@@ -20,26 +20,28 @@ class EnergyUsed(FlightEvent):
     )
 
     seconds: Annotated[float, Doc("of flights and other skills")]
-    used_wh: Annotated[float, Doc("by voltage and current; without a current, by the gauge")]
-    expected_wh: Annotated[
-        float, Doc("by the mission's figures, times what was known of them at its beginning")
+    used_wh: Annotated[
+        float, Doc("measured by voltage and current; without a current, by the gauge")
     ]
-    factor: Annotated[float, Doc("what is known now, by the gauge's percents too")]
+    expected_wh: Annotated[
+        float, Doc("by the mission's figures, times the factor that was known at the beginning")
+    ]
+    factor: Annotated[float, Doc("the factor that is known now, also from the gauge")]
 
 
 @dataclass(frozen=True, slots=True)
 class ReserveUsed(FlightEvent):
-    """Nothing is left above the reserve: it is used to land where that takes the least."""
+    """Only the reserve is left: it is used for the landing that takes the least energy."""
 
     kind = "energy"
     template = "{reserve_wh:.2f} Wh of the reserve are used on the way to the next landing"
 
-    reserve_wh: Annotated[float, Doc("that the charge lacks for a landing with the reserve left")]
+    reserve_wh: Annotated[float, Doc("how much of the reserve the landing will use")]
 
 
 @dataclass(frozen=True, slots=True)
 class GaugeJumped(FlightEvent):
-    """The battery's gauge has jumped in flight; what is less is believed."""
+    """The battery's gauge jumped in flight; the lower value is believed."""
 
     kind = "energy"
     template = (
@@ -47,6 +49,6 @@ class GaugeJumped(FlightEvent):
         "{believed_percent} % are believed"
     )
 
-    before_percent: Annotated[int, Doc("what was believed before")]
-    now_percent: Annotated[int, Doc("what the gauge tells")]
-    believed_percent: Annotated[int, Doc("what is believed now")]
+    before_percent: Annotated[int, Doc("the charge that was believed before")]
+    now_percent: Annotated[int, Doc("the charge by the gauge")]
+    believed_percent: Annotated[int, Doc("the charge that is believed now")]

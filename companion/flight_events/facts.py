@@ -9,13 +9,13 @@ from companion.flight_events.event import FlightEvent
 from companion.flight_events.event_fields import Doc, InText
 
 BeliefName = Annotated[str, Doc("as the mission spells it, e.g. `canUpload(r1)`")]
-BeliefsWithdrawn = Annotated[tuple[str, ...], Doc("a list of the beliefs that were given up")]
-BeliefsRestored = Annotated[tuple[str, ...], Doc("a list of the beliefs that are held again")]
+BeliefsWithdrawn = Annotated[tuple[str, ...], Doc("a list of the beliefs that were withdrawn")]
+BeliefsRestored = Annotated[tuple[str, ...], Doc("a list of the beliefs that were restored")]
 
 
 @dataclass(frozen=True, slots=True)
 class MissionEventChanged(FlightEvent):
-    """A fact that the vehicle cannot choose has changed."""
+    """An event of the mission became true or false."""
 
     kind = "event"
     template = "{words}"
@@ -31,7 +31,7 @@ class MissionEventChanged(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PlaceLost(FlightEvent):
-    """The vehicle is no longer at a place where the task had it."""
+    """The vehicle is no longer at the place where the task assumes it."""
 
     kind = "lost"
     template = "no longer at {place}: {away_m} m away"
@@ -42,7 +42,7 @@ class PlaceLost(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class BeliefWithdrawn(FlightEvent):
-    """A belief was given up."""
+    """A belief was withdrawn."""
 
     kind = "withdrawn"
     template = "belief {belief} withdrawn"
@@ -52,7 +52,7 @@ class BeliefWithdrawn(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class BeliefRestored(FlightEvent):
-    """A belief is held again."""
+    """A belief was restored."""
 
     kind = "restored"
     template = "belief {belief} restored"
@@ -62,7 +62,7 @@ class BeliefRestored(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PlacesCutOff(FlightEvent):
-    """Beliefs were given up whose moves have no way on the map as it is seen."""
+    """Beliefs were withdrawn, since the sensed map has no route for their moves."""
 
     kind = "map"
     template = "no way on the map as seen: {summary} withdrawn"
@@ -74,7 +74,7 @@ class PlacesCutOff(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PlacesConnected(FlightEvent):
-    """Beliefs are held again whose moves have a way again on the map as it is seen."""
+    """Beliefs were restored, since the sensed map has a route for their moves again."""
 
     kind = "map"
     template = "a way again: {summary} restored"

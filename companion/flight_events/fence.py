@@ -25,7 +25,7 @@ class FenceWritten(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FenceReplaced(FlightEvent):
-    """The same, in the place of another fence."""
+    """The same; it replaced another fence."""
 
     kind = "fence"
     template = "the mission's fence ({fence}) has replaced the autopilot's ({before})"
@@ -36,7 +36,7 @@ class FenceReplaced(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FenceKept(FlightEvent):
-    """The fence that the autopilot has stays, and all places lie in it; what is flown will, too."""
+    """The autopilot keeps its own fence; all places lie in it, and the flight stays in it."""
 
     kind = "fence"
     template = "the autopilot keeps its fence ({fence})"
@@ -45,18 +45,19 @@ class FenceKept(FlightEvent):
     within: Annotated[
         tuple[Polygon, ...],
         Doc(
-            "polygons that are not the mission's, to stay in each of them: their corners, metres "
+            "polygons that are not the mission's; the flight stays in each: their corners, metres "
             "north and east of home"
         ),
     ] = ()
     keep_out: Annotated[
-        tuple[Polygon, ...], Doc("the same, to stay out of; circles are polygons on the safe side")
+        tuple[Polygon, ...],
+        Doc("the same, but the flight stays out; circles are polygons on the safe side"),
     ] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class FenceMissing(FlightEvent):
-    """The autopilot has no fence; the gate of the companion alone holds the vehicle inside."""
+    """The autopilot has no fence; only the companion's gate keeps the vehicle inside."""
 
     kind = "fence"
     template = "no fence in the autopilot: {reason}"
@@ -66,7 +67,7 @@ class FenceMissing(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FenceNear(FlightEvent):
-    """The vehicle stands nearer to an edge of the fence than its position may be off by."""
+    """The vehicle stands nearer to an edge of the fence than the error of its position."""
 
     kind = "fence"
     template = (
@@ -74,4 +75,4 @@ class FenceNear(FlightEvent):
         "the autopilot may end the flight in the climb"
     )
 
-    error_m: Annotated[float, Doc("what the position may be off by, rounded to 0.1 m")]
+    error_m: Annotated[float, Doc("the possible error of the position, rounded to 0.1 m")]

@@ -10,7 +10,7 @@ from companion.flight_events.event_fields import InText
 
 @dataclass(frozen=True, slots=True)
 class FrameLocated(FlightEvent):
-    """Where a mission in latitude and longitude begins, and what its metres are reckoned with."""
+    """Where a mission in latitude and longitude begins, and the origin of its metres."""
 
     kind = "frame"
     template = (
@@ -28,7 +28,7 @@ class FrameLocated(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class HomeMeasured(FlightEvent):
-    """Where the vehicle stands is averaged for some seconds, before the mission can begin."""
+    """The position of the standing vehicle is averaged for some seconds before the mission."""
 
     kind = "frame"
     template = (
@@ -43,7 +43,7 @@ class HomeMeasured(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class HomeRecalled(FlightEvent):
-    """A mission in metres begins where another program's flights on this autopilot have begun."""
+    """A mission in metres has its origin where earlier flights on this autopilot had it."""
 
     kind = "frame"
     template = (
@@ -57,7 +57,7 @@ class HomeRecalled(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class OriginMoved(FlightEvent):
-    """The autopilot counts from another origin; the mission stays where it is on the earth."""
+    """The autopilot's local frame got another origin; the mission keeps its place on the earth."""
 
     kind = "frame"
     template = "the autopilot's origin has moved by {moved_m} m; flying on in its new frame"
@@ -67,7 +67,7 @@ class OriginMoved(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FrameTrusted(FlightEvent):
-    """What the autopilot says of its position agrees again."""
+    """The autopilot's statements about its position agree again."""
 
     kind = "frame"
     template = "the position is certain again; going on"
@@ -75,7 +75,7 @@ class FrameTrusted(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FrameDoubted(FlightEvent):
-    """Where the vehicle is on the earth is not certain: it holds, and the task is frozen."""
+    """The position on the earth is not certain: the vehicle holds, and the task is frozen."""
 
     kind = "frame"
     template = "waiting: {reason}"

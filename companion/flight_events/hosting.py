@@ -25,7 +25,7 @@ class UploadNews(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class UploadChecked(UploadNews):
-    """A mission that came from a ground station was checked while this one was flown."""
+    """A mission from a ground station was checked during this flight."""
 
     template = "{verdict}"
 
@@ -68,7 +68,7 @@ class RunNotBegun(UploadNews):
 
 @dataclass(frozen=True, slots=True)
 class TerminalHungUp(FlightEvent):
-    """The terminal has hung up (SIGHUP), and the flight goes on."""
+    """The terminal hung up (SIGHUP); the flight continues."""
 
     kind = "signal"
     template = "the terminal has hung up (SIGHUP); the flight goes on"
@@ -76,7 +76,7 @@ class TerminalHungUp(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class DatagramsDropped(FlightEvent):
-    """More has arrived on the link than a step takes in, or a datagram that is too long."""
+    """More datagrams arrived on the link than a step takes in, or one that is too long."""
 
     kind = "link"
     template = "datagrams dropped: {number}; too long, or too many from one sender"
@@ -86,7 +86,7 @@ class DatagramsDropped(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PortLost(FlightEvent):
-    """A serial port or a TCP connection is not there; it is opened again once a second."""
+    """A serial port or a TCP connection was lost; the companion tries to open it each second."""
 
     kind = "port lost"
     template = "{port} is not there, and is tried again each second: {reason}"
@@ -97,7 +97,7 @@ class PortLost(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PortRestored(FlightEvent):
-    """Something arrives again by a serial port or a TCP connection."""
+    """Bytes arrive again by a serial port or a TCP connection."""
 
     kind = "port restored"
     template = "{port} is there again"
@@ -114,12 +114,12 @@ class FramesRefused(FlightEvent):
 
     unsigned: Annotated[int, Doc("without a signature, since the link was opened")]
     forged: Annotated[int, Doc("with a signature that is wrong")]
-    old: Annotated[int, Doc("with a time stamp that was there before")]
+    old: Annotated[int, Doc("with a time stamp that is too old")]
 
 
 @dataclass(frozen=True, slots=True)
 class ClockFollowed(FlightEvent):
-    """The autopilot's clock runs at another speed, as a simulator's does; the flight's follows."""
+    """The autopilot's clock runs at another speed, as a simulator's may; the flight follows it."""
 
     kind = "clock"
     template = (
@@ -127,7 +127,7 @@ class ClockFollowed(FlightEvent):
         "does: the flight goes by it"
     )
 
-    speed: Annotated[float, Doc("seconds of the flight in a second of this computer")]
+    speed: Annotated[float, Doc("seconds of the flight for each second of this computer")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,13 +13,13 @@ PlaceName = Annotated[str, Doc("the place whose marker it is")]
 
 @dataclass(frozen=True, slots=True)
 class MarkerSeen(FlightEvent):
-    """The marker to land on is seen; the vehicle comes down over it."""
+    """The marker to land on is seen; the vehicle descends over it."""
 
     kind = "marker"
     template = "the marker of {place} is seen, {off_m:.1f} m from its place"
 
     place: PlaceName
-    off_m: Annotated[float, Doc("from the middle of its place, over the ground")]
+    off_m: Annotated[float, Doc("horizontal distance from the middle of its place")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,19 +35,19 @@ class MarkerLost(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class SightingsRefused(FlightEvent):
-    """Sightings of a marker cannot be used; told when their number has doubled."""
+    """Sightings of a marker cannot be used; reported whenever their number has doubled."""
 
     kind = "marker"
     template = "sightings for {place} refused: {number}; the last one: {reason}"
 
     place: PlaceName
-    number: Annotated[int, Doc("refused since the landing began")]
+    number: Annotated[int, Doc("sightings refused since the landing began")]
     reason: InText[str]
 
 
 @dataclass(frozen=True, slots=True)
 class MarkerAbandoned(FlightEvent):
-    """The landing on a marker is given up; the vehicle climbs back to the place."""
+    """The companion gave up a landing on a marker; the vehicle climbs back to the place."""
 
     kind = "marker"
     template = "no landing on the marker of {place}: {reason}"
@@ -64,12 +64,12 @@ class LandedOnMarker(FlightEvent):
     template = "landed {off_m:.2f} m from the marker of {place}"
 
     place: PlaceName
-    off_m: Annotated[float, Doc("from its middle, as far as the vehicle knows")]
+    off_m: Annotated[float, Doc("distance from its middle, as far as the vehicle knows")]
 
 
 @dataclass(frozen=True, slots=True)
 class DockMayBeMissed(FlightEvent):
-    """A vehicle whose position is not exact is to charge where it lands without a marker."""
+    """The plan charges where there is no marker, although the position is not exact."""
 
     kind = "dock"
     template = (
@@ -77,4 +77,4 @@ class DockMayBeMissed(FlightEvent):
         "that has to be as wide, or have a marker (land_on)"
     )
 
-    beside_m: Annotated[float, Doc("rounded to 0.1 m; 1 of 20 landings may be further away")]
+    beside_m: Annotated[float, Doc("rounded to 0.1 m; 1 of 20 landings may be farther away")]

@@ -22,7 +22,7 @@ Dropped = Annotated[
     tuple[str, ...], Doc("a list of the lines of the task that the plan does not keep")
 ]
 Cause = Annotated[str, Doc("why there was a new plan")]
-Cost = Annotated[float, Doc("seconds that it was expected to take")]
+Cost = Annotated[float, Doc("expected duration in seconds")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ class WrittenTreeAdopted(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class TaskRecalled(FlightEvent):
-    """A flight goes on whose record has lost its first plan, and with it the task."""
+    """A resumed flight writes its task again, as the record has lost its first plan."""
 
     kind = "task"
     template = "the task as it is flown; the beginning of this record was lost"
@@ -110,7 +110,7 @@ class PlanReplaced(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class LineDropped(FlightEvent):
-    """From now on plans do not keep a line of the task, as long as it cannot be kept."""
+    """Plans no longer keep a line of the task, until it can be kept again."""
 
     kind = "dropped"
     template = "{line} dropped: {reason}"
@@ -121,13 +121,13 @@ class LineDropped(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class LineTakenUp(FlightEvent):
-    """Plans keep a line of the task again, which was dropped or violated."""
+    """Plans keep a line of the task again that was dropped or violated."""
 
     kind = "taken up"
     template = "{line} {what}"
 
     line: Annotated[str, Doc("the name of the line of the task")]
-    anew: Annotated[bool, Doc("whether it begins anew, as it was violated")]
+    anew: Annotated[bool, Doc("whether it begins anew because it was violated")]
 
     @property
     def what(self) -> str:
@@ -137,12 +137,12 @@ class LineTakenUp(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class EngineFailed(FlightEvent):
-    """The engine from outside has made no plan, and the built-in search is asked."""
+    """The external engine made no plan, so the built-in search plans."""
 
     kind = "engine failed"
     template = "{reason}; the built-in search plans"
 
-    reason: Annotated[str, Doc("why it has made none")]
+    reason: Annotated[str, Doc("why it made none")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +159,7 @@ class NoPlanFound(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PlanAwaited(FlightEvent):
-    """There is no plan now; the vehicle holds, as one may become possible again."""
+    """There is no plan now; the vehicle holds, since one may become possible again."""
 
     kind = "awaited"
     template = "{explanation} Holding for up to {patience_s:g} s for a change of {hopes}"

@@ -23,7 +23,7 @@ class RallyWritten(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class RallyReplaced(FlightEvent):
-    """The same, in the place of other rally points."""
+    """The same; they replaced other rally points."""
 
     kind = "rally"
     template = "the autopilot's Return may land at {points} from now on, no longer at {before}"
@@ -34,7 +34,7 @@ class RallyReplaced(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class RallyKept(FlightEvent):
-    """The rally points that the autopilot has stay."""
+    """The autopilot keeps the rally points that it has."""
 
     kind = "rally"
     template = "the autopilot keeps {points}"
@@ -44,7 +44,7 @@ class RallyKept(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class RallyRemoved(FlightEvent):
-    """The autopilot has no rally points any more: the mission has no safe places but home."""
+    """The autopilot has no rally points any more: home is the mission's only safe place."""
 
     kind = "rally"
     template = "{before} taken away: the autopilot's Return goes home"
@@ -54,7 +54,7 @@ class RallyRemoved(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class RallyMissing(FlightEvent):
-    """The autopilot was not told of the mission's safe places, or could not be asked."""
+    """The autopilot did not get the mission's safe places, or could not be asked."""
 
     kind = "rally"
     template = "no rally points for the autopilot: {reason}"
@@ -64,7 +64,7 @@ class RallyMissing(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class RallyUnused(FlightEvent):
-    """The autopilot has the rally points, and its Return does not go to some of them, or to any."""
+    """The autopilot has the rally points, but its Return goes to none or only some of them."""
 
     kind = "rally"
     template = "the autopilot's Return does not land at {points}: {reason}"

@@ -9,12 +9,12 @@ from companion.flight_events.event import FlightEvent
 from companion.flight_events.event_fields import Doc, InText
 
 EventName = Annotated[str, Doc("an event of the mission")]
-SignalName = Annotated[str, Doc("what its condition is about")]
+SignalName = Annotated[str, Doc("the signal in the event's condition")]
 
 
 @dataclass(frozen=True, slots=True)
 class SignalSilent(FlightEvent):
-    """What an event is made of was not heard for a time; the event stays as it was."""
+    """The signal of an event was not heard for a time; the event keeps its value."""
 
     kind = "silent"
     template = "{event} is not known any more: {signal} is silent"
@@ -25,7 +25,7 @@ class SignalSilent(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class SignalHeard(FlightEvent):
-    """What an event is made of is heard again."""
+    """The signal of an event is heard again."""
 
     kind = "heard"
     template = "{event} is known again: {signal} is heard"
@@ -47,7 +47,7 @@ class ReportRefused(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ReportUnknown(FlightEvent):
-    """Another program reports what the mission does not ask for; told once for each name."""
+    """Another program reports a name that the mission does not use; told once for each name."""
 
     kind = "report"
     template = "{name} is reported, which the mission does not ask for; it asks for {known}"
@@ -58,11 +58,11 @@ class ReportUnknown(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class SignalOfAnother(FlightEvent):
-    """Another system than the vehicle says what an event is made of; told once for each."""
+    """The signal of an event came from another system than the vehicle; told once for each."""
 
     kind = "report"
     template = "{signal} of system {system} is passed over: the vehicle is system {vehicle}"
 
     signal: SignalName
-    system: Annotated[int, Doc("the system id of who says it")]
+    system: Annotated[int, Doc("the system id of the sender")]
     vehicle: Annotated[int, Doc("the system id of the vehicle")]

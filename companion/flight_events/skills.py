@@ -15,7 +15,7 @@ ActionName = Annotated[str, Doc("as the mission spells it, e.g. `move(A, B)`")]
 
 @dataclass(frozen=True, slots=True)
 class PlaceReached(FlightEvent):
-    """A flight has reached its place."""
+    """A flight reached its place."""
 
     kind = "at"
     template = "at {place}"
@@ -36,7 +36,7 @@ class SkillCompleted(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class SkillFailed(FlightEvent):
-    """A skill has failed."""
+    """A skill failed."""
 
     kind = "failed"
     template = "{action} failed: {reason}"
@@ -47,7 +47,7 @@ class SkillFailed(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PhotoTaken(FlightEvent):
-    """A camera has made a photo for a skill."""
+    """A camera took a photo for a skill."""
 
     kind = "photo"
     template = "photo {number} of {camera} at {place}"
@@ -63,14 +63,14 @@ class PhotoTaken(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class SkillProgressed(FlightEvent):
-    """A function of an installed package says how far it has come; every 5 s at most."""
+    """A Python skill reports its progress; every 5 s at most."""
 
     kind = "progress"
     template = "{action}: {far}"
 
     action: ActionName
-    percent: Annotated[int | None, Doc("of its way, or null if it does not say")]
-    words: Annotated[str, Doc("what it says, or empty")]
+    percent: Annotated[int | None, Doc("how far the skill has come; null if it does not say")]
+    words: Annotated[str, Doc("its text, or empty")]
 
     @property
     def far(self) -> str:
@@ -81,7 +81,7 @@ class SkillProgressed(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FunctionsAwaited(FlightEvent):
-    """The flight begins when the functions that its mission calls are loaded."""
+    """The flight waits until the functions that its mission calls are loaded."""
 
     kind = "loading"
     template = "waits until these functions are loaded: {names}"
@@ -91,7 +91,7 @@ class FunctionsAwaited(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PlaceFunctionFailed(FlightEvent):
-    """A suggester or a test of a place has failed: it proposes nothing, or passes nothing."""
+    """A suggester or a test of a place failed: it proposes nothing, or passes nothing."""
 
     kind = "function"
     template = "{function}, asked about {place}: {reason}"
@@ -114,7 +114,7 @@ class OutcomeUnknown(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class WrittenTreeFailed(FlightEvent):
-    """The mission's own tree has failed."""
+    """The mission's own tree failed."""
 
     kind = "failed"
     template = "the tree has failed: {reason}"
@@ -132,7 +132,7 @@ class RouteResponse(Enum):
 
 @dataclass(frozen=True, slots=True)
 class RouteBlocked(FlightEvent):
-    """The flight to a place was rerouted, or stopped, by what the lidar saw."""
+    """The flight to a place was rerouted or stopped because of what the lidar saw."""
 
     kind = "route"
     template = "the way to {place} is not clear: {response}"
@@ -143,7 +143,7 @@ class RouteBlocked(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class WallNear(FlightEvent):
-    """The vehicle is off its route, and nearer to an obstacle than its margin."""
+    """The vehicle is off its route, and nearer to an obstacle than its margin allows."""
 
     kind = "wall"
     template = (
@@ -156,7 +156,7 @@ class WallNear(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class GroundNear(FlightEvent):
-    """The vehicle is nearer to what is below it than it may be, by a range finder."""
+    """By its range finder, the vehicle is nearer to what is below it than it may be."""
 
     kind = "ground"
     template = (
@@ -170,7 +170,7 @@ class GroundNear(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class SpeedLimitedBySight(FlightEvent):
-    """The vehicle flies no faster than it can stop within what its range finder sees."""
+    """The speed is limited so that the vehicle can stop within the sight of its range finder."""
 
     kind = "speed"
     template = (
@@ -178,16 +178,16 @@ class SpeedLimitedBySight(FlightEvent):
         "shows is seen {sight_m:.1f} m ahead (limits.beyond_sight)"
     )
 
-    speed_mps: Annotated[float, Doc("the speed from which the vehicle stops within sight")]
-    asked_mps: Annotated[float, Doc("that the mission and the vehicle allow")]
-    sight_m: Annotated[float, Doc("how far the range finder's echoes count")]
+    speed_mps: Annotated[float, Doc("the speed from which the vehicle can stop within sight")]
+    asked_mps: Annotated[float, Doc("the speed that the mission and the vehicle allow")]
+    sight_m: Annotated[float, Doc("the distance up to which the range finder's echoes count")]
 
 
 @dataclass(frozen=True, slots=True)
 class ClearanceChanged(FlightEvent):
-    """Routes keep more from obstacles, or less.
+    """Routes keep a greater or smaller distance from obstacles.
 
-    So they do as the position is good for less, or more, and as the vehicle keeps to its way.
+    It follows the accuracy of the position, and how well the vehicle keeps to its route.
     """
 
     kind = "clearance"
@@ -198,12 +198,12 @@ class ClearanceChanged(FlightEvent):
 
     clearance_m: Annotated[float, Doc("that routes keep from obstacles, where there is room")]
     accuracy_m: Annotated[float, Doc("standard deviation of the position, by the autopilot")]
-    off_m: Annotated[float, Doc("how far the vehicle was off its way at most")] = 0.0
+    off_m: Annotated[float, Doc("the greatest distance of the vehicle from its route")] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class LowPlacesFlown(FlightEvent):
-    """Places are flown to lower than the height of a vehicle is certain, as its position is not."""
+    """Places are so low that the error of the height matters, as the position is not exact."""
 
     kind = "height"
     template = (
@@ -213,7 +213,7 @@ class LowPlacesFlown(FlightEvent):
 
     places: Annotated[tuple[str, ...], Doc("a list of the places that are so low")]
     least_m: Annotated[float, Doc("how high above what is below them they should be")]
-    error_m: Annotated[float, Doc("what a height was off by at worst")]
+    error_m: Annotated[float, Doc("the greatest error of a height")]
 
     @property
     def listed(self) -> str:
@@ -223,14 +223,14 @@ class LowPlacesFlown(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class SymbolMoved(FlightEvent):
-    """A place is flown to at another waypoint."""
+    """Flights to a place now lead to another waypoint."""
 
     kind = "symbol"
     template = "{place} is now {east_m:.1f} m east, {north_m:.1f} m north ({source})"
 
-    place: Annotated[str, Doc("where flights lead to at another waypoint")]
+    place: Annotated[str, Doc("the place with the new waypoint")]
     position: Annotated[Ned, Doc("the waypoint: local NED, metres")]
-    source: Annotated[str, Doc("who has proposed the waypoint")]
+    source: Annotated[str, Doc("who proposed the waypoint")]
 
     @property
     def north_m(self) -> float:

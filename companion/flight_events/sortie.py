@@ -42,7 +42,7 @@ class PhaseEntered(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class GoalFailed(FlightEvent):
-    """A phase has not reached what it works towards."""
+    """A phase did not reach its goal."""
 
     kind = "phase"
     template = "{reason}"
@@ -52,7 +52,7 @@ class GoalFailed(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class AutopilotSaid(FlightEvent):
-    """The autopilot has said something in flight, a warning or worse."""
+    """The autopilot sent a text in flight, a warning or worse."""
 
     kind = "autopilot"
     template = "the autopilot says: {words}"
@@ -72,7 +72,7 @@ class WeakFailsafeAccepted(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ControlYielded(FlightEvent):
-    """Somebody else flies, and may hand the vehicle back."""
+    """Somebody else has control, and may give it back."""
 
     kind = "phase"
     template = "{loss}; hold, then continue, gives it back"
@@ -82,7 +82,7 @@ class ControlYielded(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ControlRegained(FlightEvent):
-    """The operator has given control back."""
+    """The operator gave control back."""
 
     kind = "phase"
     template = "control given back by the operator"
@@ -90,7 +90,7 @@ class ControlRegained(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ControlTakenBack(FlightEvent):
-    """The autopilot has held because it no longer heard us, and that was to be gone on from."""
+    """The autopilot held because it no longer heard the companion; the flight continues."""
 
     kind = "phase"
     template = "the autopilot held because it no longer heard us; going on"
@@ -98,7 +98,7 @@ class ControlTakenBack(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class LinkSilent(FlightEvent):
-    """Nothing is heard of a vehicle in the air: nothing is sent, and it is waited for."""
+    """A vehicle in the air is not heard: the companion sends nothing and waits."""
 
     kind = "phase"
     template = "nothing is heard of the vehicle; waiting for it"
@@ -106,7 +106,7 @@ class LinkSilent(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class LinkBack(FlightEvent):
-    """The vehicle is heard again, and nobody has taken it meanwhile."""
+    """The vehicle is heard again, and nobody took control in between."""
 
     kind = "phase"
     template = "the vehicle is heard again; going on"
@@ -114,7 +114,7 @@ class LinkBack(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FlightFoundAgain(FlightEvent):
-    """The companion was away, and finds its flight still going on; nothing is sent yet."""
+    """The companion was away, and finds the flight still under way; it sends nothing yet."""
 
     kind = "phase"
     template = "the companion was away for {away_s} s, while {phase}; {key}"
@@ -126,7 +126,7 @@ class FlightFoundAgain(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class StopRequested(FlightEvent):
-    """The operator has asked for a stop, which begins now."""
+    """The operator asked for a stop, which begins now."""
 
     kind = "phase"
     template = "stopping as asked"
@@ -134,7 +134,7 @@ class StopRequested(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class PauseEnded(FlightEvent):
-    """The operator's pause is over, because of the charge; the flight goes on."""
+    """The operator's pause ended because of the charge; the flight continues."""
 
     kind = "phase"
     template = "the pause is over: the charge is needed to land at a safe place"
@@ -142,7 +142,7 @@ class PauseEnded(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ReturnBegun(FlightEvent):
-    """The task has no plan, and the vehicle flies home, or to another safe place."""
+    """The task has no plan, so the vehicle flies home or to another safe place."""
 
     kind = "phase"
     template = "returning to {place}"
@@ -152,7 +152,7 @@ class ReturnBegun(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ReturnFailed(FlightEvent):
-    """A flight home, or to another safe place, has failed."""
+    """A flight home or to another safe place failed."""
 
     kind = "phase"
     template = "cannot return to {place}: {reason}"
@@ -163,7 +163,7 @@ class ReturnFailed(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class FlightLimitReached(FlightEvent):
-    """A mission without an end was flown as long as asked; the vehicle flies home."""
+    """A mission without an end reached its time or lap limit; the vehicle flies home."""
 
     kind = "phase"
     template = "{limit} flown: returning"
@@ -173,7 +173,7 @@ class FlightLimitReached(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class BatteryLow(FlightEvent):
-    """The autopilot calls the charge low, and the mission says nothing of that."""
+    """The autopilot reports a low charge, and the mission has no rule for it."""
 
     kind = "phase"
     template = "the battery is low, and the mission does not say what then: returning to {place}"
@@ -183,7 +183,7 @@ class BatteryLow(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class VehicleLanded(FlightEvent):
-    """The vehicle has landed by its plan, which goes on."""
+    """The vehicle landed as planned, and the plan continues."""
 
     kind = "phase"
     template = "landed on the way"
@@ -191,7 +191,7 @@ class VehicleLanded(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class VehicleAirborne(FlightEvent):
-    """The vehicle has taken off by its plan."""
+    """The vehicle took off as planned."""
 
     kind = "phase"
     template = "in the air again"
@@ -199,7 +199,7 @@ class VehicleAirborne(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class BatteryCharged(FlightEvent):
-    """The battery has what the plan waited for."""
+    """The battery reached the charge that the plan waited for."""
 
     kind = "phase"
     template = "charged to {percent} %"
@@ -209,7 +209,7 @@ class BatteryCharged(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ChargeAwaited(FlightEvent):
-    """The dock gives nothing, and no other one can be flown to: the vehicle waits on it."""
+    """The dock does not charge, and no other dock is in reach: the vehicle waits on it."""
 
     kind = "phase"
     template = (
@@ -223,7 +223,7 @@ class ChargeAwaited(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ChargeCutShort(FlightEvent):
-    """An event has come that a line which is ready answers, so the vehicle takes off again."""
+    """An event came that a `ready` line answers, so the vehicle takes off again."""
 
     kind = "phase"
     template = "charging ends at {percent} %, for an event that is answered"
@@ -233,7 +233,7 @@ class ChargeCutShort(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class ChargeSufficient(FlightEvent):
-    """The battery has what its plan needs from here on, so the vehicle does not land to charge."""
+    """The charge is enough for the rest of the plan, so the vehicle does not land to charge."""
 
     kind = "phase"
     template = "not landed to charge: the battery has {percent} %, {enough} % are enough"
@@ -285,7 +285,7 @@ class TaskSatisfied(RunEnded):
 
 @dataclass(frozen=True, slots=True)
 class ReturnedAsAsked(RunEnded):
-    """The run is over: the operator has called the vehicle home."""
+    """The run is over: the operator called the vehicle home."""
 
     template = "returned as asked, landed"
 
@@ -294,7 +294,7 @@ class ReturnedAsAsked(RunEnded):
 
 @dataclass(frozen=True, slots=True)
 class EndedAtLimit(RunEnded):
-    """The run is over: it was flown as long as asked."""
+    """The run is over: it reached its time or lap limit."""
 
     template = "{limit} flown, landed; {verdict}"
 
@@ -305,7 +305,7 @@ class EndedAtLimit(RunEnded):
 
 @dataclass(frozen=True, slots=True)
 class StoppedAsAsked(RunEnded):
-    """The run is over: the operator has stopped it."""
+    """The run is over: the operator stopped it."""
 
     template = "stopped as asked"
 

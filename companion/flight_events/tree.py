@@ -126,7 +126,7 @@ Changes = Annotated[
 
 @dataclass(frozen=True, slots=True)
 class TreeBuilt(FlightEvent):
-    """Another behaviour tree is ticked from now on."""
+    """A new behaviour tree is ticked from now on."""
 
     kind = "tree"
     template = "a tree of {size} nodes"
@@ -150,7 +150,7 @@ class TreeBuilt(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class NodesChanged(FlightEvent):
-    """Nodes of the tree have another status; the text names the one that was ticked last."""
+    """Nodes of the tree changed their status; the text names the node that was ticked last."""
 
     kind = "status"
     template = "{tip}: {tip_status}"
@@ -163,7 +163,7 @@ class NodesChanged(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class TreeStopped(FlightEvent):
-    """The tree is not ticked any more."""
+    """The tree is no longer ticked."""
 
     kind = "status"
     template = "nothing runs"

@@ -10,7 +10,7 @@ from companion.flight_events.event_fields import Doc
 
 Facts = Annotated[
     tuple[str, ...],
-    Doc("a list of the facts that held; of the beliefs those that the task mentions"),
+    Doc("a list of the facts that held, with those beliefs that the task mentions"),
 ]
 
 
@@ -26,7 +26,7 @@ class PositionLeft(FlightEvent):
     facts: Facts
     risen: Annotated[
         tuple[str, ...],
-        Doc("a list of the events among the facts that had risen before and held no more"),
+        Doc("a list of the events among the facts that were true before, but not any more"),
     ]
     reached_s: Annotated[float, Doc("seconds since the run began, when the position was appended")]
     withdrawn: Annotated[tuple[str, ...], Doc("a list of the beliefs that are not held")]
@@ -34,7 +34,8 @@ class PositionLeft(FlightEvent):
         tuple[str, ...], Doc("a list of the lines of the task that begin anew with this position")
     ]
     for_ever: Annotated[
-        bool, Doc("whether the vehicle rests here, so that all positions to come are the same")
+        bool,
+        Doc("whether the vehicle rests here, so that all later positions are the same"),
     ]
     dropped: Annotated[
         tuple[str, ...], Doc("a list of the lines of the task that the plan did not keep there")
@@ -55,7 +56,7 @@ def since(event: FlightEvent, start_s: float) -> FlightEvent:
 
 @dataclass(frozen=True, slots=True)
 class ConjunctViolated(FlightEvent):
-    """A conjunct cannot hold any more since that position."""
+    """From this position on, a conjunct cannot hold any more."""
 
     kind = "violation"
     template = "{conjunct} violated at position {position}: {formula}"
@@ -64,14 +65,12 @@ class ConjunctViolated(FlightEvent):
     formula: Annotated[str, Doc("what is violated")]
     position: Annotated[int, Doc("the number of the position that violates it")]
     facts: Facts
-    optional: Annotated[bool, Doc("whether the line may be dropped, so that the task goes on")] = (
-        False
-    )
+    optional: Annotated[bool, Doc("whether the line may be dropped and the task continues")] = False
 
 
 @dataclass(frozen=True, slots=True)
 class ViolatedBefore(FlightEvent):
-    """A flight goes on whose task was violated before the companion was away."""
+    """A resumed flight had violated its task before the companion was away."""
 
     kind = "violated before"
     template = "violated before: {listed}"
