@@ -1,4 +1,4 @@
-"""The companion from the link to what is flown; it lives as long as the program.
+"""The companion as a whole, from the link to the flight; it lives as long as the program.
 
 `Companion` is a state machine: time and datagrams in, datagrams out. `driving.fly` drives it in
 real (or scaled) time from a socket; the simulator's harness drives the same object in lockstep.
@@ -32,17 +32,18 @@ NOTHING_FLOWN = Refusal("nothing is flown")
 
 
 class Companion:
-    """Component 191 for as long as it lives: flies one mission at once, or hosts sorties.
+    """MAVLink component 191: flies its mission at once, or waits for operators who start missions.
 
     Args:
         runs: what it flies, one run after the other.
-        terms: on which each sortie is flown.
+        terms: what the operator has chosen beforehand for each sortie.
         page: the monitor page, if there is one.
         memory: of earlier flights.
 
     Attributes:
         failure: why the last run did not end well.
-        wire, telemetry: its ear and its voice, and what its vehicle has told of itself.
+        wire: decodes and packs messages.
+        telemetry: what the autopilot was last heard to say.
     """
 
     def __init__(
@@ -74,7 +75,7 @@ class Companion:
 
     @property
     def missing(self) -> str | None:
-        """What a run still waits to hear of its vehicle; None if nothing is waited for."""
+        """What a run still has to hear from its vehicle; None if it waits for nothing."""
         is_begun = self._run is not None and not self._run.is_waiting
         return None if is_begun else self._runs.missing(self.telemetry)
 
@@ -91,22 +92,22 @@ class Companion:
         return self._run is None and self._runs.awaits_start
 
     def stop(self) -> None:
-        """Hold, land, end: what Ctrl-C asks for."""
+        """Holds, lands and ends, as Ctrl-C demands."""
         self._is_stopping = True
         if self._run is not None:
             self._run.sortie.stop()
 
     def hang_up(self) -> None:
-        """The terminal is gone: the flight goes on, and its record says so."""
+        """Notes that the terminal is gone; the flight goes on."""
         self._has_hung_up = True
 
     def note(self, news: list[FlightEvent]) -> None:
-        """What was dropped or refused on the link: the record says so."""
+        """Records what was dropped or refused on the link."""
         for event in news:
             self._say(event)
 
     def is_urgent(self, now_s: float, datagrams: list[bytes]) -> bool:
-        """Whether they change an event that the plan watches; they are for the next step yet."""
+        """Whether datagrams change an event that the plan watches; they are not taken yet."""
         if self._run is None or not self._run.watched:
             return False
         messages = self.wire.peek(datagrams)

@@ -24,7 +24,7 @@ from companion.vehicle.report_port import ReportPort
 log = logging.getLogger(__name__)
 
 NEWS = 1.1
-"""A speed that is so many times another one is told."""
+"""A change of the clock's speed by this factor is reported."""
 
 
 def fly(
@@ -37,25 +37,25 @@ def fly(
 ) -> None:
     """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
 
-    While nothing is flown, what arrives is answered at once: a file comes as a request after the
-    other, and each would wait for the next tick. The autopilot's questions for the time are
-    answered so in flight, too, without a step. The change of an event that the plan watches is
-    answered by one step between two ticks, which moves none of them. What a flood of datagrams
-    loses, and what is refused on a signed link, is told by the companion.
+    While nothing is flown, messages are answered at once, between ticks: a file is sent as a series
+    of requests, and each of them would wait for a tick. The autopilot's questions for the time are
+    answered at once in flight, too, without a step. If an event changes that the plan watches, one
+    extra step is done between two ticks, without moving the ticks. The companion reports datagrams
+    that were lost in a flood, and what was refused on a signed link.
 
-    After a pause of this process (stopped, a machine that stalls) the autopilot may have left
-    OFFBOARD, and would return to it by the next setpoint. So what was to be sent before the pause
-    is not, what has arrived in it is not read, and the flight waits for a heartbeat
+    After a pause of this process (stopped, or a machine that stalls) the autopilot may have left
+    OFFBOARD, and the next setpoint could bring it back. So messages that were due before the pause
+    are not sent, messages that arrived during it are not read, and the flight waits for a heartbeat
     (`ControlWatch`).
 
-    An autopilot whose clock runs faster or slower than this computer's is one of a simulator: the
-    flight's clock follows it.
+    If the autopilot's clock runs faster or slower than this computer's, it belongs to a simulator,
+    and the flight's clock follows it.
 
     Args:
         companion: what is driven.
         link: to its vehicle.
         clock: of the flight.
-        timeout_s: in which a vehicle is heard first.
+        timeout_s: the vehicle has to be heard within this time.
         beat: called in each step.
         reports: where other programs on board report events; each tick reads it.
 

@@ -1,9 +1,11 @@
-"""Authority over the vehicle: why it is no longer ours to fly, or never was, and when it is again.
+"""Authority over the vehicle: whether it is ours to fly, why not, and when it is ours again.
 
-Control that was lost comes back by two keys. The vehicle is armed, in the air and on hold
-(AUTO.LOITER), with a fresh position and a mode heard just now: the pilot hands it over by choosing
-hold, or the autopilot holds because it no longer heard us (stream_loss.py). And the operator says
-"go on", or has said beforehand that such a hold is to be gone on from.
+Control that was lost comes back only with two keys:
+
+1. The vehicle is armed, in the air and on hold (AUTO.LOITER), with a fresh position and a mode that
+   was heard just now. Either the pilot has chosen hold, to hand the vehicle over, or the autopilot
+   holds because it no longer heard us (stream_loss.py).
+2. The operator says "go on", or has said so beforehand for a hold of the second kind.
 """
 
 from __future__ import annotations
@@ -24,16 +26,16 @@ from companion.outcomes import Refusal
 from companion.vehicle.port import Anchoring, FrameLocation, Mode, VehicleState
 
 LINK_LOST_S = 10.0
-"""Silence after which a sortie is given up whose vehicle was on the ground, disarmed."""
+"""Silence after which a sortie is given up, if the vehicle was on the ground and disarmed."""
 NEVER_BACK_S = 1800.0
-"""The same in the air: no battery lasts longer."""
+"""The same for a vehicle in the air: no battery lasts longer."""
 SILENT_S = 3.0
-"""Silence after which a vehicle in the air is waited for: nothing is sent, and no time counts."""
+"""Silence after which we wait for a vehicle in the air: nothing is sent, and no time counts."""
 ASTRAY_M = 1.0
-"""Above the altitudes of the mission: what a vehicle that holds may be off by."""
+"""How far above the altitudes of the mission a vehicle on hold may be, by its own errors."""
 LANDING_M = 1.0
-"""So much further away an autopilot may land whose velocity is off: with PX4's own simulator it is
-by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
+"""How much further away an autopilot may land whose velocity estimate is wrong. In PX4's own
+simulator it is wrong by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
 AT_ZERO = "it stands at its autopilot's home position, and that is [0, 0] of the mission"
 UNNOTICED = "the autopilot goes on landing; where the vehicle stands already, disarm it by hand"
@@ -43,7 +45,7 @@ FRESH_S = 0.5
 
 
 def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
-    """Whether the vehicle has been silent for too long; one that may fly may come back."""
+    """An error if the vehicle has been silent for too long; None if it has not."""
     silence_s = now_s - state.stamp_s
     is_down = state.is_landed and not state.is_armed
     if silence_s <= (LINK_LOST_S if is_down else NEVER_BACK_S):
@@ -69,9 +71,9 @@ def not_at_home(
 ) -> Aborted | None:
     """Returns why the mission may not begin where the vehicle stands; None if it may.
 
-    What the position may be off by is added to the radius of home: a vehicle that has landed
-    there by an estimate that wanders stands beside it, and may begin again. Where no map goes along
-    with it, it may have landed further away.
+    The error of the position is added to the radius of home: a vehicle that has landed there, with
+    an estimate that wanders, stands beside it and may begin again. If home does not move with the
+    vehicle, it may have landed further away.
 
     Args:
         gap_m: from the vehicle to home.
@@ -92,7 +94,7 @@ def not_at_home(
 
 
 def _way_out(state: VehicleState, home: Place, anchoring: Anchoring) -> list[str]:
-    """What to do beside carrying a vehicle to where the mission begins."""
+    """What to do instead of carrying the vehicle to where the mission begins."""
     if anchoring is Anchoring.RECALLED:
         return [LAID_BEFORE]
     near_m = home.inner_m + greatest_error_m(state.accuracy_m)
@@ -141,9 +143,9 @@ def not_handed_over(
     Args:
         state: of the vehicle.
         now_s: the time.
-        is_hold_by_stream_loss: the autopilot's failsafe is only that it no longer heard us.
-        limits: of the mission; far above or outside of them no setpoint would pass the gate.
-        kept: the autopilot's own fence, where the flight keeps to it as well.
+        is_hold_by_stream_loss: the autopilot's only failsafe is that it no longer heard us.
+        limits: of the mission; the gate passes no setpoint far above or outside of them.
+        kept: the autopilot's own fence, if the flight keeps to it as well.
     """
     if state is None or now_s - state.position_s > FRESH_S:
         return Refusal("no fresh position")

@@ -1,12 +1,12 @@
-"""Whether control that was lost, or interrupted, is back; asked while nothing is sent.
+"""Decides, while nothing is sent, whether control that was lost is back.
 
-    lost by                          back when
-    silence (nothing is heard)       OFFBOARD is heard still; else it was taken
-    somebody or a failsafe           two keys (authority.py); nobody waits without an operator
-    the companion was away           two keys; and it never was to be expected elsewhere
+    control was lost because         it is back when
+    nothing was heard                the mode is still OFFBOARD; any other mode has taken control
+    a pilot or a failsafe took it    both keys are there (authority.py), if we wait for an operator
+    the companion was away           both keys are there, and the vehicle is where it is expected
 
-The autopilot's hold by the loss of our stream is one key; `resumes` is the other one, given
-beforehand, unless the battery is critical.
+The autopilot's own hold after the loss of our stream is one key. `resumes` is the other key, given
+beforehand; it does not count if the battery is critical.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ from companion.vehicle.port import Mode, Takeover, VehicleState
 
 
 class Control:
-    """Who has control of one flight's vehicle, while it is not we.
+    """Watches who has control of the vehicle of one flight.
 
     Args:
         flight: of the vehicle.
         may_yield: an operator may give control back.
-        resumes: so does a hold by the loss of our stream.
-        resumption: of a flight that has begun before the companion was cut off.
+        resumes: the operator has said beforehand that a hold by the loss of our stream may be
+            continued from.
+        resumption: the flight that was under way when the companion was cut off; None for none.
     """
 
     def __init__(
@@ -46,7 +47,7 @@ class Control:
         self._stream_loss.step(self._flight.now_s, state)
 
     def not_handed_over(self) -> Refusal | None:
-        """Why an operator may not take control back now; None if that may be."""
+        """Why the operator may not take control back now; None if the operator may."""
         flight = self._flight
         return not_handed_over(
             flight.vehicle.state,
@@ -57,7 +58,7 @@ class Control:
         )
 
     def wait(self, state: VehicleState) -> CompanionError | FlightEvent | None:
-        """Why it will not come back; or the news by which it has; None while it is waited for."""
+        """An error if control will not come back, an event if it is back, None while waiting."""
         vehicle, now_s = self._flight.vehicle, self._flight.now_s
         if silence := loss_of_link(state, now_s):
             return silence
@@ -81,7 +82,10 @@ class Control:
         return None
 
     def _has_landed(self, state: VehicleState) -> Aborted:
-        """It has landed meanwhile; a PX4 goes back to OFFBOARD then, and nobody has chosen that."""
+        """The reason for giving up a vehicle that has landed meanwhile.
+
+        PX4 goes back to OFFBOARD after a landing, so this mode does not give control back.
+        """
         why = None if self._resumption is None else self._resumption.why_not(state)
         return why or Aborted("the vehicle has landed meanwhile; it is not armed again")
 

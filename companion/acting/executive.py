@@ -1,19 +1,19 @@
 """Ticks the plan's tree, and plans again when the plan is no longer right (Section III-B).
 
-Planning assumes that every event keeps its value and every belief holds. When one of these turns
-out wrong, a new lasso is searched from the present state, with the history kept, and a new tree is
-built; the vehicle holds meanwhile. `ExecutiveState` says what the executive is doing, and the table
-in replan_triggers.py why it plans again.
+A plan assumes that every event keeps its value and that every belief holds. When one of these turns
+out to be wrong, the executive searches a new lasso from the present state, with the history of the
+flight, and builds a new tree. The vehicle holds meanwhile. `ExecutiveState` says what the executive
+is doing; the table in replan_triggers.py lists the reasons for a new plan.
 
-Plans change as little as possible. An event that matters, but leaves the rest of the plan the best
-one, changes nothing. A belief that comes back, or a dropped line of the task that has a plan again,
-makes a new plan at the next completed skill.
+Plans change as little as possible. If an event matters, but the rest of the plan is still the best
+one, the plan stays. If a belief comes back, or a dropped line of the task can be kept again, a new
+plan is made at the next completed skill.
 
-A plan that ends at rest satisfies the task when the rest is reached. Each position of the word is
-reported when it is left, and so is each conjunct that it violates. Without a plan the vehicle holds
-while one may become possible again (replanning/patience.py). For a violated line a plan is
-searched again, which says that there is none if the line is never dropped; on the way home after
-that no event is watched but one by which all violated lines begin anew.
+A plan that ends at rest satisfies the task when the vehicle rests. Each position of the word is
+reported when the vehicle leaves it, with the conjuncts that it violates. Without a plan the
+vehicle holds, as long as one may become possible again (replanning/patience.py). After a violation
+a plan is searched once more; there is none if the violated line may not be dropped. On the way home
+after that, the only events that count are those by which all violated lines begin anew.
 """
 
 from __future__ import annotations
@@ -58,10 +58,10 @@ class Executive:
         state: what it is doing.
         replans: how often it has planned again.
         planner: of the mission.
-        due: the plan that is due, or was last; None before the first.
+        due: the replan that is due, or was due last; None before the first.
         lasso: the present plan; None before the first, and with a tree written by hand.
-        failure: why the task has no plan, or none was found; None while it has one.
-        has_lost_way: whether a flight to a place, in want of a plan, has failed.
+        failure: why the task has no plan, or why none was found; None while there is a plan.
+        has_lost_way: whether a flight to a safe place, without a plan for the task, has failed.
 
     Args:
         prepared: the mission, with its planner and its first plan.
@@ -112,7 +112,7 @@ class Executive:
             self._assumptions.note_restored_beliefs()
 
     def plan(self) -> PlanFailure | None:
-        """Takes over the first plan, or searches one; why there is none, None if there is one."""
+        """Adopts the first plan, searching one if necessary; returns why there is none, or None."""
         flight, mission = self._flight, self.planner.mission
         if mission.tree is not None:
             self._plan_state = ExecutiveState.BY_HAND
@@ -128,7 +128,7 @@ class Executive:
         return None
 
     def plan_again(self, reason: str) -> PlanFailure | None:
-        """Before take-off, on a map that has changed since; why there is no plan any more."""
+        """Plans again before take-off, for a changed map; returns why there is no plan, or None."""
         found = self._ground_plans.again()
         if isinstance(found, ChosenPlan):
             self._fly_on(found, reason)
@@ -136,7 +136,7 @@ class Executive:
         return found
 
     def tick(self) -> TaskStatus:
-        """One tick of what it is doing; returns how the task stands then."""
+        """Does the work of one tick; returns how the task stands then."""
         if self.state is ExecutiveState.GROUNDED:  # and has taken off since
             self.state = self._plan_state
         lost = None if self.is_leaving else self._whereabouts.look()
@@ -168,7 +168,7 @@ class Executive:
         return self._assumptions.watched if is_watching else frozenset()
 
     def go_to(self, place: str) -> bool:
-        """Replaces the plan, in want of one, by a flight to a place; False without a route."""
+        """Flies to a place because the task has no plan; False if no route leads there."""
         self._flight.task.interrupt()
         lasso = flight_to(self.planner, place)
         if lasso is None:
@@ -182,7 +182,7 @@ class Executive:
 
     @property
     def is_leaving(self) -> bool:
-        """Whether it flies to a place in want of a plan, or has lost its way there."""
+        """Whether it flies to a place because the task has no plan, or has lost its way there."""
         return self._plan_state is ExecutiveState.LEAVING
 
     def stop(self) -> None:
@@ -195,7 +195,7 @@ class Executive:
         self._flight.guidance.hold()
 
     def pause(self) -> None:
-        """Interrupts what is under way, to go on with it later; the vehicle holds."""
+        """Interrupts the plan or the tree, to continue it later; the vehicle holds."""
         if self.state is ExecutiveState.BY_HAND and self._root is not None:
             self._paused_s = self._flight.now_s
             pausing.pause(self._root)
@@ -205,7 +205,7 @@ class Executive:
             self.stop()
 
     def resume(self) -> TaskStatus:
-        """Goes on after a pause: by a new plan from here, or where a tree by hand has come to."""
+        """Continues after a pause: with a new plan from here, or with the tree written by hand."""
         self._whereabouts.look_after_absence()
         if self.state is ExecutiveState.BY_HAND and self._root is not None:
             pausing.resume(self._root, self._flight.now_s - self._paused_s)
@@ -284,7 +284,7 @@ class Executive:
                 self._wait_or_give_up(failure, due.left_for)
 
     def _fly_on(self, plan: ChosenPlan, reason: str) -> None:
-        """Adopts a new plan; one that is the rest of the old plan is no news."""
+        """Adopts a new plan; reports it unless it is just the rest of the old one."""
         lasso = plan.lasso
         drop(self._flight, plan.dropped)
         is_kept = self.lasso is not None and self._replanner.is_rest_of(self.lasso, lasso)
@@ -296,7 +296,7 @@ class Executive:
         self._tell_tree()
 
     def _wait_or_give_up(self, failure: PlanFailure, reason: str) -> None:
-        """Holds, and looks again, as long as there is hope for a plan."""
+        """Holds and looks again, as long as a plan may become possible; else gives up."""
         patience, is_news = self._patience, self.failure is None
         self.failure = failure
         if not patience.lasts:
@@ -322,7 +322,7 @@ class Executive:
         self._flight.report(NoPlanFound(self.replans, reason, str(failure)))
 
     def _adopt(self, lasso: Lasso, state: ExecutiveState, laps: int = 0) -> None:
-        """Ticks the tree of a plan from now on, in the air; its assumptions are known."""
+        """Ticks the tree of a plan from now on; its assumptions are already noted."""
         flight = self._flight
         is_landed = flight.progress.is_landed_by_plan
         flight.progress = PlanProgress(laps=laps)

@@ -1,7 +1,7 @@
-"""Why the plan under way is to be replaced: the table of triggers, in the order of a tick.
+"""The reasons for replacing the plan under way: a table of triggers, in the order of a tick.
 
-A trigger has a guard, which is quick and changes nothing. Where it holds, the trigger looks closer,
-which may take over the map or search for a plan, and says in words why another plan is due.
+Each trigger has a guard, which is quick and changes nothing. If the guard holds, the trigger looks
+closer: it may read the changed map or search for a plan. It returns in words why a new plan is due.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class PlanUnderWay:
     Attributes:
         lasso: the plan.
         tree: its behaviour tree.
-        is_leaving: it flies to a place in want of a plan for the task.
+        is_leaving: it flies to a safe place, because there is no plan for the task.
     """
 
     lasso: Lasso
@@ -43,8 +43,8 @@ class ReplanTrigger:
 
     Attributes:
         name: what is noticed.
-        guard: whether to look closer; quick, and it changes nothing.
-        reason: looks closer; why a new plan is due, in words for people; None if it is not.
+        guard: says whether to look closer; it is quick and changes nothing.
+        reason: looks closer, and returns in words why a new plan is due; None if it is not.
     """
 
     name: str
@@ -56,14 +56,14 @@ class ReplanTriggers:
     """Notices what a plan did not expect.
 
     Attributes:
-        has_used_slice: this tick's slice went into the question whether the plan is still the best
-            one, which it could not answer.
+        has_used_slice: the search slice of this tick was spent on the question whether the plan is
+            still the best one, without an answer.
 
     Args:
-        flight: knows what holds now, and how far the plan has come.
+        flight: the facts that hold now, and the progress of the plan.
         assumptions: of the plan.
-        replanner: knows the map, and what plan would be made now.
-        energy: of the mission; None where plans know of none.
+        replanner: knows the map, and which plan would be made now.
+        energy: of the mission; None if its plans ignore energy.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class ReplanTriggers:
             self._energy.adopt(lasso)
 
     def abandon(self) -> None:
-        """The plan is not flown any more: what is thought over about it is not asked again."""
+        """Drops all open questions: the plan they are about is not flown any more."""
         for question in self._questions:
             question.abandon()
 
@@ -105,7 +105,7 @@ class ReplanTriggers:
         return self._cut_off, self._line, self._possible, self._late, self._figure
 
     def look(self, plan: PlanUnderWay) -> None:
-        """Looks at events and map. What events have become is taken over if the plan stays best."""
+        """Looks at events and map; adopts changed events if the plan is the best one even so."""
         assumptions, self.has_used_slice = self._assumptions, False
         if self._energy is not None:
             self._energy.meter.step()
@@ -118,9 +118,9 @@ class ReplanTriggers:
         self._reachability.look()
 
     def _is_confirmed(self, plan: PlanUnderWay) -> bool:
-        """Whether the plan is what would be made now, by what moves cost on the present map.
+        """Whether the planner would make the same plan now, with the costs of the present map.
 
-        What takes more than a slice is not waited for: a plan is made anew then, from the next
+        If this takes more than a slice, the answer is no: a new plan is then made, from the next
         tick on.
         """
         self._reachability.search()

@@ -1,13 +1,15 @@
 """One sortie from the ground to the ground: climb, fly the task, land; `phases.py` has the table.
 
-Safety comes before the phase: who takes the vehicle from us (pilot or failsafe) ends the sortie at
-once and nothing more is sent; or, where control may come back, the sortie yields and waits for
-that. So it does while nothing is heard of a vehicle in the air, and after the companion was away. A
-vehicle that is armed or flying before we start is not ours to take, and one whose autopilot would
-not look after itself is not armed unless the operator accepts that. Whose the vehicle is, and when
-it is handed over again, is asked in authority.py.
+In each tick, safety comes before the work of the phase:
 
-The operator may pause (hold in the air, the task frozen), let it go on, call it home, and stop it.
+- If the pilot or a failsafe takes the vehicle, the sortie ends at once and nothing more is sent. If
+  control may come back, it yields instead, and waits. It also yields while nothing is heard of a
+  vehicle in the air, and after the companion was away.
+- A vehicle that is armed or flying before we start is left alone.
+- A vehicle whose autopilot has weak failsafes is not armed, unless the operator accepts that.
+
+authority.py decides who has control of the vehicle, and when it is handed over again. The operator
+can pause a sortie (the vehicle holds, the task is frozen), continue it, call home, and stop it.
 """
 
 from __future__ import annotations
@@ -57,16 +59,17 @@ class Sortie:
     """Flies a mission once.
 
     Attributes:
-        phase, beginning: where it is, and how it comes to a plan first.
+        phase: what it is doing.
+        beginning: waits for the vehicle, and for the first plan.
         failure: why the sortie did not end well; None while it does.
 
     Args:
         flight: the flight.
         executive: acts out the task.
         mission: where it begins, and what to do when no plan exists.
-        terms: on which it is flown.
-        may_yield: wait for the operator when somebody else has taken control in flight.
-        resumption: of a flight that has begun before the companion was cut off.
+        terms: what the operator has chosen beforehand.
+        may_yield: waits for the operator when somebody else has taken control in flight.
+        resumption: the flight that was under way when the companion was cut off; None for none.
     """
 
     def __init__(
@@ -212,7 +215,7 @@ class Sortie:
             self._on(event)
 
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
-        """Yields to whoever has taken the vehicle in the air, or ends."""
+        """Yields to whoever has taken the vehicle in the air, or ends the sortie."""
         is_taken = self.phase in UNDER_TASK and self._flight.vehicle.takeover is not None
         if is_taken and self._control.may_yield and state.is_armed and not state.is_landed:
             self._yield(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
@@ -220,12 +223,12 @@ class Sortie:
             self._give_up(loss)
 
     def _is_waited_for(self, state: VehicleState) -> bool:
-        """Whether nothing is heard of it in the air; a landing by plan goes on without us."""
+        """Whether a vehicle in the air is silent; a landing by the plan goes on without us."""
         is_flown = self.phase in UNDER_TASK and not self._flight.progress.is_landed_by_plan
         return is_flown and is_silent(state, self._flight.now_s)
 
     def _yield(self, event: SortieEvent, news: FlightEvent) -> None:
-        """Interrupts what is flown, to go on with it when control comes back."""
+        """Interrupts the flight, which continues when control comes back."""
         is_paused = self.phase is Phase.PAUSED
         self._flown.interrupt()
         self._on(event, news)
@@ -239,7 +242,7 @@ class Sortie:
         self._on(SortieEvent.HANDED_BACK, news)
 
     def _await_control(self, state: VehicleState) -> None:
-        """Nothing is sent; ends when the vehicle has landed, or is heard no longer."""
+        """Sends nothing; ends when control is back, or will not come back."""
         outcome = self._control.wait(state)
         if isinstance(outcome, CompanionError):
             self._give_up(outcome)
@@ -257,7 +260,7 @@ class Sortie:
             self._on(SortieEvent.PLANNED)
 
     def _find_again(self, resumption: Resumption, state: VehicleState) -> None:
-        """The companion was away; nothing is sent before control is given back."""
+        """Continues after the companion was away; sends nothing before control is given back."""
         if why_not := resumption.why_not(state):
             self._give_up(why_not)
             return
@@ -308,7 +311,7 @@ class Sortie:
             self._on(event)
 
     def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
-        """Enters the phase that an event leads to; reports that, or what says more."""
+        """Enters the phase to which an event leads; reports the phase, or the news if given."""
         self.phase = TRANSITIONS.next(self.phase, event)
         self._note_phase()
         if self.phase is Phase.ENDED:
@@ -321,7 +324,7 @@ class Sortie:
             self._flight.report(news or PhaseEntered(self.phase))
 
     def _note_phase(self) -> None:
-        """The journal has the phase, and how the flight is to end."""
+        """Writes into the journal what the phase is, and how the flight is to end."""
         journal, now_s = self._flight.journal, self._flight.now_s
         journal.note(now_s, PhaseBegun(self.phase))
         if self.phase in (Phase.RETURNING, Phase.HOLDING, Phase.LANDING):

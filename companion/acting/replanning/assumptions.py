@@ -1,9 +1,9 @@
-"""What the present plan assumes of events and beliefs, and what has turned out otherwise.
+"""The assumptions of the present plan about events and beliefs, and which have turned out wrong.
 
-Planning assumes that every event keeps its value. A change matters only if the task, or the
-precondition of an action still to come, mentions the event, or lines begin anew with it. A rise
-matters although the event has fallen again, for the next letter has it. Planning also assumes that
-a belief that was withdrawn stays so; one that comes back allows for a better plan.
+A plan assumes that every event keeps its value. A change matters only if the event is mentioned in
+the task or in the precondition of an action still to come, or if lines begin anew with it. An event
+that was true for a moment matters, too, because the next letter contains it. A plan also assumes
+that withdrawn beliefs stay withdrawn; if one comes back, a better plan may be possible.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
 
 FLAPPING_S = 1.0
-"""Time in which changes of one event make one new plan."""
+"""Within this time, several changes of one event make only one new plan."""
 BELIEF_CAME_BACK = "a belief came back"
-"""Why a plan is due that nothing has gone wrong with."""
+"""The reason for a new plan if nothing has gone wrong with the old one."""
 
 
 class Assumptions:
@@ -54,9 +54,9 @@ class Assumptions:
         self.may_do_better = False
 
     def note_wrong(self) -> None:
-        """What is wrong now stays so until a plan is made, whatever is read or falls meanwhile.
+        """Remembers what is wrong now until the next plan is made, whatever changes meanwhile.
 
-        For when nobody may look: a skill on the ground is finished first.
+        Needed while a skill on the ground is finished first, before anybody may react.
         """
         self._noted |= frozenset(self.wrong)
 
@@ -66,14 +66,14 @@ class Assumptions:
 
     @property
     def flapping(self) -> frozenset[Fact]:
-        """The events that have just made a new plan: their next change makes none for a second."""
+        """The events that have just led to a new plan; for a second, they lead to no other."""
         return frozenset(filter(self._may_flap, self._replanned_s))
 
     def renew(self) -> None:
-        """The plan that is made now assumes that every event keeps its present value.
+        """Notes the present values of all events, which the plan that is made now assumes.
 
-        On the way home after a violation none is looked at but those by which all that is violated
-        begins anew.
+        On the way home after a violation, only those events count by which all violated lines begin
+        anew.
         """
         task = self._flight.task
         violated = set(task.violated)
@@ -86,7 +86,7 @@ class Assumptions:
         self._noted = frozenset()
 
     def narrow(self, lasso: Lasso) -> None:
-        """Leaves out the events that matter to nothing that is left of a plan."""
+        """Forgets the events that do not matter for the rest of a plan."""
         others = self._values.keys() - self._always
         if not others:
             return
@@ -96,14 +96,14 @@ class Assumptions:
 
     @property
     def watched(self) -> frozenset[Fact]:
-        """The events whose next change matters: those of the plan that have not just flapped."""
+        """The events whose next change matters, without those that may be flapping."""
         return frozenset(fact for fact in self._values if not self._may_flap(fact))
 
     @property
     def wrong(self) -> list[Fact]:
-        """The events that are not as predicted, now or in the next letter, or were not.
+        """The events that differ from the assumption now, in the next letter, or did so before.
 
-        One that has just made a new plan may flap; it is looked at again a second later.
+        An event that has just led to a new plan may be flapping, and is left out for a second.
         """
         task = self._flight.task
         is_still_unread = task.positions == self._positions
@@ -124,13 +124,13 @@ class Assumptions:
 
     @property
     def surprise(self) -> str | None:
-        """The same in words; None if there are none."""
+        """The wrong assumptions in words; None if there are none."""
         facts = self._flight.task.facts
         changes = (in_words(fact, fact in facts or not self._values[fact]) for fact in self.wrong)
         return "; ".join(changes) or None
 
     @property
     def news(self) -> str | None:
-        """What has changed since a plan was asked for last, in words; None if nothing has."""
+        """What has changed since the last search for a plan, in words; None if nothing has."""
         changes = self.surprise, BELIEF_CAME_BACK if self.may_do_better else None
         return "; ".join(filter(None, changes)) or None

@@ -1,15 +1,15 @@
-"""Whether a vehicle without a plan holds for a while, and looks again, before it gives up.
+"""Decides whether a vehicle without a plan holds and looks again before it gives up.
 
-A place that is covered for a moment, or a door that is closed for a minute, is no reason to leave a
-task. So the vehicle holds for `patience_s` of the mission where something may change that its plan
-depends on: a belief that comes back, an event that can fall, the map. It does not hold where time
-is short or lost: while an event of the battery holds, after a violation, where the search was given
-up at a limit, and where there would be no plan either if all of that had changed.
+A place that is covered for a moment, or a door that is closed for a minute, is no reason to give up
+a task. So the vehicle holds for `patience_s` of the mission, if a change may make a plan possible:
+a belief may come back, an event may become false, the map may change. It does not hold while an
+event of the battery is true, after a violation, after a search that was given up at a limit, or if
+even all of these changes would not make a plan possible.
 
-The time counts from the first look without a plan since a skill was completed. So an event that
-flaps between a plan and none does not keep the vehicle in the air for ever.
+The time counts from the first search without a plan since the last completed skill. So an event
+that flaps, with a plan and without one in turn, does not keep the vehicle in the air for ever.
 
-All of it is about the lines of the task that are never dropped.
+Only the lines of the task that may not be dropped are considered.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ from companion.planning.planner import Planner
 
 THE_MAP = "the map"
 APART_S = 2.0
-"""Holds so far apart, with no search between them, are two waits; the second looks elsewhere."""
+"""Holds that are further apart belong to two waits; the second begins to glance anew."""
 
 
 class Patience:
-    """How long a plan is waited for.
+    """How long the vehicle waits for a plan.
 
     Attributes:
-        hopes: what may change so that there is a plan, in words; none where nothing can.
+        hopes: the changes that may make a plan possible, in words; empty if there are none.
 
     Args:
         planner: of the mission.
@@ -55,10 +55,10 @@ class Patience:
         self._flight.report(PlanAwaited(why, round(self.left_s, 1), ", ".join(self.hopes)))
 
     def hold(self) -> None:
-        """Holds for a tick; where the map may change, the vehicle looks to and fro.
+        """Holds for a tick; if the map may change, the vehicle turns to and fro.
 
-        Beams of a range finder that stands still pass by most of a door 5 m away, and what they do
-        not pass stays as it was seen last.
+        The beams of a range finder that stands still miss most of a door 5 m away, and what they
+        miss stays on the map as it was seen last.
         """
         flight = self._flight
         if THE_MAP not in self.hopes:
@@ -70,7 +70,7 @@ class Patience:
         flight.guidance.hold(self._heading_rad + glance(flight.now_s - self._facing_s))
 
     def begin(self, failure: NoPlanError | SearchLimit) -> None:
-        """There is no plan, or still none; why."""
+        """Notes that there is no plan, or still none, and why."""
         task = self._flight.task
         if self._positions != task.positions:
             self._positions, self._since_s = task.positions, self._flight.now_s
@@ -91,7 +91,7 @@ class Patience:
         return may_wait and not self._is_battery_low and not self._is_charge_needed
 
     def _find_hopes(self) -> list[str]:
-        """What may change, if there is a plan with all of it, as far as a search can tell."""
+        """The changes that may come, if a search finds a plan with all of them; else none."""
         task, mission = self._flight.task, self._planner.mission
         falling = {
             event.fact
