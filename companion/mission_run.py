@@ -1,7 +1,7 @@
 """One mission flown once, with all its parts.
 
-`Run` puts them together, the acting side and the MAVLink side, and records what happens. Messages
-and time in, messages out; who owns the link and lives longer is `app.py`.
+`Run` puts the acting side and the MAVLink side together, and records what happens: messages and the
+time in, messages out. The link, which outlives a run, belongs to `app.py`.
 """
 
 from __future__ import annotations
@@ -61,23 +61,23 @@ class Recorder(Protocol):
 
     @property
     def name(self) -> str:
-        """By which its record is found; empty if there is none."""
+        """The name of the record; empty if there is none."""
 
     @property
     def journal(self) -> Journal:
         """Keeps what another process needs to go on with the run."""
 
     def report(self, stamped: Stamped) -> None:
-        """Something happened."""
+        """Records an event."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Datagrams went over the link, in either direction."""
+        """Records datagrams that went over the link, in either direction."""
 
     def position(self, now_s: float, position: Ned) -> None:
-        """Where the vehicle is, once per tick."""
+        """Records where the vehicle is, once per tick."""
 
     def clocks(self, reading: ClockReading) -> None:
-        """The clocks were read."""
+        """Records what the clocks showed."""
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,9 @@ class PreparedRun:
 
     Attributes:
         mission: what to do.
-        recorder: told of everything that happens.
-        journalled: a run that was cut off; this one goes on with it, in the same record.
-        may_yield: wait for the operator when somebody else has taken control in flight.
+        recorder: records everything that happens.
+        journalled: a run that was cut off, which this one continues in the same record.
+        may_yield: waits for the operator when somebody else has taken control in flight.
     """
 
     mission: PreparedMission
@@ -98,14 +98,14 @@ class PreparedRun:
 
 
 class Run:
-    """One mission flown once, all its parts put together; its reports count time from its start.
+    """One flight of one mission, with all its parts; reports count time from its start.
 
     Args:
         prepared: what to do.
-        wire: whose system the vehicle is.
-        telemetry: what its autopilot says, and has said before this run.
-        start_s: when it begins.
-        terms: on which it is flown.
+        wire: knows the system id of the vehicle.
+        telemetry: what the autopilot was last heard to say, also before this run.
+        start_s: when the run begins.
+        terms: what the operator has chosen beforehand.
         memory: of earlier flights.
 
     Raises:
@@ -158,7 +158,7 @@ class Run:
         self._charge = ChargeReport(self.flight, planner.energy)
 
     def _vehicle(self, said: frozenset[Signal], memory: FlightMemory | None) -> MavlinkVehicle:
-        """The vehicle, of which the mission needs to hear these signals."""
+        """The vehicle, which reads these signals for the mission."""
         markers = (place.marker for place in self.mission.places.values())
         return MavlinkVehicle(
             self._wire,
@@ -171,7 +171,7 @@ class Run:
         )
 
     def _keep(self, planner: Planner, journalled: JournalledFlight | None) -> None:
-        """From now on the journal has what another process needs to go on."""
+        """Keeps what another process would need to continue, from now on, in the journal."""
         flight, mission, journal = self.flight, self.mission, self.recorder.journal
         flight.journal, flight.now_s = journal, self.start_s
         if journalled is None:
@@ -188,7 +188,7 @@ class Run:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether its vehicle is waited for; while a plan is searched it is not."""
+        """Whether it waits for its vehicle, and does not search a plan."""
         return self.sortie.phase is Phase.WAITING and not self.sortie.beginning.is_planning
 
     @property
@@ -198,7 +198,7 @@ class Run:
 
     @property
     def watched(self) -> frozenset[Fact]:
-        """The events whose change the plan under way watches for; none while no plan is flown."""
+        """The events that the plan under way watches; none while no plan is flown."""
         is_flown = self.sortie.phase is Phase.TASK
         return self.executive.watched if is_flown else frozenset()
 

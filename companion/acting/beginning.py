@@ -1,8 +1,8 @@
-"""From a vehicle on the ground to one that may be armed: it stands at home, and there is a plan.
+"""The beginning of a sortie: checks that the vehicle stands at home, and that there is a plan.
 
-The plan was made before the run, as a rule. Where an event has come since, another one is searched,
-in slices: heartbeats and answers go on, and nothing is timed meanwhile. Functions that the mission
-calls are loaded before: their packages may take seconds.
+Usually the plan was made before the run. If an event has come since then, another plan is searched
+in slices, so that heartbeats and answers go on meanwhile. Functions that the mission calls are
+loaded before, because their packages may take seconds.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Beginning:
         return self._planning is not None
 
     def tick(self, state: VehicleState) -> Progress | CompanionError:
-        """DONE with a plan; or why the mission cannot begin."""
+        """Returns DONE when there is a plan, or why the mission cannot begin."""
         if self._planning is None:
             vehicle, home = self._flight.vehicle, self._home
             gap_m = vehicle.gap_m(home.position)

@@ -1,11 +1,12 @@
-"""Where a vehicle lands whose task has no plan: at the safe place that it reaches soonest.
+"""Chooses where to land when the task has no plan: at the safe place that is reached soonest.
 
-Home is the only one for `return_home`, and there are none for `land` and `hold`. The times are the
-planner's, over clear routes of the map as it is known now; the vehicle holds until they are known.
-A place whose way turns out to be blocked is not flown to again, as long as the task has no plan.
+With `return_home`, home is the only safe place; with `land` and `hold` there is none. The flight
+times are the planner's, over clear routes of the present map; the vehicle holds until they are
+known. A place whose way turns out to be blocked is not tried again, as long as the task has no
+plan.
 
-Where plans know of energy, a place that the charge does not last for is not chosen as long as there
-is another one, a dock among them; and if there is none, the one for which the least is missing.
+If the mission has a battery, a place that the charge is not enough for is chosen only if there is
+no other one, docks included; then it is the place for which the least is missing.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ class SafePlaces:
     """The safe places of a mission, and which of them were tried.
 
     Attributes:
-        place: that is flown to; None before one is.
+        place: to which the vehicle flies; None before.
 
     Args:
         flight: of the vehicle.
@@ -48,13 +49,13 @@ class SafePlaces:
         self._choosing = Question[str]()
 
     def forget(self) -> None:
-        """The task had a plan since: all may be tried again."""
+        """Allows all places to be tried again, because the task had a plan meanwhile."""
         self._tried.clear()
         self.place = None
         self._choosing.abandon()
 
     def reconsider(self) -> None:
-        """The present place is one of those that may be chosen: its way was not lost."""
+        """Allows the present place to be chosen again, because its way was not blocked."""
         self._tried.discard(self.place or NOWHERE)
 
     @property

@@ -1,13 +1,15 @@
 """The symbol database: which waypoint each place stands for now (Section IV-D of the paper).
 
-A place of the mission is a region; the waypoint in it that stands for the symbol is chosen late.
-People have written the first one, the mission's; algorithms write others when it cannot be flown
-to: `SUGGESTERS` propose waypoints of the region, and the first that passes all `TESTS` is taken.
-The user extends both tables: a place's own suggesters are asked before samples are taken, and its
-own tests after ours (`place_functions.py`). They take time, so they are asked where a flight to the
-place is about to begin, and not where the map has changed.
-Each value has its source and its time. A waypoint to which a flight has failed is not proposed
-again for a while.
+A place of the mission is a region. The waypoint in it that stands for the symbol is chosen late.
+The first one is written in the mission. If it cannot be flown to, `SUGGESTERS` propose other
+waypoints of the region, and the first one that passes all `TESTS` is taken.
+
+Users can extend both tables: a place's own suggesters are asked before samples are taken, and its
+own tests after ours (`place_functions.py`). These take time, so they are called only when a flight
+to the place is about to begin, and not when the map has changed.
+
+Each value has a source and a time. A waypoint to which a flight has failed is not proposed again
+for a while.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
-"""Whether the vehicle still is at the place where the task has it.
+"""Checks whether the vehicle still is at the place where the task believes it to be.
 
 A completed flight makes `at(X)` true, and the task believes it until the next flight. Wind, a pilot
-or a bad estimate may take the vehicle away from there. In the air `at(X)` is therefore held against
-the position, except while a skill flies. A gust may pass: the place is lost after a second outside
-of it, or at once if somebody else has flown the vehicle meanwhile.
+or a bad estimate may take the vehicle away from there. So in the air `at(X)` is compared with the
+position, except while a skill flies. A gust may pass: the place counts as lost after a second
+outside of it, or at once if somebody else has flown the vehicle meanwhile.
 
-A loss is an interruption: it appends no position to the word, and the vehicle is at no place.
+A loss is an interruption: it adds no position to the word, and the vehicle is at no place.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SIGMAS = 2.0
 
 
 class Whereabouts:
-    """Holds what the task says of the vehicle's place against its position.
+    """Compares the place of the vehicle, as the task has it, with its position.
 
     Args:
         flight: knows both.

@@ -3,21 +3,21 @@
 The word of the flight (after Section III-A of the paper):
 
 1. A completed skill appends a position, with the facts that hold then.
-2. A position is read by the automata when it is left, that is, when the next skill begins.
-   Until then an event may still change it. Plans are made as if it were read.
-3. No rise of an event is lost. A letter has each event that is true when it is read, or has risen
-   since the last letter was read. An event that was read and has fallen since is false. Nor is a
-   failure lost: a belief comes back by time once a position has read that it is not held.
-4. An interrupted skill appends no position. The system moves first: the automata read next at
-   the place that the vehicle reaches. So an event can never break `X` by itself.
+2. The automata read a position when the vehicle leaves it, that is, when the next skill begins.
+   Until then an event may still change it. Plans are made as if it had been read.
+3. No event is missed. A letter contains each event that is true when it is read, or that has become
+   true since the letter before was read. Nor is a failure missed: a belief comes back by time only
+   after a position has been read at which it did not hold.
+4. An interrupted skill appends no position. The system moves first: the automata read next at the
+   place that the vehicle reaches. So an event can never violate `X` by itself.
 5. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
-6. What was read is kept when a plan is made anew, where the paper starts from the automaton's
-   initial states. Only an event may say that a line which must hold begins anew (`restarts`).
-7. An action may be barred: nobody knows whether it was done, and no plan does it again.
-8. A line that the present plan drops is read on. If it was violated, it begins anew with the plan
-   that takes it up; plans are made as if it had.
+6. A new plan keeps what was read (the paper starts again from the automaton's initial states). Only
+   an event can make a line that must hold begin anew (`restarts`).
+7. An action may be barred: nobody knows whether it was done, so no plan does it again.
+8. A line that the present plan drops continues to read. If it was violated, it begins anew with the
+   plan that takes it up again; plans are made as if it had.
 
-What the conjuncts make of the word is in task_readings.py.
+task_readings.py has what the conjuncts have read.
 """
 
 from __future__ import annotations
@@ -99,12 +99,12 @@ class TaskState:
 
     @property
     def situation(self) -> TaskSituation:
-        """All that plans depend on, but for the map and the position."""
+        """Everything that plans depend on, except the map and the position."""
         return TaskSituation(self.facts, self.risen, self.withdrawn, self.positions, self.completed)
 
     @property
     def violated(self) -> tuple[str, ...]:
-        """The lines that no continuation of what was read can satisfy, and that must hold."""
+        """The lines that must hold, and that no continuation of the word can satisfy."""
         return tuple(line for line in self._readings.violated if line not in self.optional)
 
     @property
@@ -236,7 +236,7 @@ class TaskState:
 
     @recorded
     def keep_dropped(self) -> None:
-        """No dropped line can be kept here; it is asked again when a skill was completed."""
+        """Keeps all dropped lines dropped, until a skill was completed."""
         self.may_take_up = False
 
     def _restart(self, line: str) -> None:
