@@ -28,6 +28,7 @@ DOCS = Path(__file__).parent.parent / "docs"
 MOST_IN_WORDS = 20
 """Rows of a table whose arrows have events in words; those of a longer one have numbers."""
 Rows = Iterable[StateTransition[Any, Any]]
+_Key = tuple[Any, Any, str]
 
 
 class Diagram(NamedTuple):
@@ -49,7 +50,7 @@ DIAGRAMS = (
 def mermaid(rows: Rows) -> str:
     """A Mermaid state diagram (https://mermaid.js.org/syntax/stateDiagram.html).
 
-    An arrow has its events, or in a diagram of a long table the numbers of their rows, as words
+    An arrow has its events, or in a diagram of a long table the numbers of their lines, as words
     would cover it. States without a row of their own are final. A table that has no rows for its
     beginning begins in the state of its first row.
     """
@@ -59,9 +60,10 @@ def mermaid(rows: Rows) -> str:
     final = dict.fromkeys(row.then for row in rows if row.then not in begun)
     arrows: dict[tuple[str, str], list[str]] = {}
     is_long = len(rows) > MOST_IN_WORDS
-    for number, row in enumerate(rows, 1):
+    numbers = {key: str(number) for number, key in enumerate(_alike(rows), 1)}
+    for row in rows:
         before = "[*]" if row.state is None else _identifier(row.state.value)
-        label = str(number) if is_long else row.event.value
+        label = numbers[_key(row)] if is_long else row.event.value
         arrows.setdefault((before, _identifier(row.then.value)), []).append(label)
     joint = ", " if is_long else "<br/>"
     names = dict.fromkeys(s for row in rows for s in (row.state, row.then) if s is not None)
@@ -77,16 +79,19 @@ def mermaid(rows: Rows) -> str:
 
 
 def table(rows: Rows) -> str:
-    """The rows as a table of Markdown; those of a long one have numbers."""
+    """The rows as a table of Markdown.
+
+    In a long one, rows that differ in their state alone share a line, and lines have numbers.
+    """
     rows = list(rows)
     head = ["state", "event", "next state", "what happens"]
-    cells = [
-        [row.state.value if row.state else "none yet", row.event.value, row.then.value, row.effect]
-        for row in rows
-    ]
+    cells = [[_title(row), row.event.value, row.then.value, row.effect] for row in rows]
     if len(rows) > MOST_IN_WORDS:
         head = ["", *head]
-        cells = [[str(number), *line] for number, line in enumerate(cells, 1)]
+        cells = [
+            [str(number), ", ".join(map(_title, alike)), event.value, then.value, effect]
+            for number, ((event, then, effect), alike) in enumerate(_alike(rows).items(), 1)
+        ]
     lines = [f"| {' | '.join(line)} |" for line in (head, *cells)]
     return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
 
@@ -115,6 +120,24 @@ def pages() -> dict[Path, str]:
     return {
         page: drawn(page.read_text(encoding="utf-8"), diagrams) for page, diagrams in wanted.items()
     }
+
+
+def _alike(rows: Rows) -> dict[_Key, list[StateTransition[Any, Any]]]:
+    """The rows that differ in their state alone, together, in the order of the first of them."""
+    alike: dict[_Key, list[StateTransition[Any, Any]]] = {}
+    for row in rows:
+        alike.setdefault(_key(row), []).append(row)
+    return alike
+
+
+def _key(row: StateTransition[Any, Any]) -> _Key:
+    """All of a row but its state."""
+    return row.event, row.then, row.effect
+
+
+def _title(row: StateTransition[Any, Any]) -> str:
+    """The state of a row, in words."""
+    return row.state.value if row.state else "none yet"
 
 
 def _identifier(title: str) -> str:

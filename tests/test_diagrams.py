@@ -79,13 +79,17 @@ def test_a_table_without_a_row_for_its_beginning_begins_in_its_first_state() -> 
     ]
 
 
-def test_the_arrows_of_a_long_table_have_the_numbers_of_its_rows() -> None:
-    """Words would cover the picture."""
-    rows = [list(TABLE)[1]] * 21
+def test_the_arrows_of_a_long_table_have_the_numbers_of_its_lines() -> None:
+    """Words would cover the picture; rows that differ in their state alone share a line."""
+    rows = [StateTransition(Lamp.OFF, Touch.PRESSED, Lamp.ON, str(n)) for n in range(1, 22)]
+    rows.append(StateTransition(Lamp.BROKEN, Touch.PRESSED, Lamp.ON, "21"))
     numbers = ", ".join(map(str, range(1, 22)))
-    assert f"    off --> very_bright: {numbers}" in SCRIPT["mermaid"](rows).splitlines()
+    lines = SCRIPT["mermaid"](rows).splitlines()
+    assert f"    off --> very_bright: {numbers}" in lines
+    assert "    broken --> very_bright: 21" in lines
     page = "<!-- diagram: lamp -->\n<!-- end of diagram: lamp -->\n"
-    assert "| 21 | off | pressed |" in SCRIPT["drawn"](page, {"lamp": rows})
+    told = SCRIPT["drawn"](page, {"lamp": rows})
+    assert "| 20 | off | pressed |" in told and "| 21 | off, broken | pressed |" in told
 
 
 def test_a_page_without_a_place_for_a_diagram_is_an_error() -> None:

@@ -16,30 +16,30 @@ from companion.vehicle.port import Goal
 class SortieEvent(Enum):
     """What happens to a sortie."""
 
-    FOUND_AGAIN = "the companion was away, and its flight still goes on"
+    FOUND_AGAIN = "the companion was away, and its vehicle still flies"
     PLANNED = "the vehicle stands where the mission begins, and there is a plan"
-    CHECKED = "the failsafes are strong, or accepted"
-    REACHED = "the phase's goal is reached"
-    FAILED = "the phase's goal is not reached in its time, or refused"
-    TASK_GOES_ON = "in OFFBOARD, or resumed by the operator: the task goes on"
-    RETURN_GOES_ON = "in OFFBOARD, or resumed by the operator: the flight home goes on"
-    PAUSE_GOES_ON = "in OFFBOARD again, in a pause: the pause goes on"
-    LANDING_GOES_ON = "it was to land, and lands or is in OFFBOARD again: the landing goes on"
-    NEEDS_TAKE_OFF = "the plan has landed the vehicle, and a new one begins in the air"
-    SATISFIED = "the task is satisfied, or home or a safe place is reached"
-    OUT_OF_PLANS = "there is no plan, and the mission lands, or no safe place can be reached"
-    LEFT_ON_HOLD = "there is no plan, and the mission holds"
+    CHECKED = "the failsafes are strong, or the operator accepts them"
+    REACHED = "the goal of the phase is reached"
+    FAILED = "the goal is not reached in time, or the autopilot refuses it"
+    TASK_GOES_ON = "in OFFBOARD, or resumed by the operator, to fly the task"
+    RETURN_GOES_ON = "in OFFBOARD, or resumed by the operator, to fly home"
+    PAUSE_GOES_ON = "in OFFBOARD again, after an interrupted pause"
+    LANDING_GOES_ON = "a landing was interrupted, and the vehicle lands or is in OFFBOARD again"
+    NEEDS_TAKE_OFF = "the plan has landed the vehicle, and the next plan begins in the air"
+    SATISFIED = "the task is satisfied, or the vehicle reaches home or a safe place"
+    OUT_OF_PLANS = "there is no plan, and the mission says land, or no safe place is in reach"
+    LEFT_ON_HOLD = "there is no plan, and the mission says hold"
     NO_WAY_HOME = "no clear route leads home"
     PAUSED = "the operator pauses"
-    CALLED_HOME = "the operator, a limit of the flight, or a low battery calls the vehicle home"
+    CALLED_HOME = "the operator, a limit of the flight or a low battery calls the vehicle home"
     TAKEN_OVER = "the pilot or a failsafe takes the vehicle; an operator may give it back"
     SILENT = "nothing is heard of the vehicle in the air"
-    HANDED_BACK = "the pilot holds, and the operator resumes; or the rule of resume holds"
+    HANDED_BACK = "the pilot chose hold, and the operator says continue; or --resume allows it"
     HIT = "the vehicle has hit something, and still flies"
-    FRAME_LOST = "where the vehicle is on the earth is in doubt for too long"
-    STOPPED_IN_THE_AIR = "a stop is asked for, and the vehicle is armed"
-    STOPPED = "a stop is asked for, and the vehicle is not armed or not ours"
-    GIVEN_UP = "it cannot begin, or the vehicle is no longer ours to fly"
+    FRAME_LOST = "the vehicle's place on the earth is in doubt for too long"
+    STOPPED_IN_THE_AIR = "somebody stops the companion, and the vehicle is armed"
+    STOPPED = "somebody stops the companion, and the vehicle is not armed or not ours"
+    GIVEN_UP = "the sortie cannot begin, or the vehicle is no longer ours to fly"
 
 
 ON_THE_GROUND = (Phase.WAITING, Phase.CHECKING)
@@ -59,38 +59,54 @@ GOALS: dict[Phase, Goal] = {
 
 _P, _E = Phase, SortieEvent
 _OURS = (_P.ARMING, _P.TAKE_OFF, _P.OFFBOARD, *UNDER_TASK, _P.PARTING)
-_ENDS = "nothing is sent any more"
-_LANDS = "it lands where it is"
+_ENDS = "the companion sends nothing more"
+_LANDS = "the vehicle lands where it is"
+_HOLDS = "the vehicle holds, then lands where it is"
 
 TRANSITIONS = TransitionTable(
-    StateTransition(_P.WAITING, _E.PLANNED, _P.CHECKING, "the autopilot is asked"),
-    StateTransition(_P.WAITING, _E.FOUND_AGAIN, _P.YIELDED, "it is waited for control"),
-    StateTransition(_P.WAITING, _E.LANDING_GOES_ON, _P.LANDING, "its landing is watched"),
-    StateTransition(_P.CHECKING, _E.CHECKED, _P.ARMING, "the first command is sent"),
-    StateTransition(_P.ARMING, _E.REACHED, _P.TAKE_OFF, "it climbs"),
+    StateTransition(_P.WAITING, _E.PLANNED, _P.CHECKING, "the companion asks the autopilot"),
+    StateTransition(_P.WAITING, _E.FOUND_AGAIN, _P.YIELDED, "the companion waits for control"),
+    StateTransition(
+        _P.WAITING, _E.LANDING_GOES_ON, _P.LANDING, "the companion watches the landing"
+    ),
+    StateTransition(_P.CHECKING, _E.CHECKED, _P.ARMING, "the companion sends its first command"),
+    StateTransition(_P.ARMING, _E.REACHED, _P.TAKE_OFF, "the vehicle climbs"),
     StateTransition(_P.ARMING, _E.FAILED, _P.ENDED, _ENDS),
-    StateTransition(_P.TAKE_OFF, _E.REACHED, _P.OFFBOARD, "setpoints that hold are streamed"),
+    StateTransition(
+        _P.TAKE_OFF, _E.REACHED, _P.OFFBOARD, "the companion streams setpoints that hold"
+    ),
     StateTransition(_P.TAKE_OFF, _E.FAILED, _P.LANDING, _LANDS),
-    StateTransition(_P.OFFBOARD, _E.TASK_GOES_ON, _P.TASK, "the plan is flown"),
-    StateTransition(_P.OFFBOARD, _E.RETURN_GOES_ON, _P.RETURNING, "it flies home"),
-    StateTransition(_P.OFFBOARD, _E.PAUSE_GOES_ON, _P.PAUSED, "it holds"),
+    StateTransition(_P.OFFBOARD, _E.TASK_GOES_ON, _P.TASK, "the vehicle flies the plan"),
+    StateTransition(_P.OFFBOARD, _E.RETURN_GOES_ON, _P.RETURNING, "the vehicle flies home"),
+    StateTransition(_P.OFFBOARD, _E.PAUSE_GOES_ON, _P.PAUSED, "the vehicle holds"),
     StateTransition(_P.OFFBOARD, _E.LANDING_GOES_ON, _P.LANDING, _LANDS),
     StateTransition(_P.OFFBOARD, _E.FAILED, _P.LANDING, _LANDS),
     StateTransition(_P.TASK, _E.SATISFIED, _P.LANDING, _LANDS),
-    StateTransition(_P.TASK, _E.NEEDS_TAKE_OFF, _P.ARMING, "it takes off again"),
-    StateTransition(_P.TASK, _E.OUT_OF_PLANS, _P.HOLDING, "it holds, then lands where it is"),
-    StateTransition(_P.TASK, _E.LEFT_ON_HOLD, _P.PARTING, "it is left on hold"),
-    StateTransition(_P.TASK, _E.PAUSED, _P.PAUSED, "it holds, the task is frozen"),
-    StateTransition(_P.TASK, _E.CALLED_HOME, _P.RETURNING, "it leaves the task and flies home"),
-    StateTransition(_P.PAUSED, _E.TASK_GOES_ON, _P.TASK, "a new plan is made from here"),
-    StateTransition(_P.PAUSED, _E.RETURN_GOES_ON, _P.RETURNING, "it flies home from here"),
+    StateTransition(_P.TASK, _E.NEEDS_TAKE_OFF, _P.ARMING, "the vehicle takes off again"),
+    StateTransition(_P.TASK, _E.OUT_OF_PLANS, _P.HOLDING, _HOLDS),
+    StateTransition(_P.TASK, _E.LEFT_ON_HOLD, _P.PARTING, "the vehicle is left on hold"),
+    StateTransition(_P.TASK, _E.PAUSED, _P.PAUSED, "the vehicle holds; the task is frozen"),
     StateTransition(
-        _P.PAUSED, _E.CALLED_HOME, _P.RETURNING, "it flies home; a limit waits for the pause's end"
+        _P.TASK, _E.CALLED_HOME, _P.RETURNING, "the vehicle leaves the task and flies home"
     ),
-    StateTransition(_P.RETURNING, _E.PAUSED, _P.PAUSED, "it holds"),
+    StateTransition(
+        _P.PAUSED, _E.TASK_GOES_ON, _P.TASK, "the companion plans from where the vehicle is"
+    ),
+    StateTransition(
+        _P.PAUSED, _E.RETURN_GOES_ON, _P.RETURNING, "the vehicle flies home from where it is"
+    ),
+    StateTransition(
+        _P.PAUSED,
+        _E.CALLED_HOME,
+        _P.RETURNING,
+        "the vehicle flies home; a limit waits until the pause ends",
+    ),
+    StateTransition(_P.RETURNING, _E.PAUSED, _P.PAUSED, "the vehicle holds"),
     StateTransition(_P.RETURNING, _E.SATISFIED, _P.LANDING, _LANDS),
-    StateTransition(_P.RETURNING, _E.NO_WAY_HOME, _P.HOLDING, "it holds, then lands where it is"),
-    StateTransition(_P.YIELDED, _E.HANDED_BACK, _P.OFFBOARD, "setpoints that hold are streamed"),
+    StateTransition(_P.RETURNING, _E.NO_WAY_HOME, _P.HOLDING, _HOLDS),
+    StateTransition(
+        _P.YIELDED, _E.HANDED_BACK, _P.OFFBOARD, "the companion streams setpoints that hold"
+    ),
     StateTransition(_P.HOLDING, _E.REACHED, _P.LANDING, _LANDS),
     StateTransition(_P.HOLDING, _E.FAILED, _P.LANDING, _LANDS),
     StateTransition(_P.PARTING, _E.REACHED, _P.ENDED, _ENDS),
@@ -99,12 +115,9 @@ TRANSITIONS = TransitionTable(
     StateTransition(_P.LANDING, _E.FAILED, _P.ENDED, _ENDS),
     *(StateTransition(phase, _E.TAKEN_OVER, _P.YIELDED, _ENDS) for phase in UNDER_TASK),
     *(StateTransition(phase, _E.SILENT, _P.YIELDED, _ENDS) for phase in UNDER_TASK),
+    *(StateTransition(phase, _E.STOPPED_IN_THE_AIR, _P.HOLDING, _HOLDS) for phase in _OURS),
     *(
-        StateTransition(phase, _E.STOPPED_IN_THE_AIR, _P.HOLDING, "it holds, then lands")
-        for phase in _OURS
-    ),
-    *(
-        StateTransition(phase, event, _P.HOLDING, "it holds, then lands")
+        StateTransition(phase, event, _P.HOLDING, _HOLDS)
         for event in (_E.HIT, _E.FRAME_LOST)
         for phase in _OURS
     ),

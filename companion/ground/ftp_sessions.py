@@ -58,12 +58,12 @@ class SessionEvent(Enum):
 
 
 _S, _E = SessionState, SessionEvent
-_DROP = "what was written is dropped, the file stays as it was"
+_DROP = "the copy is dropped; the file stays as it was"
 TRANSITIONS = TransitionTable(
     StateTransition(
         None, _E.OPENED_TO_READ, _S.READING, "a copy of the file is kept for the client"
     ),
-    StateTransition(None, _E.OPENED_TO_WRITE, _S.WRITING, "a copy is begun: empty, or the file's"),
+    StateTransition(None, _E.OPENED_TO_WRITE, _S.WRITING, "a copy is begun: empty, or of the file"),
     StateTransition(_S.READING, _E.READ, _S.READING, "a part of the copy is sent"),
     StateTransition(_S.READING, _E.WRITE_REFUSED, _S.CLOSED, "refused with FileProtected"),
     StateTransition(_S.READING, _E.TERMINATED, _S.CLOSED, "nothing"),

@@ -43,10 +43,10 @@ class UploadTrigger(Enum):
 
     STORED = "stored"
     FOUND = "found after a restart"
-    BEGUN = "its turn to be checked"
-    UNUSABLE = "cut off, or cannot be checked"
-    PASSED = "can be flown"
-    FAILED = "cannot be flown"
+    BEGUN = "the checks before its own are done"
+    UNUSABLE = "it is cut off, or cannot be checked"
+    PASSED = "the check accepts it"
+    FAILED = "the check refuses it"
     TIMED_OUT = "30 s of checking are over"
     TAKEN = "nothing is flown"
     STARTED = "MISSION_START"
@@ -55,10 +55,10 @@ class UploadTrigger(Enum):
 
 
 _S, _E = UploadState, UploadTrigger
-_ACCEPT = "its copy is moved to where it is taken from, in one step; the verdict is told"
-_REFUSE = "its copy is deleted, the verdict is told; nothing else changes"
+_ACCEPT = "its copy is moved in one step to where it is flown from; the verdict is sent"
+_REFUSE = "its copy is deleted, and the verdict is sent; nothing else changes"
 TRANSITIONS = TransitionTable(
-    StateTransition(None, _E.STORED, _S.QUEUED, "it waits for the checks before it"),
+    StateTransition(None, _E.STORED, _S.QUEUED, "it waits for the checks before its own"),
     StateTransition(None, _E.FOUND, _S.QUEUED, "it waits as if it had just been stored"),
     StateTransition(_S.QUEUED, _E.BEGUN, _S.CHECKING, "a child process checks a copy of all files"),
     StateTransition(_S.QUEUED, _E.UNUSABLE, _S.REFUSED, _REFUSE),
@@ -68,10 +68,12 @@ TRANSITIONS = TransitionTable(
     StateTransition(_S.OVERDUE, _E.PASSED, _S.ACCEPTED, _ACCEPT),
     StateTransition(_S.OVERDUE, _E.FAILED, _S.REFUSED, _REFUSE),
     StateTransition(
-        _S.ACCEPTED, _E.TAKEN, _S.ACTIVE, "it is read; MISSION_START flies it from now on"
+        _S.ACCEPTED, _E.TAKEN, _S.ACTIVE, "it is read; from now on MISSION_START flies it"
     ),
-    StateTransition(_S.ACCEPTED, _E.NEWER_ACCEPTED, _S.REPLACED, "it is not flown any more"),
-    StateTransition(_S.ACTIVE, _E.STARTED, _S.STARTED, "it is not found again after a restart"),
+    StateTransition(_S.ACCEPTED, _E.NEWER_ACCEPTED, _S.REPLACED, "it will not be flown"),
+    StateTransition(
+        _S.ACTIVE, _E.STARTED, _S.STARTED, "it is flown; a restart will not find it again"
+    ),
     StateTransition(_S.ACTIVE, _E.NEWER_ACTIVE, _S.REPLACED, "its files are deleted"),
 )
 """The life of an uploaded mission."""

@@ -23,11 +23,11 @@ class MarkerCue(Enum):
     """What ends a state."""
 
     SEEN = "the marker is seen"
-    LOST = "it is not seen any more"
-    LOW = "low, still and over it"
-    TIME_UP = "it is not seen in time"
-    ARRIVED = "where it was seen last"
-    REFUSED = "nobody may land there"
+    LOST = "the marker is lost"
+    LOW = "low, still and over the marker"
+    TIME_UP = "the marker is not seen in time"
+    ARRIVED = "arrived above where it was seen last"
+    REFUSED = "the landing is given up"
 
 
 def _row(state: MarkerState, cue: MarkerCue, then: MarkerState, effect: str) -> _Row:
@@ -36,8 +36,8 @@ def _row(state: MarkerState, cue: MarkerCue, then: MarkerState, effect: str) -> 
 
 _Row = StateTransition[MarkerState, MarkerCue]
 _LOOKING, _DESCENDING, _WAITING, _CLIMBING, _SEARCHING, _LEAVING, _LANDING = MarkerState
-_OVER = "sinks over it, while it is below"
-_BACK = "climbs back to the place; there the skill fails"
+_OVER = "sinks, while it is over the marker"
+_BACK = "climbs back to its place, where the skill fails"
 TRANSITIONS = TransitionTable(
     _row(_LOOKING, MarkerCue.SEEN, _DESCENDING, _OVER),
     _row(_LOOKING, MarkerCue.TIME_UP, _SEARCHING, "flies to the corners of a square"),
@@ -46,7 +46,7 @@ TRANSITIONS = TransitionTable(
     _row(_DESCENDING, MarkerCue.LOW, _LANDING, "the autopilot lands; nothing interrupts that"),
     _row(_DESCENDING, MarkerCue.REFUSED, _LEAVING, _BACK),
     _row(_WAITING, MarkerCue.SEEN, _DESCENDING, _OVER),
-    _row(_WAITING, MarkerCue.TIME_UP, _CLIMBING, "climbs to where it was seen last"),
+    _row(_WAITING, MarkerCue.TIME_UP, _CLIMBING, "climbs above where the marker was seen last"),
     _row(_WAITING, MarkerCue.REFUSED, _LEAVING, _BACK),
     _row(_CLIMBING, MarkerCue.SEEN, _DESCENDING, _OVER),
     _row(_CLIMBING, MarkerCue.ARRIVED, _SEARCHING, "flies to the corners of a square"),
