@@ -55,7 +55,7 @@ class UploadTrigger(Enum):
 
 
 _S, _E = UploadState, UploadTrigger
-_ACCEPT = "its copy is moved in one step to where it is flown from; the verdict is sent"
+_ACCEPT = "its copy is moved in one step to where sorties take it from; the verdict is sent"
 _REFUSE = "its copy is deleted, and the verdict is sent; nothing else changes"
 TRANSITIONS = TransitionTable(
     StateTransition(None, _E.STORED, _S.QUEUED, "it waits for the checks before its own"),
