@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from numbers import Real
 
 from companion.arguments import check_kind
 from companion.documents import did_you_mean
@@ -109,9 +110,9 @@ def given_times(
 
     def flight_time(origin: str, goal: str) -> float:
         seconds = given(origin, goal) if callable(given) else table.get((origin, goal), math.inf)
-        check_kind(seconds, (int, float), f"seconds from {origin} to {goal}")
+        check_kind(seconds, Real, f"seconds from {origin} to {goal}")
         if not (0 <= seconds <= LONGEST_S or seconds == math.inf):
-            raise CompanionError(f"{seconds:g} s is no time of a flight from {origin} to {goal}")
-        return seconds
+            raise CompanionError(f"{seconds} s is no time of a flight from {origin} to {goal}")
+        return float(seconds)
 
     return flight_time

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 from synthetic import POSITIONS, mission
 
@@ -88,3 +90,10 @@ def test_a_table_has_the_ways_that_it_has() -> None:
     assert seconds("A", "H") == math.inf
     with pytest.raises(MissionError, match="no place a, of which"):
         given_times(asked, {("H", "a"): 4.0})
+
+
+@pytest.mark.parametrize("number", [5, np.float32(5), np.int64(5), Fraction(5)])
+def test_flight_times_may_be_numbers_of_any_kind(number: float) -> None:
+    asked = mission("F at(A)")
+    assert given_times(asked, {("H", "A"): number})("H", "A") == 5.0
+    assert given_times(asked, lambda origin, goal: number)("H", "A") == 5.0
