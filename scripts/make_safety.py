@@ -17,7 +17,7 @@ from typing import NamedTuple
 DOCS = Path(__file__).parent.parent / "docs"
 PAGE, HAZARDS = DOCS / "SAFETY.md", DOCS / "hazards.toml"
 BEGIN, END = "<!-- generated: hazards -->", "<!-- end of generated: hazards -->"
-HEAD = "| # | hazard | what is promised | shown by | what is not |\n|---|---|---|---|---|"
+HEAD = "| # | hazard | what is promised | tests | what is not promised |\n|---|---|---|---|---|"
 
 
 class Hazard(NamedTuple):

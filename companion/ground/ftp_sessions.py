@@ -63,7 +63,7 @@ TRANSITIONS = TransitionTable(
     StateTransition(
         None, _E.OPENED_TO_READ, _S.READING, "a copy of the file is kept for the client"
     ),
-    StateTransition(None, _E.OPENED_TO_WRITE, _S.WRITING, "a copy is begun: empty, or of the file"),
+    StateTransition(None, _E.OPENED_TO_WRITE, _S.WRITING, "a copy begins, empty or as the file is"),
     StateTransition(_S.READING, _E.READ, _S.READING, "a part of the copy is sent"),
     StateTransition(_S.READING, _E.WRITE_REFUSED, _S.CLOSED, "refused with FileProtected"),
     StateTransition(_S.READING, _E.TERMINATED, _S.CLOSED, "nothing"),
