@@ -9,103 +9,27 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from autopilot import ACCEPTED, ARM, Autopilot, of_type
+from autopilot import ACCEPTED, ARM, of_type
 from drawn import drawn
+from ground_radio import STATION, Radio, command
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.flight_events.skills import PlaceReached, SkillFailed
-from companion.flight_events.sortie import RunEnded, RunFailed, TaskSatisfied
 from companion.ground.component import WANTED, Component
 from companion.ground.operations import SystemStatus
 from companion.ground.parameters import NAMES
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.mavlink.parameters import INT32, REAL32, decode, encode
 from companion.mission.signals import Signal
 from companion.outcomes import Refusal
 from companion.tick import TICK_S
-from companion.vehicle.wire import Wire
 
 DOCS = Path(__file__).parents[3] / "docs"
-STATION = (255, 190)
 START, PAUSE = dialect.MAV_CMD_MISSION_START, dialect.MAV_CMD_DO_PAUSE_CONTINUE
 RETURN, USER_1 = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH, dialect.MAV_CMD_USER_1
 ITEM = dialect.MAV_CMD_DO_SET_MISSION_CURRENT
 REQUEST, INTERVAL = dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAV_CMD_SET_MESSAGE_INTERVAL
 NOT_NOW = dialect.MAV_RESULT_TEMPORARILY_REJECTED
 DENIED, UNSUPPORTED = dialect.MAV_RESULT_DENIED, dialect.MAV_RESULT_UNSUPPORTED
-
-
-class Desk:
-    """Where operators' wishes arrive; it says no if it has a reason."""
-
-    def __init__(self) -> None:
-        self.system_status = SystemStatus.STANDBY
-        self.awaited = frozenset({"MAV_CMD_USER_1"})
-        self.asked: list[str] = []
-        self.refusal: Refusal | None = None
-
-    def start(self) -> Refusal | None:
-        return self._note("start")
-
-    def pause(self) -> Refusal | None:
-        return self._note("pause")
-
-    def resume(self) -> Refusal | None:
-        return self._note("resume")
-
-    def return_home(self) -> Refusal | None:
-        return self._note("return home")
-
-    def _note(self, what: str) -> Refusal | None:
-        self.asked.append(what)
-        return self.refusal
-
-
-class Radio:
-    """The component on a wire with an autopilot that was heard, and ground stations."""
-
-    def __init__(self) -> None:
-        self.desk = Desk()
-        self.component = Component(self.desk)
-        self.now_s = 0.0
-        self.readings: list[tuple[Signal, float]] = []
-        self._wire = Wire()
-        self._wire.listen(WANTED, frozenset())
-        self._wire.parse(Autopilot().telemetry())
-        self._ear = MavlinkCodec(0, 0)
-
-    def raw(self, *datagrams: bytes) -> list[Any]:
-        """One tick; what left, as messages."""
-        self.now_s += TICK_S
-        messages = self._wire.parse(list(datagrams))
-        self.readings = self.component.receive(self.now_s, self._wire.system, messages)
-        leaving = self.component.transmit(self.now_s)
-        self.unknown = [m for m in leaving if m.id not in dialect.mavlink_map]
-        sent = [m for d in self._wire.pack(leaving) for m in self._ear.parse(d)]
-        for message in sent:
-            message.left_s = self.now_s
-        return sent
-
-    def say(self, *messages: Any, sender: tuple[int, int] = STATION) -> list[Any]:
-        return self.raw(*(MavlinkCodec(*sender).pack(m) for m in messages))
-
-    def run(self, seconds: float) -> list[Any]:
-        return [m for _ in range(round(seconds / TICK_S)) for m in self.raw()]
-
-    def ask(self, number: int, *parameters: float, target: tuple[int, int] = (1, 191)) -> list[Any]:
-        return self.say(command(number, *parameters, target=target))
-
-    def result(self, number: int, *parameters: float) -> int:
-        (answer,) = of_type(self.ask(number, *parameters), "COMMAND_ACK")
-        assert answer.command == number
-        assert (answer.target_system, answer.target_component) == STATION
-        return int(answer.result)
-
-
-def command(number: int, *parameters: float, target: tuple[int, int] = (1, 191)) -> Any:
-    filled = (*parameters, *[0.0] * (7 - len(parameters)))
-    return dialect.MAVLink_command_long_message(*target, number, 0, *filled)
 
 
 @pytest.fixture
@@ -228,143 +152,6 @@ def test_every_button_for_qgroundcontrol_is_understood(radio: Radio) -> None:
         assert action["compId"] == 191
         assert radio.result(action["mavCmd"], *parameters) == ACCEPTED, action["label"]
     assert radio.desk.asked == ["start", "pause", "resume", "return home"]
-
-
-# -- messages on request ---------------------------------------------------------------------------
-
-
-def test_messages_on_request(radio: Radio) -> None:
-    radio.run(0.3)
-    version = of_type(radio.ask(REQUEST, 148.0), "AUTOPILOT_VERSION")
-    assert len(version) == 1
-    assert version[0].capabilities & dialect.MAV_PROTOCOL_CAPABILITY_MAVLINK2
-    assert len(of_type(radio.ask(REQUEST, 0.0), "HEARTBEAT")) == 1
-    assert radio.result(REQUEST, 33.0) == UNSUPPORTED
-    assert radio.result(REQUEST, math.nan) == UNSUPPORTED
-    assert (
-        len(
-            of_type(
-                radio.ask(dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, 1.0), "AUTOPILOT_VERSION"
-            )
-        )
-        == 1
-    )
-
-
-def test_the_protocol_version_is_laid_out_as_common_xml_says(radio: Radio) -> None:
-    """Its CRC_EXTRA is computed from the definition, by the rule of the MAVLink guide."""
-    for asked in ((REQUEST, 300.0), (dialect.MAV_CMD_REQUEST_PROTOCOL_VERSION, 1.0)):
-        radio.ask(*asked)
-        (version,) = radio.unknown
-        crc = dialect.x25crc(b"PROTOCOL_VERSION ")
-        for kind, name, length in zip(
-            version.fieldtypes, version.ordered_fieldnames, version.lengths, strict=True
-        ):
-            crc.accumulate(f"{kind} {name} ".encode())
-            if length > 1:
-                crc.accumulate(bytes([length]))
-        assert (crc.crc & 0xFF) ^ (crc.crc >> 8) == version.crc_extra
-        frame = MavlinkCodec(1, 191).pack(version)
-        assert frame[7:10] == (300).to_bytes(3, "little")
-        assert frame[10:15] == b"\xc8\0\xc8\0\xc8"  # zeros at the end are left out
-
-
-# -- parameters ------------------------------------------------------------------------------------
-
-
-def listed(sent: list[Any]) -> list[Any]:
-    return of_type(sent, "PARAM_VALUE")
-
-
-@pytest.mark.parametrize("component", [0, 191])
-def test_the_list_is_complete(radio: Radio, component: int) -> None:
-    values = listed(radio.say(dialect.MAVLink_param_request_list_message(1, component)))
-    assert [v.param_index for v in values] == list(range(values[0].param_count))
-    assert [v.param_id for v in values] == list(NAMES)
-    assert {v.param_type for v in values} == {INT32, REAL32}
-    for index, value in enumerate(values):
-        by_index = dialect.MAVLink_param_request_read_message(1, 191, b"", index)
-        by_name = dialect.MAVLink_param_request_read_message(1, 191, value.param_id.encode(), -1)
-        for (again,) in (listed(radio.say(by_index)), listed(radio.say(by_name))):
-            assert (again.param_id, again.param_value) == (value.param_id, value.param_value)
-
-
-def test_a_list_of_somebody_else_is_not_ours(radio: Radio) -> None:
-    assert listed(radio.say(dialect.MAVLink_param_request_list_message(1, 1))) == []
-    assert listed(radio.say(dialect.MAVLink_param_request_list_message(2, 191))) == []
-
-
-def test_an_unknown_name_is_an_error_only_if_we_were_asked(radio: Radio) -> None:
-    def ask(component: int, name: bytes, index: int = -1) -> list[Any]:
-        return radio.say(dialect.MAVLink_param_request_read_message(1, component, name, index))
-
-    (error,) = of_type(ask(191, b"_HASH_CHECK"), "PARAM_ERROR")
-    assert error.error == dialect.MAV_PARAM_ERROR_DOES_NOT_EXIST
-    assert (error.target_system, error.target_component) == STATION
-    assert of_type(ask(191, b"", 99), "PARAM_ERROR") != []
-    assert of_type(ask(0, b"MPC_XY_VEL_MAX"), "PARAM_ERROR") == []
-
-
-def put(radio: Radio, name: str, value: float, kind: int) -> list[Any]:
-    """PARAM_SET; what left but heartbeats."""
-    carried = encode(value, kind) if math.isfinite(value) else value
-    request = dialect.MAVLink_param_set_message(1, 191, name.encode(), carried, kind)
-    return [m for m in radio.say(request) if m.get_type() != "HEARTBEAT"]
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "kind"),
-    [
-        ("CMP_SPEED_MAX", 1.5, REAL32),
-        ("CMP_BELIEF_RETRY", 30.0, REAL32),
-        ("CMP_TEXT_LEVEL", 4, INT32),
-    ],
-)
-def test_a_value_that_is_set_is_told_and_kept(
-    radio: Radio, name: str, value: float, kind: int
-) -> None:
-    (answer,) = put(radio, name, value, kind)
-    assert decode(answer.param_value, answer.param_type) == value
-    assert radio.component.parameters[name] == value
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "kind", "error"),
-    [
-        ("CMP_SPEED_MAX", 0.0, REAL32, "VALUE_OUT_OF_RANGE"),
-        ("CMP_SPEED_MAX", math.nan, REAL32, "VALUE_OUT_OF_RANGE"),
-        ("CMP_SPEED_MAX", 3, INT32, "VALUE_OUT_OF_RANGE"),
-        ("CMP_TEXT_LEVEL", 8, INT32, "VALUE_OUT_OF_RANGE"),
-        ("CMP_TICK_HZ", 50, INT32, "READ_ONLY"),
-    ],
-)
-def test_a_value_that_cannot_be_is_refused_with_the_present_one(
-    radio: Radio, name: str, value: float, kind: int, error: str
-) -> None:
-    before = radio.component.parameters[name]
-    answer, refusal = put(radio, name, value, kind)
-    assert decode(answer.param_value, answer.param_type) == before
-    assert refusal.error == getattr(dialect, f"MAV_PARAM_ERROR_{error}")
-    assert radio.component.parameters[name] == before
-
-
-def test_the_level_of_texts_is_followed(radio: Radio) -> None:
-    put(radio, "CMP_TEXT_LEVEL", 4, INT32)
-    failed = SkillFailed("upload", "denied")
-    radio.component.tell(radio.now_s, PlaceReached("A", "move"))
-    radio.component.tell(radio.now_s, failed)
-    assert [m.text for m in of_type(radio.run(1.0), "STATUSTEXT")] == [failed.text]
-
-
-@pytest.mark.parametrize("ending", [TaskSatisfied(), RunFailed("landed", exit_code=5)])
-def test_the_end_is_told_to_programs_after_all_texts(radio: Radio, ending: RunEnded) -> None:
-    radio.run(0.3)
-    radio.component.tell(radio.now_s, PlaceReached("a place " * 15, "move"))
-    radio.component.tell(radio.now_s, ending)
-    last = radio.component.transmit(radio.now_s, is_last=True)
-    kinds = [m.get_type() for m in last]
-    assert kinds == ["STATUSTEXT"] * 4 + ["NAMED_VALUE_INT"]
-    assert (last[-1].name, last[-1].value) == ("exit_code", ending.exit_code)
 
 
 # -- the rest --------------------------------------------------------------------------------------
