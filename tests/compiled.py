@@ -20,8 +20,11 @@ from companion.mission.model import Wait
 from companion.planning.check import fault
 from companion.planning.compilation.classical import ClassicalProblem
 from companion.planning.compilation.decode import decode
+from companion.planning.compilation.encode import encode
+from companion.planning.compilation.monolithic import monolithic
 from companion.planning.domain import WAIT, Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem
+from companion.planning.objective import Encoding, Objective
 
 
 def action(
@@ -131,3 +134,13 @@ def outcome(asked: Problem, classical: ClassicalProblem, past: str = "") -> Outc
         return Outcome(None)
     lasso = decode(classical, names)
     return Outcome(names, lasso, fault(asked, lasso, history(asked, past)))
+
+
+def asked_of(encoding: Encoding, asked: Problem, past: str = "") -> Problem:
+    """A problem as an encoding takes it: the paper's has one automaton for the whole task."""
+    return monolithic(asked, history(asked, past)) if encoding is Encoding.V1 else asked
+
+
+def planned(asked: Problem, encoding: Encoding, objective: Objective, past: str = "") -> Outcome:
+    """The cheapest plan of a problem in an encoding."""
+    return outcome(asked, encode(asked_of(encoding, asked, past), encoding, objective), past)

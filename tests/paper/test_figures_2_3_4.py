@@ -2,7 +2,7 @@
 
 The automaton is that of F at(A): state 0 waits, state 1 accepts. There are two places, so at(A) and
 at(H) are the facts. Each test gives the figure with its misprints corrected; that each correction
-is needed is shown in tests/unit/planning/test_compilation.py.
+is needed is shown in tests/unit/planning/compilation/test_corrections.py.
 """
 
 from __future__ import annotations
