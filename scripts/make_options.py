@@ -73,8 +73,7 @@ def _text(help_text: str) -> str:
 
 
 def _row(parameter: Any, type_: Any) -> str:
-    text, _, said = (parameter.help or "").partition(" [default: ")
-    cells = (_names(parameter, type_), said.rstrip("]") or _default(parameter), text)
+    cells = (_names(parameter, type_), _default(parameter), parameter.help or "")
     return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |\n"
 
 
@@ -94,7 +93,8 @@ def _default(parameter: Any) -> str:
         return "required"
     if isinstance(shown, str):
         return shown
-    if default in (None, False, "", (), []) or not shown or callable(default):
+    is_none = default is None or default is False or default in ("", (), [])
+    if is_none or not shown or callable(default):
         return ""
     return f"`{default.value if isinstance(default, Enum) else default}`"
 

@@ -40,8 +40,9 @@ Reports = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Where the scenario's programs on board report to: the companion's --events, "
-        "unix:PATH or udpin:HOST:PORT. [default: nowhere]",
+        help="Send the reports of the scenario's programs on board to this address, which is the "
+        "--events of the companion: unix:PATH or udpin:HOST:PORT.",
+        show_default="nowhere",
     ),
 ]
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
@@ -102,53 +103,78 @@ def _print_version(is_wanted: bool) -> None:
         raise typer.Exit
 
 
-Check = Annotated[Path | None, typer.Option(metavar="FILE", help="Check a scenario, fly nothing.")]
+Check = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="Check a scenario file and fly nothing.")
+]
 Version = Annotated[
     bool,
     typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version."),
 ]
+ScenarioFile = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="The scenario. Without it, the world is empty."),
+]
+Speed = Annotated[
+    float,
+    typer.Option(envvar="PX4_SIM_SPEED_FACTOR", min=0.01, help="Speed as a multiple of real time."),
+]
+Instance = Annotated[
+    int,
+    typer.Option(
+        "--instance",
+        "-i",
+        min=0,
+        max=253,
+        help="Number of the simulator: added to its system id and its ports, as in PX4.",
+    ),
+]
+GroundPort = Annotated[
+    int,
+    typer.Option(
+        min=1,
+        max=65535,
+        help="UDP port of the ground station. It is the same for all instances.",
+    ),
+]
+SigningKeyFile = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="Sign all messages, and accept only signed ones. `companion key` makes a key.",
+    ),
+]
+Home = Annotated[
+    GlobalOrigin | None,
+    typer.Option(
+        parser=parse_home, metavar="LAT,LON,ALT", help="Where the vehicle stands at the start."
+    ),
+]
 
 
 def simulate(
-    scenario: Annotated[
-        Path | None, typer.Option(help="NAME.sim.yaml; without it, no walls.")
-    ] = None,
-    speed: Annotated[
-        float,
-        typer.Option(envvar="PX4_SIM_SPEED_FACTOR", min=0.01, help="Times real time."),
-    ] = 1.0,
-    instance: Annotated[
-        int,
-        typer.Option(
-            "--instance", "-i", min=0, max=253, help="Shifts system id and ports, as in PX4."
-        ),
-    ] = 0,
-    ground_port: Annotated[
-        int,
-        typer.Option(min=1, max=65535, help="UDP port of the ground station, for all instances."),
-    ] = GROUND_PORT,
-    home: Annotated[
-        GlobalOrigin | None,
-        typer.Option(parser=parse_home, metavar="LAT,LON,ALT", help="Where the vehicle starts."),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of everything random: gusts, noise.")] = 0,
-    signing_key: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Sign, and want signatures; `companion key` makes one."),
-    ] = None,
+    scenario: ScenarioFile = None,
+    speed: Speed = 1.0,
+    instance: Instance = 0,
+    ground_port: GroundPort = GROUND_PORT,
+    home: Home = None,
+    seed: Annotated[int, typer.Option(help="Seed of all randomness, such as gusts and noise.")] = 0,
+    signing_key: SigningKeyFile = None,
     reports: Reports = None,
-    quiet: Annotated[bool, typer.Option(help="Do not tell what happens in the world.")] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", help="Do not print what happens in the world.")
+    ] = False,
     attended: Annotated[
         bool, typer.Option("--attended", help="End when standard input does.", hidden=True)
     ] = False,
     check: Check = None,
     version: Version = False,
 ) -> None:
-    """Simulate one PX4-like vehicle on PX4's UDP ports.
+    """Simulates one PX4-like vehicle on PX4's UDP ports.
 
-    A ground station finds it on UDP 14550, a companion or MAVSDK on UDP 14540 + instance.
-    What happens in the world (target, obstacles, wind, faults) stands in a scenario file; each
-    event is told in a line when it happens. The exit code is 5 if the vehicle has hit something.
+    The simulator sends to a ground station on UDP port 14550, and to a companion
+    or MAVSDK on UDP port 14540 + instance. A scenario file says what happens in
+    the world: target, obstacles, wind, faults. Each of its events is printed when
+    it happens. The exit code is 5 if the vehicle has hit something.
     """
     try:
         if check:

@@ -28,6 +28,22 @@ def test_the_page_of_options_is_current() -> None:
     assert PAGE.read_text(encoding="utf-8") == page()
 
 
+@pytest.mark.parametrize("path", COMMANDS)
+def test_a_help_text_fits_eighty_columns(path: str) -> None:
+    """Lines of a terminal; the first paragraph is joined to one line, and broken where it ends."""
+    _, *paragraphs = commands()[path].help.split("\n\n")
+    lines = [line for each in paragraphs if "\b" not in each for line in each.splitlines()]
+    assert not [line for line in lines if len(line) > 78]
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_a_help_text_has_no_brackets_that_rich_leaves_out(path: str) -> None:
+    """What stands in [...] is markup to a terminal, and not shown."""
+    command = commands()[path]
+    texts = [command.help, *(each.help or "" for each in command.params)]
+    assert not [text for text in texts if re.search(r"\[[a-z#/@]", text)]
+
+
 def test_each_kind_of_event_is_in_the_table() -> None:
     page = (DOCS / "run-folder.md").read_text(encoding="utf-8")
     missing = [

@@ -23,7 +23,7 @@ MissionFile = Annotated[
         metavar="MISSION",
         parser=mission_file,
         autocompletion=completions,
-        help="The mission's YAML file, or the name of one that is shipped.",
+        help="The YAML file of a mission, or the name of an example mission.",
     ),
 ]
 
@@ -31,16 +31,26 @@ LogDir = Annotated[
     Path,
     typer.Option(
         envvar="COMPANION_LOG_DIR",
-        help="Where run folders are made.",
+        metavar="DIR",
+        help="The folder in which run folders are created.",
         show_default="$XDG_STATE_HOME/companion, else ~/.local/state/companion",
     ),
 ]
 Instance = Annotated[
     int,
-    typer.Option("--instance", "-i", help="Shifts ports and system id, as in PX4.", min=0, max=253),
+    typer.Option(
+        "--instance",
+        "-i",
+        help="Number of the simulator: added to its ports and its system id, as in PX4.",
+        min=0,
+        max=253,
+    ),
 ]
 GroundPort = Annotated[
-    int, typer.Option(help="UDP port of the ground station, for all instances.", min=1, max=65535)
+    int,
+    typer.Option(
+        help="UDP port of the ground station. It is the same for all instances.", min=1, max=65535
+    ),
 ]
 
 
@@ -58,72 +68,77 @@ Events = Annotated[
     typer.Option(
         metavar="ADDRESS",
         callback=_reported_to,
-        help="Where other programs on board report events, EVENT[name] in the mission: unix:PATH "
-        "or udpin:HOST:PORT. [default: nowhere]",
+        help="Listen at this address for events that other programs on board report: unix:PATH "
+        "or udpin:HOST:PORT.",
+        show_default="nowhere",
     ),
 ]
-Timeout = Annotated[float, typer.Option(help="Seconds to wait for a vehicle.", min=0.1)]
+Timeout = Annotated[float, typer.Option(help="Wait this many seconds for a vehicle.", min=0.1)]
 Laps = Annotated[
     int | None,
     typer.Option(
-        help="Fly home and land after so many laps, for missions without an end: each meets "
-        "all that the task asks for again and again. [default: none]",
+        help="For missions without an end: fly home and land after this many laps. In a lap, "
+        "everything that the task demands again and again is done once.",
         min=1,
-        show_default=False,
+        show_default="no limit",
     ),
 ]
 Resume = Annotated[
     bool,
     typer.Option(
         "--resume",
-        help="Go on by itself after a hold that the autopilot has begun because it no longer heard "
-        "this program, also in a flight that this program was cut off from.",
+        help="If the autopilot holds because it no longer heard the companion, take control back "
+        "and continue the flight. This also continues a flight in which the companion was killed.",
     ),
 ]
 LimitS = Annotated[
     float | None,
     typer.Option(
         "--limit-s",
-        help="The same after so many seconds since arming, in the vehicle's time. [default: none]",
+        help="Fly home and land this many seconds after arming, by the vehicle's clock.",
         min=1.0,
-        show_default=False,
+        show_default="no limit",
     ),
 ]
 Contingencies = Annotated[
     bool,
     typer.Option(
         "--contingencies",
-        help="First sum up what becomes of it when something turns out otherwise; do not fly "
-        "where the charge would not last.",
+        help="Before the flight, work out what happens if something turns out otherwise. Do not "
+        "fly if the charge would then not last to a safe place.",
     ),
 ]
 WeakFailsafes = Annotated[
     bool,
     typer.Option(
-        "--accept-weak-failsafes", help="Fly although the autopilot's own failsafes are weak."
+        "--accept-weak-failsafes", help="Fly even if the failsafes of the autopilot are weak."
     ),
 ]
 AutopilotFence = Annotated[
     UploadPolicy,
     typer.Option(
         "--autopilot-fence",
-        help="upload: the mission's fence, unless there is somebody else's; keep: fly within the "
-        "one that is there; replace: put the mission's in its place; none: do not ask for it.",
+        help="upload: write the mission's fence into the autopilot, but refuse to fly if it has "
+        "another one; keep: fly within the fence that it has; replace: overwrite that fence; "
+        "none: do not look at it.",
     ),
 ]
 RallyPoints = Annotated[
     UploadPolicy,
     typer.Option(
         "--rally-points",
-        help="Where the autopilot's Return lands besides home. upload: the mission's safe places, "
-        "unless there are somebody else's; keep, replace, none: as for the fence.",
+        help="Rally points of the autopilot, where its Return may land besides home. upload: "
+        "write the mission's safe places, but refuse to fly if it has others; keep, replace, "
+        "none: as for the fence.",
     ),
 ]
 LinkUrl = Annotated[
     str,
     typer.Option(
         envvar="COMPANION_CONNECT",
-        help="udpin://HOST:PORT, udpout://HOST:PORT, tcpout://HOST:PORT or serial://DEVICE:BAUD.",
+        metavar="URL",
+        help="The link to the vehicle: udpin://HOST:PORT listens, udpout://HOST:PORT sends "
+        "first, tcpout://HOST:PORT connects, serial://DEVICE:BAUD is a serial port.",
     ),
 ]
 SigningKeyFile = Annotated[
@@ -132,14 +147,16 @@ SigningKeyFile = Annotated[
         "--signing-key",
         metavar="FILE",
         envvar="COMPANION_SIGNING_KEY",
-        help="Sign all messages, and accept only signed ones: see `companion key --help`.",
+        help="Sign all messages with this key, and accept only messages signed with it. "
+        "`companion key make` makes a key.",
     ),
 ]
 UnsignedVehicle = Annotated[
     bool,
     typer.Option(
         "--unsigned-vehicle",
-        help="With a key: the autopilot and its devices need not sign; ground stations must.",
+        help="With --signing-key: the autopilot and its devices need not sign. Ground stations "
+        "still have to.",
     ),
 ]
 

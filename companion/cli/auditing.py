@@ -38,30 +38,33 @@ IS_HELD = {
 
 
 def audit(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder, as sim and run print.")],
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.")],
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Holds a recorded flight against its task, position by position.
+    """Checks a recorded flight against its task, position by position.
 
-    The word of the flight is read again from RUN/events.jsonl, by a monitor of each conjunct that
-    knows three answers: T, whatever follows satisfies it; F, nothing that follows can; and a dot
-    if that is open. Patrols stay open. If the vehicle came to rest for ever, the word is known to
-    its end, and each conjunct is judged by the semantics of LTL, without any automaton.
+    A monitor of each conjunct reads the word of the flight from RUN/events.jsonl.
+    It gives one of three answers at each position: T, the conjunct is satisfied
+    whatever follows; F, nothing that follows can satisfy it; or a dot, it is
+    still open. Patrols stay open. If the vehicle came to rest for ever, the word
+    is known to its end. Then each conjunct is also judged by the semantics of
+    LTL, without any automaton.
 
-    A line that an event has made begin anew (restarts) counts from there on, which is not its truth
-    over the whole flight: both are told, and the exit code goes by the former.
+    If an event made a line begin anew (restarts), there are two verdicts: since
+    then, and over the whole flight. The first one decides the exit code.
 
-    A line with a priority is told with the positions at which it was dropped. If it was violated it
-    counts from where it was taken up again. It changes no exit code.
+    For a line with a priority, the positions at which it was dropped are listed.
+    If it was violated, it counts from where it was taken up again. It never
+    changes the exit code.
 
     \b
     Exit codes:
-      0  the flight satisfies the task, or nothing speaks against it so far
-      2  RUN is no run folder, its events are lost, or a line of them is not as documented
-      6  a conjunct that may not be dropped is violated, or is not fulfilled by the rest at the end
+      0  the flight satisfies the task, or has not violated it so far
+      2  RUN is not a run folder, or its events are lost or not as documented
+      6  a conjunct that may not be dropped is violated or not fulfilled at the end
 
-    A run that was cut off is audited as far as it goes. What the lines of events.jsonl mean is said
-    in docs/run-folder.md.
+    A run that was cut off is audited up to its end. docs/run-folder.md explains
+    the lines of events.jsonl.
 
     \b
     Examples:

@@ -27,38 +27,52 @@ if TYPE_CHECKING:
 
 Jobs = Annotated[
     int | None,
-    typer.Option(help="Processes that fly.", min=1, show_default="as many as cores"),
+    typer.Option(
+        help="Number of processes that fly at the same time.", min=1, show_default="one per core"
+    ),
 ]
-CampaignSeed = Annotated[int, typer.Option(help="Of all that is drawn.", min=0)]
+CampaignSeed = Annotated[
+    int, typer.Option(help="Seed from which the values of all rows are drawn.", min=0)
+]
 RowLimit = Annotated[
     float,
     typer.Option(
         "--limit-s",
-        help="Simulated seconds after which a flight is cut off, with the outcome `limit`.",
+        help="End a flight after this many simulated seconds, with the outcome `limit`.",
         min=1.0,
     ),
 ]
 OutFolder = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Where it is written.", show_default="campaign-NAME"),
+    typer.Option(
+        "--out", metavar="DIR", help="Folder for the results.", show_default="campaign-NAME"
+    ),
 ]
 SearchFolder = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Where it is written.", show_default="falsify-NAME"),
+    typer.Option(
+        "--out", metavar="DIR", help="Folder for the results.", show_default="falsify-NAME"
+    ),
 ]
 ResumedFolder = Annotated[
     Path | None,
     typer.Option(
-        "--resume", metavar="DIR", help="Go on with the campaign in DIR, with its own options."
+        "--resume",
+        metavar="DIR",
+        help="Continue the campaign in DIR, with the options with which it was begun.",
     ),
 ]
 DaskAddress = Annotated[
     str | None,
-    typer.Option("--dask", metavar="ADDRESS", help="Fly on a Dask cluster: tcp://HOST:8786."),
+    typer.Option("--dask", metavar="ADDRESS", help="Fly on a Dask cluster, e.g. tcp://HOST:8786."),
 ]
 OtherTable = Annotated[
     Path | None,
-    typer.Option("--against", metavar="TABLE", help="Compare with the same rows, flown before."),
+    typer.Option(
+        "--against",
+        metavar="TABLE",
+        help="Compare with the table of an earlier campaign that flew the same rows.",
+    ),
 ]
 LIMIT_S = 1800.0
 RUNS_MAX = 1_000_000
@@ -70,7 +84,7 @@ PLAIN_TELLINGS = 10
 def campaign(
     context: typer.Context,
     mission: MissionFile,
-    runs: Annotated[int, typer.Option(help="Flights.", min=1, max=RUNS_MAX)] = 100,
+    runs: Annotated[int, typer.Option(help="Number of flights.", min=1, max=RUNS_MAX)] = 100,
     seed: CampaignSeed = 0,
     scenario: ScenarioFile = None,
     jobs: Jobs = None,
@@ -80,11 +94,12 @@ def campaign(
     dask: DaskAddress = None,
     against: OtherTable = None,
 ) -> None:
-    """Flies a mission many times in lockstep, in worlds that vary, into one table.
+    """Flies a mission many times in worlds that vary, and writes a table of all flights.
 
-    What varies is said by the key `vary` of the scenario; without it, only the seed does. Each row
-    of the table depends on its number and --seed alone: the same bytes come out for any number of
-    processes, on a cluster, and after a resumption. docs/campaigns.md.
+    The key `vary` of the scenario says what varies. Without it, only the seed of
+    each flight does. A row depends on nothing but its number and --seed. So the
+    table is the same, byte for byte, for any number of processes, on a cluster,
+    and after --resume. See docs/campaigns.md.
 
     \b
     Examples:
@@ -93,8 +108,8 @@ def campaign(
 
     \b
     Exit codes:
-      0  all rows were flown, however they ended; with --against, none fails that did not
-      6  with --against: rows fail that did not
+      0  all rows were flown, however they ended
+      6  with --against: at least one row fails that did not fail before
     """
     from companion.campaigns.campaign import random_rows
     from companion.campaigns.statistics import compare

@@ -21,20 +21,20 @@ ContingenciesOption = Annotated[
     bool,
     typer.Option(
         "--contingencies",
-        help="Look, at each position of the plan, at each event and each single failure: what the "
-        "flight does then. Exit code 8 if the charge does not last to a safe place.",
+        help="Find out what the flight does at each position of the plan if one event comes or "
+        "one thing fails. Exit code 8 if the charge would not last to a safe place.",
     ),
 ]
 PictureOption = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="With --contingencies: draw the table to a PNG file."),
+    typer.Option(metavar="FILE", help="With --contingencies: draw the table into a PNG file."),
 ]
 JobsOption = Annotated[
     int | None,
     typer.Option(
-        help="With --contingencies: processes. [default: one on each core]",
+        help="With --contingencies: number of processes.",
         min=1,
-        show_default=False,
+        show_default="one per core",
     ),
 ]
 
@@ -44,7 +44,8 @@ def check(
     within: Annotated[
         Path | None,
         typer.Option(
-            metavar="DIR", help="Refuse a mission that needs files outside, as one from a stranger."
+            metavar="DIR",
+            help="Refuse a mission that needs files outside of DIR, as a stranger's may.",
         ),
     ] = None,
     contingencies: ContingenciesOption = False,
@@ -55,10 +56,11 @@ def check(
 ) -> None:
     """Reads, translates and plans a mission; needs no vehicle.
 
-    It says when each event holds, and which lines of the task the plan drops. It notices what is
-    allowed and hardly meant: an event that nothing uses, a line that holds from the start on, a
-    patrol that a rest fulfils. With --contingencies it says what the flight does when something
-    turns out otherwise.
+    The answer says when each event holds, and which lines of the task the plan
+    drops. Notices point out what is allowed but probably a mistake: an event that
+    nothing uses, a line that holds from the start on, a patrol that the vehicle
+    could fulfil by resting. With --contingencies the answer also says what the
+    flight does if something turns out otherwise.
     """
     from companion.cli.checked_mission import check_mission
     from companion.cli.task_places import placed

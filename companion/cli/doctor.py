@@ -60,15 +60,16 @@ def doctor(
         str | None,
         typer.Option(
             metavar="URL",
-            help="Listen there for a vehicle, as `companion run` would. [default: do not]",
+            help="Also listen here for a vehicle, as `companion run` does.",
+            show_default="do not listen",
         ),
     ] = None,
     instance: Instance = 0,
     log_dir: LogDir = DEFAULT_LOG_DIR,
 ) -> None:
-    """Says what this machine has for a flight, and what is in the way. Nothing is changed.
+    """Checks whether this machine is ready for a flight, and says what to do. Changes nothing.
 
-    Exit code 1 if something is in the way.
+    The exit code is 1 if something is not in order.
 
     \b
     Examples:

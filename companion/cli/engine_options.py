@@ -17,29 +17,29 @@ EngineOption = Annotated[
     str,
     typer.Option(
         metavar="NAME",
-        help="Who plans: built-in, or an engine of unified-planning such as fast-downward "
-        "or pyperplan (with --encoding v5).",
+        help="The planner: built-in, or an engine of unified-planning such as fast-downward, or "
+        "pyperplan (with --encoding v5).",
     ),
 ]
 EncodingOption = Annotated[
     Encoding,
     typer.Option(
-        help="How engines and --pddl are told: v1 as in the paper, one automaton; v4 one "
-        "automaton for each conjunct; v5 the same without conditional effects."
+        help="How the task is written for an engine or --pddl. v1: one automaton, as in the "
+        "paper; v4: one automaton for each conjunct; v5: as v4, without conditional effects."
     ),
 ]
 EngineTimeout = Annotated[
     float,
     typer.Option(
-        help="Real seconds that an engine may take for a plan; then the built-in search plans. "
-        "In lockstep (sim --speed max) the run ends as a failure.",
+        help="Let an engine plan for this many real seconds. After that, the built-in search "
+        "plans. In lockstep (sim --speed max) the run ends as a failure instead.",
         min=0.1,
     ),
 ]
 EngineDuration = Annotated[
     float,
     typer.Option(
-        help="Simulated seconds that an engine takes for a plan in lockstep (--speed max).",
+        help="In lockstep (--speed max): simulated seconds that each plan of an engine takes.",
         min=0.0,
     ),
 ]

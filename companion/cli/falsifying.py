@@ -32,7 +32,9 @@ from companion.errors import MissionError, TaskViolated
 def falsify(
     context: typer.Context,
     mission: MissionFile,
-    budget: Annotated[int, typer.Option(help="Flights of the search.", min=16, max=RUNS_MAX)] = 150,
+    budget: Annotated[
+        int, typer.Option(help="Number of flights of the search.", min=16, max=RUNS_MAX)
+    ] = 150,
     seed: CampaignSeed = 0,
     scenario: ScenarioFile = None,
     jobs: Jobs = None,
@@ -41,11 +43,12 @@ def falsify(
     resume: ResumedFolder = None,
     dask: DaskAddress = None,
 ) -> None:
-    """Searches, in what varies, for worlds in which the mission fails.
+    """Searches the worlds that `vary` allows for some in which the mission fails.
 
-    The rows fill the space evenly at first; then CMA-ES follows the least margin. Each different
-    failure is made simple, in 20 to 60 flights beyond the budget, and written as a scenario file
-    with the command that repeats it. docs/campaigns.md.
+    The first flights cover the range of each value evenly. Then CMA-ES searches
+    where the margins are least. Each different failure is made as simple as
+    possible, in 20 to 60 flights beyond the budget, and written as a scenario
+    file with the command that repeats it. See docs/campaigns.md.
 
     \b
     Exit codes:

@@ -22,10 +22,10 @@ class FigureFormat(Enum):
 def figure(
     run: Annotated[
         Path,
-        typer.Argument(metavar="RUN", help="The folder of a run: companion runs lists them."),
+        typer.Argument(metavar="RUN", help="The folder of a run. `companion runs` lists them."),
     ],
     format_: Annotated[
-        FigureFormat, typer.Option("--format", help="Of the file, if --output does not say it.")
+        FigureFormat, typer.Option("--format", help="Format of the file, without --output.")
     ] = FigureFormat.PDF,
     output: Annotated[
         Path | None,
@@ -33,12 +33,12 @@ def figure(
             "--output",
             "-o",
             metavar="FILE",
-            help="FILE.pdf, FILE.svg or FILE.png, written anew. [default: flight.FORMAT in RUN]",
-            show_default=False,
+            help="FILE.pdf, FILE.svg or FILE.png. An existing file is overwritten.",
+            show_default="flight.FORMAT in RUN",
         ),
     ] = None,
 ) -> None:
-    """Draws where a vehicle flew, a panel for each plan, for a paper or a report."""
+    """Draws the path of a recorded flight, with a panel for each plan, for a paper or a report."""
     path = output or run / f"flight.{format_.value}"
     kinds = [f".{each.value}" for each in FigureFormat]
     if path.suffix.lower() not in kinds:

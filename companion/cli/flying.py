@@ -51,7 +51,15 @@ OptionalMission = Annotated[
         metavar="MISSION",
         parser=mission_file,
         autocompletion=completions,
-        help="The mission's YAML file, or the name of a shipped one; without: uploads.",
+        help="The YAML file of a mission, or the name of an example mission. Without it, the "
+        "companion waits for an upload.",
+    ),
+]
+
+Wait = Annotated[
+    bool,
+    typer.Option(
+        "--wait", help="Wait for the start command of a ground station, before each flight."
     ),
 ]
 
@@ -62,10 +70,7 @@ def run(
     accept_weak_failsafes: WeakFailsafes = False,
     autopilot_fence: AutopilotFence = UploadPolicy.UPLOAD,
     rally_points: RallyPoints = UploadPolicy.UPLOAD,
-    wait: Annotated[
-        bool,
-        typer.Option("--wait", help="Fly when a ground station says so, and again and again."),
-    ] = False,
+    wait: Wait = False,
     resume: Resume = False,
     events: Events = None,
     laps: Laps = None,
@@ -83,12 +88,14 @@ def run(
 ) -> None:
     """Flies a mission on a vehicle: PX4, or a simulator that was started separately.
 
-    With --wait, or without MISSION, it waits on the ground for a ground station's
-    MAV_CMD_MISSION_START, flies, lands, and waits again, until it is stopped.
+    With --wait, or without MISSION, the companion waits on the ground until a
+    ground station sends MAV_CMD_MISSION_START. It flies, lands, and waits again,
+    until you stop it.
 
-    With --resume it takes control back by itself where the autopilot holds because it no longer
-    heard us: after a gap in the link, or, started again, after it was cut off in flight. A vehicle
-    that has landed meanwhile is not armed again.
+    With --resume, the companion takes control back by itself if the autopilot
+    holds because it no longer heard the companion. That happens after a gap in
+    the link, or when the companion was killed in flight and is started again. A
+    vehicle that has landed meanwhile is not armed again.
     """
     from companion.acting.flight_limit import FlightLimit
     from companion.acting.sortie_terms import SortieTerms

@@ -41,40 +41,49 @@ COLUMNS = (
 """What --format stats prints of each automaton; --batch puts a column `line` before them."""
 _NEAR = 0.75
 """Similarity from which a name is near to another one, as `patrol` to `patrolling`."""
+BatchFile = Annotated[
+    typer.FileText | None,
+    typer.Option(
+        metavar="FILE",
+        encoding="utf-8-sig",
+        errors="replace",  # the parser points to what could not be read
+        help="Read formulas from a file, one per line; - is standard input.",
+    ),
+]
+Exclusive = Annotated[
+    str,
+    typer.Option(metavar="NAMES", help="Propositions of which at most one holds at a time."),
+]
 
 
 def ltl(
     formula: Annotated[
-        str | None, typer.Argument(metavar="FORMULA", help="e.g. 'G (F at(A) | targetFound)'")
+        str | None,
+        typer.Argument(metavar="FORMULA", help="A formula, e.g. 'G (F at(A) | targetFound)'."),
     ] = None,
     form: Annotated[
-        Form, typer.Option("--format", help="HOA v1, a drawing for Graphviz, or a table.")
+        Form,
+        typer.Option("--format", help="hoa: HOA v1; dot: for Graphviz; stats: a table of sizes."),
     ] = Form.HOA,
     by_states: Annotated[
-        bool, typer.Option("--state-based", help="Accept by states and not by transitions.")
+        bool,
+        typer.Option(
+            "--state-based", help="Print automata that accept by states, not by transitions."
+        ),
     ] = False,
     monolithic: Annotated[
-        bool, typer.Option("--monolithic", help="One automaton for the whole formula.")
+        bool, typer.Option("--monolithic", help="Print one automaton for the whole formula.")
     ] = False,
-    batch: Annotated[
-        typer.FileText | None,
-        typer.Option(
-            metavar="FILE",
-            encoding="utf-8-sig",
-            errors="replace",  # the parser points to what could not be read
-            help="Formulas from a file, one a line; - is standard input.",
-        ),
-    ] = None,
-    exclusive: Annotated[
-        str, typer.Option(metavar="NAMES", help="At most one of them holds at a time.")
-    ] = "",
+    batch: BatchFile = None,
+    exclusive: Exclusive = "",
 ) -> None:
     """Prints the Büchi automata of a formula of linear temporal logic.
 
-    A formula is split at &, at G over & and at & under |, as the planner does it, and each part
-    gets its own automaton. A formula is made of propositions such as targetFound or at(A), of true,
-    false, ( ), ! & | -> <->, of X (next), F (eventually), G (always), U (until), R (release),
-    W (weak until), and of mission patterns such as patrolling(A, B).
+    The formula is split as the planner does it: at &, at G over &, and at & under
+    |. Each part gets its own automaton. A formula consists of propositions such
+    as targetFound or at(A), true, false, ( ), ! & | -> <->, X (next), F
+    (eventually), G (always), U (until), R (release), W (weak until), and mission
+    patterns such as patrolling(A, B).
 
     \b
     Examples:
@@ -84,9 +93,10 @@ def ltl(
       companion ltl 'F at(A)' --format dot | dot -Tsvg > automaton.svg
       companion ltl --batch formulas.txt --format stats > sizes.tsv
 
-    In a file, blank lines and lines that begin with # are skipped; the name of each automaton
-    begins with file and line. A formula that cannot be read, or whose automaton is too large, is
-    reported with its place; all others are printed, and the command ends with exit code 2.
+    In a file, blank lines and lines that begin with # are skipped. The name of
+    each automaton begins with the file and the line. If a formula cannot be read,
+    or its automaton is too large, the command reports its place, prints all
+    others, and ends with exit code 2.
     """
     if (formula is None) == (batch is None):
         raise typer.BadParameter("give either a formula or --batch FILE", param_hint="FORMULA")

@@ -21,16 +21,20 @@ def make(
     file: KeyFile,
     passphrase: Annotated[
         bool,
-        typer.Option("--passphrase", help="Ask for a passphrase, as QGroundControl does."),
+        typer.Option(
+            "--passphrase",
+            help="Ask for a passphrase and make the key from it, as QGroundControl does.",
+        ),
     ] = False,
 ) -> None:
     """Makes a key file that only its owner can read.
 
-    Who has the key can command the vehicle; without it, messages are refused. Give the same key to
-    all: a copy of the file to `companion run`, `upload` and `watch` and to `sitl`
-    (--signing-key FILE), its passphrase to QGroundControl, which hands it on to PX4, over a cable.
+    Whoever has the key can command the vehicle. Messages without it are refused.
+    All sides need the same key. Give a copy of the file to `companion run`,
+    `upload` and `watch` and to `sitl` (--signing-key FILE). Give the passphrase
+    to QGroundControl, which sends the key to PX4. Do that over a cable.
 
-    Without --passphrase the key is random, which nobody can guess.
+    Without --passphrase the key is random, so nobody can guess it.
     """
     from companion.mavlink.key_file import make_key
 
@@ -43,7 +47,7 @@ def make(
 
 @key.command()
 def show(file: KeyFile) -> None:
-    """Prints a key as 64 hexadecimal digits, for programs that take no file. Mind who looks on."""
+    """Prints a key as 64 hexadecimal digits, for programs that take no file. Let nobody watch."""
     from companion.mavlink.key_file import read_key
 
     typer.echo(read_key(file).secret.hex())

@@ -29,7 +29,7 @@ Monitor = Annotated[
     typer.Option(
         callback=_checked,
         metavar="HOST:PORT|off",
-        help="Where the page of the run is served.",
+        help="Address of the monitor page, or off: no page.",
         show_default=f"{DEFAULT_ADDRESS}, off at --speed max",
     ),
 ]
@@ -107,18 +107,21 @@ def monitored(address: str, say: Callable[[str, bool], None]) -> Iterator[Page]:
 
 
 def replay(
-    run: Annotated[Path, typer.Argument(metavar="RUN", help="A run folder, as sim and run print.")],
-    port: Annotated[int, typer.Option(help="The page's port.", min=0, max=65535)] = 8080,
-    open_page: Annotated[bool, typer.Option("--open", help="Open it in a browser.")] = False,
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="The folder of a run.")],
+    port: Annotated[int, typer.Option(help="Port of the page.", min=0, max=65535)] = 8080,
+    open_page: Annotated[bool, typer.Option("--open", help="Open the page in a browser.")] = False,
     mcap: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write the run for Foxglove instead; a new file."),
+        typer.Option(
+            metavar="FILE", help="Write the run to a new file for Foxglove, and serve no page."
+        ),
     ] = None,
 ) -> None:
     """Shows a recorded run on the monitor page, with a slider over its time.
 
-    The page is served on 127.0.0.1, on PORT or the next free one, until Ctrl-C. A run that was cut
-    off is shown as far as it goes. With --mcap nothing is served: the run becomes a file.
+    The page is served on 127.0.0.1, on PORT or the next free one, until you press
+    Ctrl-C. A run that was cut off is shown up to its end. With --mcap the run is
+    written to a file instead.
 
     \b
     Examples:

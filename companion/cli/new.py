@@ -20,23 +20,28 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 def new(
-    name: Annotated[str, typer.Argument(help="Of the mission, and of its files.")],
+    name: Annotated[str, typer.Argument(help="Name of the mission and of its two files.")],
     space: Annotated[
         StarterSpace | None,
-        typer.Option(help="Where it is flown. [default: asked for, or field]", show_default=False),
+        typer.Option(help="Where the mission is flown.", show_default="asked for, or field"),
     ] = None,
     task: Annotated[
         TaskName | None,
-        typer.Option(help="What it does. [default: asked for, or patrol]", show_default=False),
+        typer.Option(help="What the mission does.", show_default="asked for, or patrol"),
     ] = None,
     home: Annotated[
         str | None,
-        typer.Option(metavar=HOME, help="Of --space earth. [default: PX4's simulated home]"),
+        typer.Option(
+            metavar=HOME,
+            help="With --space earth: where the mission begins.",
+            show_default="PX4's simulated home",
+        ),
     ] = None,
 ) -> None:
-    """Writes a commented mission and its simulated world to start from, and checks it.
+    """Writes a mission with comments and its simulated world to start from, and checks it.
 
-    NAME.yaml and NAME.sim.yaml are made in this folder. What no option says is asked for.
+    The files NAME.yaml and NAME.sim.yaml are written to the present folder. The
+    command asks for what no option says.
 
     \b
     Examples:

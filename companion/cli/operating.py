@@ -25,15 +25,17 @@ Connect = Annotated[
     str,
     typer.Option(
         envvar="COMPANION_GROUND_CONNECT",
-        help="udpin://HOST:PORT, where the vehicle sends to a ground station; udpout://, "
-        "tcpout://HOST:PORT, or serial://DEVICE:BAUD, as of a telemetry radio.",
+        metavar="URL",
+        help="The link to the vehicle: udpin://HOST:PORT, where the vehicle sends to a ground "
+        "station; udpout://HOST:PORT; tcpout://HOST:PORT; or serial://DEVICE:BAUD, for example "
+        "of a telemetry radio.",
     ),
 ]
 System = Annotated[
     int | None,
-    typer.Option(help="Of the vehicle: its system id. [default: the only one]", min=1, max=255),
+    typer.Option(help="System id of the vehicle.", min=1, max=255, show_default="the only one"),
 ]
-Timeout = Annotated[float, typer.Option(help="Seconds to wait for the companion.", min=0.1)]
+Timeout = Annotated[float, typer.Option(help="Wait this many seconds for the companion.", min=0.1)]
 GROUND_STATION = "udpin://0.0.0.0:14550"
 VERDICT_S = 60.0
 """A check takes at most 30 s, and may wait for another one."""
@@ -47,16 +49,18 @@ MISSION_START = 300  # MAV_CMD_MISSION_START
 def upload(
     mission: MissionFile,
     connect: Connect = GROUND_STATION,
-    start: Annotated[bool, typer.Option(help="Start the mission once it is accepted.")] = False,
+    start: Annotated[
+        bool, typer.Option(help="Start the mission when it has been accepted.")
+    ] = False,
     system: System = None,
     signing_key: SigningKeyFile = None,
     unsigned_vehicle: UnsignedVehicle = False,
     timeout: Timeout = 30.0,
     verbose: Verbose = False,
 ) -> None:
-    """Sends a mission and its files to a companion, which checks it. Needs `companion run`.
+    """Sends a mission and its files to a running companion (`companion run`), which checks it.
 
-    Exit code 0: accepted, 2: refused, 4: no link.
+    Exit codes: 0, the mission is accepted; 2, it is refused; 4, there is no link.
     """
     from companion.cli.upload_files import remote_paths
     from companion.mission.files import files_of
@@ -77,7 +81,7 @@ def watch(
     timeout: Timeout = 30.0,
     verbose: Verbose = False,
 ) -> None:
-    """Prints what a companion says, until its run has ended: with that run's exit code."""
+    """Prints what a companion says until its run ends, and ends with the exit code of that run."""
     from companion.vehicle.endpoints import parse_url
 
     endpoint = parse_url(connect)

@@ -23,7 +23,8 @@ def import_(
     file: Annotated[
         Path,
         typer.Argument(
-            metavar="FILE", help="A .plan, .mission, .waypoints, .txt, .geojson, .kml or .kmz."
+            metavar="FILE",
+            help="A .plan, .mission, .waypoints, .txt, .geojson, .json, .kml or .kmz file.",
         ),
     ],
     output: Annotated[
@@ -31,33 +32,42 @@ def import_(
     ],
     home: Annotated[
         str | None,
-        typer.Option(metavar=HOME, help="Where the mission begins, in place of what FILE says."),
+        typer.Option(metavar=HOME, help="Begin the mission here, whatever FILE says."),
     ] = None,
     up_m: Annotated[
         float | None,
         typer.Option(
-            help="Metres above home, for what has no height in FILE that can be used.", min=1.0
+            help="Height in metres above home for everything in FILE without a usable height.",
+            min=1.0,
         ),
     ] = None,
     payload: Annotated[
         int | None,
         typer.Option(
             metavar="ID",
-            help="MAVLink component that takes the commands for payloads.",
+            help="Id of the MAVLink component to which commands for payloads go.",
             min=1,
             max=255,
         ),
     ] = None,
     leave_out: Annotated[
-        str, typer.Option(metavar="3,7", help="Items of FILE by number, or payloads for all such.")
+        str,
+        typer.Option(
+            metavar="3,7",
+            help="Leave out these items of FILE. `payloads`: all commands for payloads.",
+        ),
     ] = "",
-    name: Annotated[str, typer.Option(help="Of the mission. [default: that of FILE]")] = "",
+    name: Annotated[
+        str, typer.Option(help="Name of the mission.", show_default="that of FILE")
+    ] = "",
 ) -> None:
     """Writes a mission that does what the plan of a ground station, or a drawn map, says.
 
-    The mission is YAML to read and to edit: waypoints are places, and the task visits them in this
-    order, in any order if there is none, or again and again where the plan repeats for ever. What a
-    mission cannot mean is refused by its item; nothing is flown by this command.
+    The mission is a YAML file that you can read and edit. Waypoints become
+    places. The task visits them in their order; in any order if they have none;
+    or again and again if the plan repeats for ever. If a mission cannot express
+    an item, the item is named and no mission is written. This command flies
+    nothing.
     """
     from companion.plans.files import import_plan
 
@@ -76,25 +86,30 @@ def export(
             metavar="MISSION|RUN",
             parser=mission_file,
             autocompletion=completions,
-            help="A mission's file, the name of a shipped one, or the folder of a run.",
+            help="The file of a mission, the name of an example mission, or the folder of a run.",
         ),
     ],
     output: Annotated[
         Path,
         typer.Option(
-            "--output", "-o", metavar="FILE", help="FILE.plan or FILE.geojson; written anew."
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="FILE.plan or FILE.geojson. An existing file is overwritten.",
         ),
     ],
     home: Annotated[
         str | None,
         typer.Option(
-            metavar=HOME, help="Where a mission in metres has its home on the earth, and how high."
+            metavar=HOME,
+            help="Position on the earth of the home of a mission in metres, and its height.",
         ),
     ] = None,
 ) -> None:
-    """Writes places, fence, plan and flown way for QGroundControl and for mapping tools.
+    """Writes places, fence, plan and flown path for QGroundControl and for mapping tools.
 
-    A .plan is to look at: flown by the autopilot, it would be a list of waypoints without the task.
+    A .plan is only for display: an autopilot that flies it follows waypoints, and
+    knows no task.
     """
     from companion.api.drawings import mission_drawing, run_drawing
     from companion.plans.geojson_writing import geojson_text

@@ -31,30 +31,39 @@ TOLD_PERCENT = 0.1
 ObjectiveOption = Annotated[
     Objective,
     typer.Option(
-        help="What is best: the shortest lap and to it the shortest prefix; the least sum of "
-        "both; or the least worst time between two fulfilments of a recurring part."
+        help="Which plan is best. lap: the one with the shortest lap, and of these the shortest "
+        "prefix; sum: the least prefix and lap together; bottleneck: the shortest longest time "
+        "between two fulfilments of a recurring part of the task."
     ),
 ]
-EngineTimeout = Annotated[float, typer.Option(help="Seconds that an engine may take.", min=0.1)]
+EngineTimeout = Annotated[
+    float, typer.Option(help="Let an engine plan for this many seconds at most.", min=0.1)
+]
 PddlFolder = Annotated[
     Path | None,
-    typer.Option(metavar="DIR", help="Write the problem there as PDDL; do not plan."),
+    typer.Option(metavar="DIR", help="Write the problem to this folder as PDDL, and do not plan."),
+]
+SetFacts = Annotated[
+    list[str] | None, typer.Option("--set", metavar="FACT", help="Assume that this fact holds.")
+]
+UnsetFacts = Annotated[
+    list[str] | None,
+    typer.Option("--unset", metavar="FACT", help="Assume that this fact does not hold."),
+]
+Without = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="BELIEF", help="Assume that this belief is withdrawn, e.g. canUpload(r1)."
+    ),
 ]
 
 
 def plan(
     mission: MissionFile,
-    at: Annotated[str | None, typer.Option(help="Plan from this place.")] = None,
-    holds: Annotated[
-        list[str] | None, typer.Option("--set", metavar="FACT", help="A fact that holds.")
-    ] = None,
-    fails: Annotated[
-        list[str] | None, typer.Option("--unset", metavar="FACT", help="A fact that does not.")
-    ] = None,
-    without: Annotated[
-        list[str] | None,
-        typer.Option(metavar="BELIEF", help="A belief that is withdrawn, e.g. canUpload(r1)."),
-    ] = None,
+    at: Annotated[str | None, typer.Option(metavar="PLACE", help="Plan from this place.")] = None,
+    holds: SetFacts = None,
+    fails: UnsetFacts = None,
+    without: Without = None,
     objective: ObjectiveOption = Objective.LAP,
     engine: EngineOption = BUILT_IN,
     encoding: EncodingOption = Encoding.V4,
@@ -65,9 +74,9 @@ def plan(
 ) -> None:
     """Prints the plan: a prefix that is flown once and a loop that is flown for ever.
 
-    A plan takes events as they are: it assumes that none of them changes. --at, --set, --unset and
-    --without ask "what if", e.g. --at A --set targetFound. Lines of the task with a priority that
-    it cannot keep are dropped, and it says why.
+    A plan assumes that no event changes. To ask "what if", use --at, --set,
+    --unset and --without, e.g. --at A --set targetFound. If no plan keeps a line
+    of the task that has a priority, the line is dropped, and the answer says why.
     """
     from companion.planning.explain import NoPlan
 

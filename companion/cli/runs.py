@@ -19,20 +19,22 @@ MB = 1e6
 def runs(
     log_dir: LogDir = DEFAULT_LOG_DIR,
     newest: Annotated[
-        bool, typer.Option("--newest", help="Print the folder of the newest run, and no more.")
+        bool, typer.Option("--newest", help="Print only the folder of the newest run.")
     ] = False,
     prune: Annotated[
         int | None,
         typer.Option(
             metavar="KEEP",
-            help="Remove all but the newest KEEP of the runs that have ended; those that were cut "
-            "off stay, as --resume may need them.",
+            help="Remove all runs that have ended, except the newest KEEP. Runs that were cut off "
+            "are kept, because --resume may need them.",
             min=0,
         ),
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="With --prune: do not ask.")] = False,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="With --prune: remove without asking.")
+    ] = False,
 ) -> None:
-    """Lists the runs that were recorded, the newest last: when, how long, and how each ended.
+    """Lists the recorded runs, the newest last: when each began, how long it took, how it ended.
 
     \b
     Examples:

@@ -47,11 +47,20 @@ if TYPE_CHECKING:
 ScenarioFile = Annotated[
     Path | None,
     typer.Option(
-        help="What happens in the world. [default: MISSION's name with .sim.yaml, or nothing]"
+        metavar="FILE",
+        help="The scenario file, which says what happens in the world. Without one, the world is "
+        "the map of the mission, without wind and events.",
+        show_default="MISSION's name with .sim.yaml, if there is such a file",
     ),
 ]
-Speed = Annotated[str, typer.Option(help="Times real time, or max: lockstep in one process.")]
-Seed = Annotated[int, typer.Option(help="Seed of wind and sensors.", min=0)]
+Speed = Annotated[
+    str,
+    typer.Option(
+        help="Speed as a multiple of real time. max: in lockstep, as fast as possible; equal "
+        "seeds give equal flights."
+    ),
+]
+Seed = Annotated[int, typer.Option(help="Seed of all randomness, such as gusts and noise.", min=0)]
 GROUND_STATION_PORT = 14550
 
 

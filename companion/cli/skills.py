@@ -11,7 +11,7 @@ import typer
 def skills(as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
     """Lists the functions of installed packages that missions may call, with their parameters.
 
-    Each is loaded for it, in a process of its own.
+    To read its parameters, each function is loaded in a process of its own.
     """
     from companion.mission.installed_calls import WORDS
     from companion.skills.catalogue import as_json as values_of

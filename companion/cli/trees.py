@@ -27,15 +27,15 @@ Source = Annotated[
         metavar="MISSION|RUN",
         parser=mission_file,
         autocompletion=completions,
-        help="A mission's YAML file, the name of a shipped one, or the folder of a run.",
+        help="The YAML file of a mission, the name of an example mission, or the folder of a run.",
     ),
 ]
 FormatOption = Annotated[
     TreeFormat,
     typer.Option(
         "--format",
-        help="text: a line for each node; dot: for Graphviz; xml: as BehaviorTree.CPP 4 and "
-        "Groot2 read it.",
+        help="text: a line for each node; dot: for Graphviz; xml: for BehaviorTree.CPP 4 and "
+        "Groot2.",
     ),
 ]
 
@@ -43,8 +43,8 @@ FormatOption = Annotated[
 def tree(source: Source, format_: FormatOption = TreeFormat.TEXT, verbose: Verbose = False) -> None:
     """Prints the behaviour tree of a plan.
 
-    Of a mission it is that of the first plan, or the tree that the mission brings; of a run the
-    one that was ticked last.
+    For a mission, this is the tree of its first plan, or the tree in the mission
+    file. For a run, it is the tree that was ticked last.
 
     \b
     Examples:
