@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from lockstep import Lockstep
+from meadow import stay
 from shipped import MISSIONS
 from test_leaning import low, windy
 
@@ -76,3 +77,24 @@ def test_killed_while_it_is_held_it_lands_when_it_is_started_again() -> None:
     flight.until_the_end(400.0)
     assert flight.exit_code == 0 and flight.simulation.collisions == 0
     assert flight.one(ControlTakenBack) and not flight.simulation.is_armed
+
+
+def hop(room_m: float, wind_mps: float, seed: int) -> Lockstep:
+    """Lands at A and takes off again, with PX4's drag and a wall downwind."""
+    walls = [{"east_m": [20 + room_m, 20.5 + room_m], "north_m": [-6, 6]}]
+    area = {"east_m": [-20, 40], "north_m": [-20, 20]}
+    world = {"version": 1, "airframe": "px4_sih", "map": area | {"walls": walls}}
+    wind = {"east_mps": wind_mps, "turbulence_mps": 0.2}
+    mission = stay("land()", "wait(2)", "take_off()")
+    flight = Lockstep(mission, world_of(mission, world | {"wind": wind}), seed=seed)
+    return flight.until_the_end(200.0)
+
+
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(n, marks=pytest.mark.long) for n in range(2, 9))]
+)
+def test_four_metres_downwind_of_a_dock_are_enough_to_take_off(seed: int) -> None:
+    """The autopilot's climb is carried off by up to 3 m: nearer to a wall it ends there."""
+    assert hop(1.2, 4.0, seed).simulation.collisions > 0
+    flight = hop(4.0, 4.0, seed)
+    assert flight.exit_code == 0 and flight.simulation.collisions == 0
