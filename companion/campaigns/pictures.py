@@ -81,7 +81,9 @@ class Pictures:
             north, east, _ = place.position
             x, y = n(east - self._west), n(self._north - north)
             yield f'<circle class="place" cx="{x}" cy="{y}" r="{n(size / 5)}"/>'
-            style = f'dx="{n(size / 3)}" font-size="{n(size)}"'
+            is_west = east - self._west < self._width / 2
+            side, anchor = (1, "start") if is_west else (-1, "end")
+            style = f'dx="{n(side * size / 3)}" text-anchor="{anchor}" font-size="{n(size)}"'
             yield f'<text x="{x}" y="{y}" {style}>{escape(place.name)}</text>'
 
     def _walls(self) -> str:

@@ -1,8 +1,9 @@
 """The rows of a campaign on disk, as they come: DIR/rows.jsonl.
 
-Its first line is the header. Each row is a line of its own, written and kept (fsync) before the
-next one is waited for; so whatever ends a campaign, a full disk among it, it loses the rows that
-were under way. A line that is not whole is dropped. Two campaigns cannot write to one folder.
+The first line is the header. Each row is a line of its own. It is written to the disk (fsync)
+before the campaign waits for the next row. So whatever ends a campaign, such as a full disk, only
+the rows under way are lost. A last line that is not whole is dropped; a damaged line before it is
+refused. Two campaigns cannot write to one folder.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ class RowFile:
 
     Raises:
         CompanionError: another campaign writes to the folder.
-        MissionError: the folder has rows of another campaign.
+        MissionError: the folder has rows of another campaign, or a damaged line.
         NotWritten: it cannot be written.
     """
 
@@ -124,23 +125,34 @@ def header_in(folder: Path, key: str) -> dict[str, str]:
 
 
 def _read(path: Path) -> tuple[dict[str, str] | None, list[dict[str, Any]], int]:
-    """The header, the rows as they were written, and how many bytes are whole lines."""
-    header: dict[str, str] | None = None
-    rows: list[dict[str, Any]] = []
+    """The header, the rows as they were written, and how many bytes are whole lines.
+
+    Raises:
+        MissionError: a line before the last one is damaged.
+    """
+    entries: list[dict[str, Any]] = []
     whole = 0
-    for line in path.read_bytes().splitlines(keepends=True):
-        try:
-            entry = json.loads(line)
-        except ValueError:
-            break
-        if not line.endswith(b"\n") or not isinstance(entry, dict):
-            break
-        whole += len(line)
-        if header is None:
-            header = entry
-        else:
-            rows.append(entry)
-    return header, rows, whole
+    lines = path.read_bytes().splitlines(keepends=True)
+    for number, line in enumerate(lines, start=1):
+        entry = _entry(line)
+        if entry is None and number < len(lines):
+            raise MissionError(
+                f"{path}:{number} is damaged",
+                hint="remove this line to fly its row again, or take another folder with --out",
+            )
+        if entry is not None:
+            entries.append(entry)
+            whole += len(line)
+    return (entries[0], entries[1:], whole) if entries else (None, [], 0)
+
+
+def _entry(line: bytes) -> dict[str, Any] | None:
+    """What a whole line says; None of another one."""
+    try:
+        entry = json.loads(line)
+    except ValueError:
+        return None
+    return entry if line.endswith(b"\n") and isinstance(entry, dict) else None
 
 
 def _other_campaign(

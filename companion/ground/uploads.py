@@ -54,6 +54,7 @@ from companion.mavlink.ftp_frames import FtpRefusal, crc32
 
 CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
+NO_LINES = "it is not UTF-8 text whose lines end with LF (\\n); save it as that"
 _NO_MISSION = re.compile(rb"""^["']?(image|radius_m)["']?[ \t]*:""", re.MULTILINE)
 """A key that maps have, or vehicle profiles, and missions only deeper inside."""
 MARK = ".not-flown"
@@ -206,7 +207,9 @@ class Uploads:
             content = (upload.folder / upload.mission).read_bytes()
             upload.crc32 = crc32(content)
             if not content.endswith(b"\n"):
-                return [self._refuse(upload, UploadTrigger.UNUSABLE, CUT_OFF)]
+                has_lines = b"\n" in content and b"\0" not in content
+                why = CUT_OFF if has_lines else NO_LINES
+                return [self._refuse(upload, UploadTrigger.UNUSABLE, why)]
             upload.check = self._begin(upload.folder, upload.mission)
         except (OSError, FtpRefusal) as error:
             reason = f"it cannot be checked: {error}"

@@ -63,6 +63,24 @@ def test_a_torn_line_is_dropped(tmp_path: Path) -> None:
     last.close()
 
 
+@pytest.mark.parametrize("damage", [b"\0\0\n", b"[1]\n", b'{"index": \n'])
+def test_a_damaged_line_before_the_last_is_refused_and_nothing_is_lost(
+    tmp_path: Path, damage: bytes
+) -> None:
+    with closing(RowFile(tmp_path, HEADER)) as file:
+        for index in range(3):
+            file.add(flown(index))
+    path = tmp_path / NAME
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join([*lines[:2], damage, lines[3]]))
+    with pytest.raises(MissionError, match=r"rows\.jsonl:3 is damaged"):
+        RowFile(tmp_path, HEADER)
+    assert path.read_bytes().endswith(lines[3])
+    path.write_bytes(b"".join([*lines[:2], lines[3]]))
+    with closing(RowFile(tmp_path, HEADER)) as again:
+        assert [*again.rows] == [0, 2]
+
+
 def test_another_campaign_is_refused_with_what_differs(tmp_path: Path) -> None:
     RowFile(tmp_path, HEADER).close()
     with pytest.raises(MissionError, match="its seed is 3, and is 4 now"):

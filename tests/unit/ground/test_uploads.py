@@ -121,6 +121,8 @@ def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
         (b"maps/hall.yaml", b"/etc/hosts", "lies outside the mission's folder"),
         (b"version: 1", b"versoin: 1", "surveillance.yaml:8:1: "),
         (MISSION[-300:], b"", "a part may be missing"),
+        (b"\n", b"\r", "not UTF-8 text whose lines end with LF"),
+        (MISSION, MISSION.decode().encode("utf-16-le"), "not UTF-8 text whose lines end with LF"),
     ],
 )
 def test_a_mission_that_cannot_be_flown_changes_nothing(
