@@ -72,6 +72,11 @@ TOGETHER: dict[str, tuple[str, dict[str, str], list[str]]] = {
         {"initially: [at(Home)]": "subtrees: {look: move(Home, A)}\ninitially: [at(Home)]"},
         ["look is 'move(Home', expected a list", "'A)' is the rest of a text"],
     ),
+    "a step with a comma within { }, and no quotes": (
+        FIELD,
+        {"skills:\n": "skills:\n  ask: {effect: asked, execute: command(box, MAV_CMD_USER_1)}\n"},
+        ["not something to execute", "'MAV_CMD_USER_1)' is the rest of a text"],
+    ),
     "a place that is misspelt is one mistake": (
         FIELD,
         {"  Home: {": "  Hoem: {"},

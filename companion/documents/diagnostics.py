@@ -173,15 +173,16 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
         description = schema_at(root, (*keys, name)).get("description", "")
         hint = _sentence(name, description)
         return Diagnostic(f"the key {name} is missing{_of(keys)}", keys, hint, True)
+    is_rest = kind == "extra_forbidden" or name == NO_NAME
+    if is_rest and str(keys[-1]).endswith(")") and _at(data, keys) is None:
+        hint = "a comma within { } ends an entry: put quotes around a text that has one"
+        return Diagnostic(f"{_short(keys[-1])} is the rest of a text", keys, hint, True)
     if kind == "extra_forbidden":
         known = list(schema_at(root, keys[:-1]).get("properties", ()))
         meant = meant_key(str(keys[-1]), known)
         question = f" Did you mean {meant}?" if meant else ""
         hint = f"known keys are {', '.join(known)}{alone(root, keys[:-1])}.{question}"
         return Diagnostic(f"unknown key {_short(keys[-1])}{_of(keys[:-1])}", keys, hint, True)
-    if name == NO_NAME and str(keys[-1]).endswith(")") and _at(data, keys) is None:
-        hint = "a comma within { } ends an entry: put quotes around a text that has one"
-        return Diagnostic(f"{_short(keys[-1])} is the rest of a text", keys, hint, True)
     if name == NO_NAME:
         expected = _RULES[kind](detail["ctx"]) if kind in _RULES else detail["msg"]
         better = re.sub(r"\W+", "_", str(keys[-1]), flags=re.ASCII).strip("_")

@@ -79,7 +79,11 @@ def parse_execution(
     forms = ", ".join(kind.form for kind in KINDS.values())
     if match is None:
         hint = f"write {KINDS[text.strip()].form}" if text.strip() in KINDS else f"write {forms}"
-        if text.count("(") > 1:
+        if text.count("(") > text.count(")"):
+            kind = KINDS.get(text.partition("(")[0].strip())
+            meant = f'"{kind.form}"' if kind is not None else forms
+            hint = f"its parenthesis is not closed; inside {{ }} and [ ] put quotes around {meant}"
+        elif text.count("(") > 1:
             hint = f"write a list: [{text}]"
         raise FormulaError("not something to execute", text, 0, len(text), hint)
     verb = match["verb"]

@@ -105,7 +105,7 @@ def test_a_mission_with_functions_is_planned_with_its_places_filled_in() -> None
         ("python(weigh, x)", ["x is no parameter of weigh, place or object", "in quotes"]),
         ('python(weigh, s, limit_kg="2")', ["takes a number, not 2"]),
         ("pyton(weigh, s)", ["unknown primitive pyton", "Did you mean python?"]),
-        ("python(weigh, s", ["not something to execute", "python(name, arguments)"]),
+        ("python(weigh, s", ["its parenthesis is not closed", '"python(name, arguments)"']),
     ],
 )
 def test_a_call_that_cannot_be_made_says_what_to_write(execute: str, says: list[str]) -> None:
