@@ -1,8 +1,9 @@
-"""What stands in the way of arming, by the autopilot's newest report of its checks.
+"""Collects why the vehicle cannot be armed, from the autopilot's newest report of its arming
+checks.
 
-A report is a run of events: the summary of the arming checks, an event for each check that has not
-passed, the summary of health. It may come in chunks, which are counted, and the newest of each
-count together. A report that has lost an event in between is left out as a whole.
+A report is a sequence of events: the summary of the arming checks, one event for each check that
+has not passed, and the summary of health. A report may come in numbered chunks; the newest chunk of
+each number is kept. If an event of a chunk is lost, the whole chunk is discarded.
 
 Source: the arming check and health groups of libevents.
 """
@@ -15,7 +16,7 @@ from companion.mavlink.event_metadata import Arguments, EventDefinition
 
 ERROR, WARNING = 3, 4  # log levels
 MOST_CHECKS = 64
-"""Of a chunk; PX4 sends 14 at most."""
+"""In a chunk; PX4 sends at most 14."""
 _GROUPS = ("arming_check", "health")
 
 
@@ -24,7 +25,7 @@ class ArmingCheck(NamedTuple):
 
     Attributes:
         level: 0 (emergency) to 4 (warning), and notices.
-        modes: a bit for each group of modes that it is about.
+        modes: one bit for each group of modes that the check concerns.
     """
 
     level: int
@@ -36,7 +37,7 @@ class ArmingReport:
     """The newest report.
 
     Attributes:
-        is_known: a whole one has been heard.
+        is_known: whether a whole report has been heard.
     """
 
     def __init__(self) -> None:
@@ -45,7 +46,7 @@ class ArmingReport:
         self._coming: tuple[int, list[ArmingCheck]] | None = None
 
     def take(self, definition: EventDefinition, level: int, text: str, given: Arguments) -> bool:
-        """Takes an event; whether it is one of these reports."""
+        """Takes an event; returns whether it belongs to a report."""
         if definition.group not in _GROUPS:
             return False
         coming, is_arming = self._coming, definition.group == "arming_check"
@@ -61,19 +62,20 @@ class ArmingReport:
         return True
 
     def lose(self) -> None:
-        """An event is lost for good: the report that is coming is not whole."""
+        """An event is lost for good, so the chunk being received is incomplete."""
         self._coming = None
 
     def reasons(self, group: int | None) -> list[str]:
-        """What did not pass, once each, the worst first; warnings alone if there is nothing worse.
+        """What did not pass, worst first, without repetitions; warnings only if nothing is worse.
 
         Args:
-            group: of modes, what is about another one is left out; None for all.
+            group: a group of modes; checks that concern only other groups are left out. None for
+                all.
         """
         return self.errors(group) or self._told(group, WARNING)
 
     def errors(self, group: int | None) -> list[str]:
-        """Those of the reasons that are no mere warnings."""
+        """The reasons that are more than warnings."""
         return self._told(group, ERROR)
 
     def _told(self, group: int | None, least: int) -> list[str]:

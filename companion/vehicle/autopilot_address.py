@@ -1,11 +1,11 @@
-"""The address that an autopilot is heard from, and so is answered at.
+"""Learns the network address of the autopilot, to which the companion sends its answers.
 
-Any program can send to a port. The rules:
+Any program can send to a port, so an address has to be earned. The rules:
 
-1. An address is learned from a HEARTBEAT of an autopilot alone, whose checksum is right.
-2. The first autopilot heard decides on the system; heartbeats of other systems count for nothing.
-3. An address is kept while it lives: another one takes its place only after `SILENT_S` without a
-   heartbeat from it, as after a restart of the autopilot on another port.
+1. An address is learned only from an autopilot's HEARTBEAT whose checksum is right.
+2. The first autopilot heard decides the system id; heartbeats of other systems are ignored.
+3. An address is kept while heartbeats come from it. Another address replaces it only after
+   `SILENT_S` without one, as after a restart of the autopilot on another port.
 
 Source: https://mavlink.io/en/services/heartbeat.html. No I/O.
 """
@@ -30,8 +30,8 @@ class AutopilotAddress:
     """Learns where the autopilot is.
 
     Attributes:
-        system: its system id; None until it was heard.
-        address: where it is; None until it was heard.
+        system: the autopilot's system id; None until it was heard.
+        address: the autopilot's address; None until it was heard.
     """
 
     def __init__(self) -> None:
@@ -43,9 +43,9 @@ class AutopilotAddress:
         """Takes a datagram into account.
 
         Args:
-            now_s: wall-clock time of its arrival, from any zero.
+            now_s: wall-clock time at which it arrived, from any zero.
             sender: where it came from.
-            datagram: what came.
+            datagram: its bytes.
         """
         for frame in choose([datagram], _HEARTBEAT, frozenset()):
             message = message_of(frame)

@@ -1,21 +1,21 @@
-"""What the autopilot says in words: STATUSTEXT, EVENT, and the report of its arming checks.
+"""Reads what the autopilot says in words: STATUSTEXT, EVENT, and the report of its arming checks.
 
-PX4 sends STATUSTEXT only where a ground station's heartbeat was heard, and EVENT everywhere. An
-event is a number; its words are in metadata that is fetched once an event is heard of, while the
-vehicle stands disarmed (metadata_fetch.py).
+PX4 sends STATUSTEXT only on links where it hears a ground station's heartbeat, but EVENT on all. An
+EVENT carries a number. The words for it are in metadata, which is fetched after the first event was
+heard, while the vehicle stands disarmed (metadata_fetch.py).
 
 Rules:
-1. What is less than a warning is not told. Events of the arming checks make up a report, of which
-   the newest is told where arming is refused (arming_report.py); it is asked for once.
-2. What comes both ways is told once: PX4 ends a text that has an event too with a tab, and a text
-   that was said REPEAT_S ago or less is not said again.
-3. Until it is clear whether there are words, the newest events wait for them. Without words an
-   event is told by its number, and is no news: the checks of other modes cannot be told apart.
-4. What was said more than LATELY_S ago is old, and explains no refusal.
-5. In flight what is said is news, at most MOST_NEWS in NEWS_S.
-6. An event that leaves its reason to the report is told with the errors that are there for the
-   present mode. "Failsafe warning:" alone says nothing, and is not told: PX4 v1.18 says it after
-   each landing.
+1. Anything below a warning is dropped. Events of the arming checks form a report; the newest report
+   is told when arming is refused (arming_report.py). The companion asks for the report once.
+2. What comes both ways is told once: PX4 appends a tab to a text that also comes as an event, and a
+   text is not repeated within REPEAT_S.
+3. Until it is clear whether words can be had, the newest events wait. Without words an event is
+   told by its number, but is no news: checks of other modes cannot be told apart.
+4. What was said more than LATELY_S ago does not explain a refusal.
+5. What is said in flight is news, at most MOST_NEWS in NEWS_S.
+6. An event that leaves its reason to the report is told together with the report's errors for the
+   present mode. "Failsafe warning:" without a reason is dropped: PX4 v1.18 sends it after each
+   landing.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ _ADDRESSED = frozenset({"FILE_TRANSFER_PROTOCOL", "RESPONSE_EVENT_ERROR"})
 SPOKEN = frozenset(
     {"STATUSTEXT", "EVENT", "CURRENT_EVENT_SEQUENCE", "COMPONENT_METADATA"} | _ADDRESSED
 )
-"""The messages that are read here; each says something of its own, whenever it comes."""
+"""The messages that are read here; each says something new, in whatever order they arrive."""
 
 
 class _Event(NamedTuple):
-    """An EVENT, as far as it is read here."""
+    """The parts of an EVENT that are used here."""
 
     number: int
     level: int
@@ -61,7 +61,7 @@ class AutopilotWords:
     """What one autopilot says.
 
     Attributes:
-        custom_mode: of its newest heartbeat.
+        custom_mode: that of its newest heartbeat.
     """
 
     def __init__(self) -> None:
@@ -79,7 +79,7 @@ class AutopilotWords:
         self._next_report_s = -math.inf
 
     def take(self, now_s: float, message: Message) -> None:
-        """Takes one of the messages `SPOKEN` of the autopilot."""
+        """Takes one of the autopilot's messages in `SPOKEN`."""
         kind = message.get_type()
         if kind in _ADDRESSED and message.target_component not in (0, COMPONENT):
             return
@@ -99,11 +99,11 @@ class AutopilotWords:
         self._take_events(now_s)
 
     def due(self, now_s: float, target: tuple[int, int], is_flown: bool) -> list[Message]:
-        """The questions to send now.
+        """The requests to send now.
 
         Args:
             target: system and component of the autopilot.
-            is_flown: the vehicle is armed or in the air: no metadata is fetched.
+            is_flown: the vehicle is armed or in the air, so no metadata is fetched.
         """
         self._is_flown = is_flown
         questions: list[Message] = []
@@ -118,31 +118,32 @@ class AutopilotWords:
         return questions
 
     def lately(self, now_s: float) -> list[str]:
-        """What was said lately, oldest first."""
+        """What was said within LATELY_S, oldest first."""
         return [text for said_s, text in self._said if now_s - said_s <= LATELY_S]
 
     def take_news(self) -> list[str]:
-        """What was said in flight since the last time."""
+        """What was said in flight since the last call."""
         news = list(self._news)
         self._news.clear()
         return news
 
     def why_not_armed(self, now_s: float) -> list[str]:
-        """What stands in the way of arming in the present mode, and what was said lately."""
+        """What prevents arming in the present mode, and what was said lately."""
         reasons = self._report.reasons(self._group)[:MOST_REASONS]
         said = [text for text in self.lately(now_s) if not any(r in text for r in reasons)]
         return reasons + said
 
     @property
     def _group(self) -> int | None:
-        """That of the present mode, in a report; None where it is not known."""
+        """The report's group of modes that the present mode belongs to; None where it is not
+        known."""
         metadata = self._fetch.metadata
         return metadata.mode_groups.get(self.custom_mode) if metadata else None
 
     # -- in ------------------------------------------------------------------------------------
 
     def _take_text(self, now_s: float, message: Message) -> None:
-        """A STATUSTEXT, or a part of one."""
+        """Takes a STATUSTEXT, or one chunk of a long one."""
         text, number = message.text, message.id
         if number:
             before = self._chunks[1] if self._chunks[0] == number and message.chunk_seq else ""
@@ -155,14 +156,14 @@ class AutopilotWords:
             self._say(now_s, text)
 
     def _take_events(self, now_s: float) -> None:
-        """Those whose turn it is; they wait while it is not clear whether there are words."""
+        """Handles events in order; they wait until it is clear whether their words can be had."""
         self._waiting += self._sequence.ready()
         if self._fetch.metadata is not None or self._fetch.has_given_up:
             while self._waiting:
                 self._take_event(now_s, self._waiting.popleft())
 
     def _take_event(self, now_s: float, event: _Event | None) -> None:
-        """An event in its turn; None for one that is lost."""
+        """Handles the next event; None stands for one that is lost."""
         if event is None:
             self._report.lose()
             return
@@ -180,19 +181,19 @@ class AutopilotWords:
             self._say(now_s, self._explained(text) if definition.type == _EXPLAINED else text)
 
     def _explained(self, text: str) -> str:
-        """Rule 6; empty if there is nothing to tell."""
+        """Applies rule 6; returns "" if there is nothing to tell."""
         if reasons := self._report.errors(self._group)[:MOST_REASONS]:
             return f"{text.removesuffix(':')}: {', '.join(reasons)}"
         return "" if text.endswith(":") else text
 
     def _say(self, now_s: float, text: str) -> None:
-        """Rule 5."""
+        """Keeps a text, and applies rule 5."""
         if self._keep(now_s, text) and self._is_flown and now_s - self._news_s[0] > NEWS_S:
             self._news_s.append(now_s)
             self._news.append(self._said[-1][1])
 
     def _keep(self, now_s: float, text: str) -> bool:
-        """Rules 2 and 4; whether it is kept."""
+        """Applies rules 2 and 4; returns whether the text is kept."""
         text = printable(" ".join(text.rstrip("\0").split()))
         if not text or any(now_s - s <= REPEAT_S and text == said for s, said in self._said):
             return False
@@ -201,7 +202,7 @@ class AutopilotWords:
         return True
 
     def _ask_for_report(self, now_s: float, target: tuple[int, int]) -> list[Message]:
-        """The arming checks are asked for until their report is heard; later changes come alone."""
+        """Requests the arming checks until a report is heard; PX4 reports later changes unasked."""
         is_needed = self._fetch.metadata is not None and not self._report.is_known
         if not is_needed or self._reports_asked >= REPORT_TIMES or now_s < self._next_report_s:
             return []

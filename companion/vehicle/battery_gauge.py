@@ -1,4 +1,4 @@
-"""What the autopilot says of its battery, from BATTERY_STATUS."""
+"""Reads the state of the battery from the autopilot's BATTERY_STATUS."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from companion.mavlink.framing import Message, dialect
 
 VOLTAGE_UNKNOWN = 65535
 KNOWN_S = 5.0
-"""How long a charge stays known while an autopilot says that it does not know it."""
+"""How long the last known charge is kept after the autopilot says that it does not know the
+charge."""
 CRITICAL = (
     dialect.MAV_BATTERY_CHARGE_STATE_CRITICAL,
     dialect.MAV_BATTERY_CHARGE_STATE_EMERGENCY,
@@ -17,14 +18,15 @@ LOW = (dialect.MAV_BATTERY_CHARGE_STATE_LOW, *CRITICAL)
 
 
 class BatteryGauge:
-    """The newest of it.
+    """The newest values.
 
     Attributes:
         percent: remaining charge, None while unknown.
-        percent_s: when it was told last.
-        is_critical: the charge is critical, or worse, by the autopilot's own word.
-        low_since_s: since when it is low, or worse, by that word; inf while it is not.
-        power_w: what the battery gives, by voltage and current; None while one is not known.
+        percent_s: when the charge was last reported.
+        is_critical: the autopilot reports the charge as critical or worse.
+        low_since_s: since when the autopilot reports the charge as low or worse; inf while it does
+            not.
+        power_w: power drawn, voltage times current; None while one of them is not known.
     """
 
     def __init__(self) -> None:
@@ -35,7 +37,7 @@ class BatteryGauge:
         self.power_w: float | None = None
 
     def take(self, now_s: float, message: Message) -> None:
-        """Takes over a BATTERY_STATUS."""
+        """Takes a BATTERY_STATUS."""
         if message.battery_remaining >= 0:
             self.percent, self.percent_s = message.battery_remaining, now_s
         elif now_s - self.percent_s > KNOWN_S:
@@ -46,7 +48,7 @@ class BatteryGauge:
 
 
 def voltage_v(message: Message) -> float | None:
-    """Of all cells of a BATTERY_STATUS; None if it is not known."""
+    """Sum of the cell voltages in a BATTERY_STATUS; None if not known."""
     cells_mv = [each for each in message.voltages if each != VOLTAGE_UNKNOWN]
     return sum(cells_mv) / 1000 if cells_mv else None
 
@@ -54,7 +56,8 @@ def voltage_v(message: Message) -> float | None:
 def _power_w(message: Message) -> float | None:
     """Voltage times current of a BATTERY_STATUS; None without one of them.
 
-    A charger's current counts as none, as PX4 sends -1 for a current that it does not know.
+    A negative current, as from a charger, is not used: PX4 sends -1 if it does not know the
+    current.
     """
     volts, amperes = voltage_v(message), message.current_battery / 100
     return None if volts is None or amperes < 0 else volts * amperes

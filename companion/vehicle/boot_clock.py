@@ -1,19 +1,21 @@
-"""When something was measured, by our clock, from the autopilot's time since boot.
+"""Converts the autopilot's time stamps (time since boot) to the companion's clock.
 
-A link that buffers hands on old positions as if they were new. The autopilot stamps them with its
-own clock, and tells by TIMESYNC what that clock shows. It showed `tc1` after our question was sent,
-so what is stamped `tc1` was measured no earlier than that. This bound is taken: nothing is taken
-for newer than it is, nor for older by more than the question took on its way. Of the answers of
-WINDOW_S the one with the latest bound counts: its question was the quickest. A clock that falls
-behind ours, as a simulated autopilot's does on a busy machine, has it in the newest answer.
+A link that buffers may deliver old positions as if they were new. The autopilot stamps positions
+with its own clock, and TIMESYNC tells what that clock shows. If the autopilot's answer says `tc1`,
+its clock showed `tc1` after the question was sent; so a position stamped `tc1` was measured no
+earlier than the question. This lower bound is used as the time of measurement: it is never too
+late, and too early by at most the time that the question was under way. Among the answers of the
+last WINDOW_S the latest bound is used, as it comes from the question that was quickest. If the
+other clock runs slow, as that of a simulated autopilot on a busy machine, the newest answer has the
+latest bound.
 
 Rules:
-1. A question a second until FEW are answered, then one in RELAXED_S; a clock that runs at another
-   rate than ours is asked each second, as its rate may change.
-2. An answer counts if it echoes a question of ours, once.
-3. A stamp, or an answer, that steps back by more than BACK_S is of a clock that has begun anew: the
-   answers of before count no longer.
-4. Without an answer what was measured was measured when it arrived.
+1. One question a second until FEW are answered, then one in RELAXED_S. A clock whose rate differs
+   from ours is asked every second, as its rate may change again.
+2. An answer counts only if it echoes one of our questions, and only once.
+3. A stamp or an answer that steps back by more than BACK_S means that the clock has started anew.
+   Earlier answers are discarded.
+4. Before the first answer, the time of arrival is taken as the time of measurement.
 
 Source: https://mavlink.io/en/services/timesync.html; PX4 v1.16 answers `tc1` = 0 with its clock.
 """
@@ -29,18 +31,18 @@ from companion.vehicle.clock_rate import ClockAnswer, ClockRate
 
 QUESTION_S, RELAXED_S = 1.0, 5.0
 WINDOW_S = 30.0
-"""Two clocks that differ by 100 millionths drift by 3 ms in it."""
+"""Two clocks whose rates differ by 100 parts per million drift apart by 3 ms in this time."""
 FEW = 5
 BACK_S = 1.0
 NANO = 1_000_000_000
 
 
 class ClockOffset(NamedTuple):
-    """What one clock shows beside another.
+    """How another clock compares with ours.
 
     Attributes:
-        offset_s: what ours shows when the other shows 0.
-        uncertainty_s: the most that this is wrong by.
+        offset_s: what our clock showed when the other one showed 0.
+        uncertainty_s: greatest error of the offset.
     """
 
     offset_s: float
@@ -48,7 +50,8 @@ class ClockOffset(NamedTuple):
 
 
 def told_boot_s(datagrams: Iterable[bytes], system: int) -> float | None:
-    """What a system's autopilot stamps its position with, in seconds; None if it tells none."""
+    """Seconds since boot in the autopilot's LOCAL_POSITION_NED; None if there is no such
+    message."""
     codec = MavlinkCodec(0, 0)
     for message in (message for datagram in datagrams for message in codec.parse(datagram)):
         is_theirs = source(message) == (system, dialect.MAV_COMP_ID_AUTOPILOT1)
@@ -58,7 +61,7 @@ def told_boot_s(datagrams: Iterable[bytes], system: int) -> float | None:
 
 
 class BootClock:
-    """The clock of one autopilot, as seen from here.
+    """The clock of one autopilot, compared with ours.
 
     Attributes:
         rate: how fast it runs.
@@ -76,7 +79,7 @@ class BootClock:
         self._newest_s = -math.inf
         self._asked: dict[int, float] = {}
         self._answers: list[ClockAnswer] = []
-        self._bound_s: float | None = None  # the latest of theirs: what ours showed at a 0 of its
+        self._bound_s: float | None = None  # ours when theirs showed 0: the latest lower bound
 
     def due(self, now_s: float) -> list[Message]:
         """The question to send now, if any."""
@@ -90,7 +93,7 @@ class BootClock:
         return [dialect.MAVLink_timesync_message(0, nanoseconds)]
 
     def take(self, now_s: float, message: Message) -> None:
-        """Takes a TIMESYNC of the autopilot; questions of its own are passed."""
+        """Takes a TIMESYNC of the autopilot; its own questions are ignored."""
         if message.tc1 <= 0 or (asked_s := self._asked.pop(message.ts1, None)) is None:
             return
         boot_s = message.tc1 / NANO
@@ -99,24 +102,24 @@ class BootClock:
         answer = ClockAnswer(asked_s, now_s, boot_s)
         self._answers.append(answer)
         if self.rate.take(answer):
-            self._answers = self._answers[-1:]  # ours goes at another rate from now on
+            self._answers = self._answers[-1:]  # our clock changes its rate now
         self._find_bound()
 
     def measured_s(self, now_s: float, boot_s: float) -> float:
-        """When something was measured, by our clock; now at the latest.
+        """When something was measured, by our clock; never later than now.
 
         Args:
             now_s: when it arrived.
-            boot_s: its stamp, seconds since the autopilot's boot.
+            boot_s: its stamp: seconds since the autopilot's boot.
         """
         self._follow(boot_s)
         return now_s if self._bound_s is None else min(now_s, boot_s + self._bound_s)
 
     @property
     def offset(self) -> ClockOffset | None:
-        """Our clock beside the autopilot's; None before it has answered.
+        """The offset to the autopilot's clock; None before it has answered.
 
-        It has read its clock while the question was on its way, there or back.
+        It assumes that the autopilot read its clock halfway between question and answer.
         """
         if not self._answers:
             return None
@@ -125,7 +128,7 @@ class BootClock:
         return ClockOffset(quickest.asked_s + uncertainty_s - quickest.boot_s, uncertainty_s)
 
     def _follow(self, boot_s: float) -> None:
-        """Takes the autopilot's time; one that steps back is that of another boot."""
+        """Takes a time of the autopilot; one that steps back belongs to another boot."""
         if boot_s < self._newest_s - BACK_S:
             self._answers.clear()
             self._find_bound()
@@ -133,7 +136,7 @@ class BootClock:
         self._newest_s = max(self._newest_s, boot_s)
 
     def _forget(self, now_s: float) -> None:
-        """What is older than the window counts no longer; the newest answer does until the next."""
+        """Drops what is older than the window, but keeps the newest answer until the next one."""
         recent = [answer for answer in self._answers if now_s - answer.asked_s <= WINDOW_S]
         self._answers = recent or self._answers[-1:]
         asked = self._asked.items()

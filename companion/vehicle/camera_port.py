@@ -1,7 +1,7 @@
-"""What the acting side knows of cameras: a photo is prepared, then shot, then made or not.
+"""The acting side's interface to cameras: prepare a photo, ask for it, learn whether it was made.
 
-Between the two the acting side writes down what is intended, so that another process can ask the
-camera what has become of it. `cameras.py` fulfils the port over MAVLink.
+Between preparing and asking, the acting side records what it intends. If the process dies, another
+one can then ask the camera what became of the photo. `cameras.py` implements the port over MAVLink.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from typing import Protocol
 
 @dataclass(frozen=True, slots=True)
 class ShotReady:
-    """The camera is there, idle, and has said how many photos it has made; it may be asked now.
+    """The camera is present and idle, and its count of photos is known: the photo can be asked for.
 
     Attributes:
-        sequence: number that the photo is asked for with; no other has had it in the run.
-        image_count: what the camera has counted before it.
+        sequence: number with which the photo is asked for; unique in the run.
+        image_count: the camera's count before the photo.
     """
 
     sequence: int
@@ -25,11 +25,11 @@ class ShotReady:
 
 @dataclass(frozen=True, slots=True)
 class PhotoMade:
-    """The photo is there.
+    """The photo was made.
 
     Attributes:
         number: of the photo, as the camera counts them, from 1.
-        image_index: of the camera; None where the message that tells it was lost.
+        image_index: the camera's own index; None if the message that carries it was lost.
     """
 
     number: int
@@ -38,17 +38,17 @@ class PhotoMade:
 
 @dataclass(frozen=True, slots=True)
 class NoPhoto:
-    """There is none, or that is not known, for a reason in words."""
+    """No photo was made, or it is not known whether one was; the reason is in words."""
 
     reason: str
 
 
 ShotOutcome = ShotReady | PhotoMade | NoPhoto | None
-"""What has become of a photo; None while it is on its way."""
+"""What became of a photo; None while that is open."""
 
 
 ShotOwner = tuple[str, int, int]
-"""What a photo is for: an action, at a position of the word, and which of its steps."""
+"""What a photo is for: an action, its position in the word, and the index of its step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,11 +57,11 @@ class IntendedShot:
 
     Attributes:
         component: the camera.
-        action: that it is for.
-        position: of the word, at which the action is done.
-        nth: of the action's steps, from 0.
-        sequence: that it is asked for with.
-        image_count: what the camera has counted before it.
+        action: the action that it is for.
+        position: position of the word at which the action is done.
+        nth: which of the action's steps, from 0.
+        sequence: number with which it is asked for.
+        image_count: the camera's count before it.
     """
 
     component: int
@@ -73,7 +73,7 @@ class IntendedShot:
 
     @property
     def owner(self) -> ShotOwner:
-        """What it is for."""
+        """What the photo is for."""
         return (self.action, self.position, self.nth)
 
 
@@ -91,19 +91,19 @@ class Cameras(Protocol):
 
         Args:
             component: the camera.
-            owner: what the photo is for; it is made once for each owner.
-            timeout_s: time for all of it; None for the usual one.
-            may_repeat: a second photo does no harm, where the answer to the first may be lost.
+            owner: what the photo is for; each owner gets one photo.
+            timeout_s: time for the whole procedure; None for the default.
+            may_repeat: a second photo does no harm, should the answer to the first be lost.
         """
 
     def shoot(self, ticket: int) -> None:
-        """Ask for the photo, which is ready."""
+        """Ask for a photo that is ready."""
 
     def outcome(self, ticket: int) -> ShotOutcome:
-        """What has become of it."""
+        """What became of the photo."""
 
     def forget(self, ticket: int) -> None:
-        """Ask for it no longer; what was asked for may still be made."""
+        """Stop asking for the photo; it may still be made if it was asked for before."""
 
     def recall(self, shot: IntendedShot) -> None:
-        """Another process was about to ask for this photo; whether it was made is not known."""
+        """Another process was about to ask for this photo; it is not known whether it was made."""

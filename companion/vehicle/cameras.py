@@ -1,6 +1,6 @@
-"""The cameras of a vehicle over MAVLink: who is there, what each has counted, one photo at a time.
+"""Drives the vehicle's cameras over MAVLink: which are present, their counts, one photo at a time.
 
-What a camera says is kept whether a photo is under way or not. Photos of one camera are made one
+Messages of cameras are evaluated even while no photo is under way. Each camera makes its photos one
 after the other (`photo_shot.py`).
 """
 
@@ -21,10 +21,10 @@ IMAGE, CAPTURE_STATUS, STORAGE = (
 
 
 class MavlinkCameras:
-    """Fulfils `camera_port.Cameras`, and is a service of the vehicle.
+    """Implements `camera_port.Cameras`; a service of the vehicle.
 
     Args:
-        wire: whose system the cameras belong to.
+        wire: of the system that the cameras belong to.
     """
 
     wanted = frozenset({"HEARTBEAT", "COMMAND_ACK", IMAGE, CAPTURE_STATUS, STORAGE})
@@ -53,15 +53,15 @@ class MavlinkCameras:
         return self._tickets
 
     def shoot(self, ticket: int) -> None:
-        """Asks for the photo, which is ready."""
+        """Asks for a photo that is ready."""
         self._shots[ticket].shoot(self._heard_s)
 
     def outcome(self, ticket: int) -> ShotOutcome:
-        """What has become of it."""
+        """What became of the photo."""
         return self._shots[ticket].outcome
 
     def forget(self, ticket: int) -> None:
-        """Asks for it no longer."""
+        """Stops asking for the photo."""
         self._shots.pop(ticket, None)
 
     def recall(self, shot: IntendedShot) -> None:
@@ -73,13 +73,13 @@ class MavlinkCameras:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Time has passed, and what came in the tick before is known."""
+        """Advances the oldest photo of each camera, with what was received in the tick before."""
         self._heard_s = moment.heard_s
         for shot in self._first_ones():
             shot.step(moment.heard_s)
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes what a camera says; any component may turn out to be one."""
+        """Takes a camera's message; any component may turn out to be a camera."""
         _, component = source(message)
         kind, now_s = message.get_type(), moment.heard_s
         camera = self._camera(component)
@@ -100,14 +100,14 @@ class MavlinkCameras:
                     shot.take_answer(now_s, message)
 
     def due(self, moment: Moment) -> list[Message]:
-        """What cameras are to be asked now."""
+        """What to ask the cameras now."""
         if moment.is_quiet:
             return []
         now_s, system = moment.heard_s, self._wire.system
         return [message for shot in self._first_ones() for message in shot.due(now_s, system)]
 
     def release(self) -> None:
-        """Asks for nothing any longer; what cameras have said stays known."""
+        """Drops all photos; what is known of the cameras is kept."""
         self._shots.clear()
 
     def _camera(self, component: int) -> KnownCamera:

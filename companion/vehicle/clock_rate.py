@@ -1,10 +1,11 @@
-"""How fast the autopilot's clock runs beside ours; another rate than 1 is a simulator's.
+"""Measures how fast the autopilot's clock runs compared with ours; a simulator's may differ from 1.
 
-An answer to TIMESYNC was given after our question was sent and before it arrived. So two answers
-bound the rate, whatever the link does: what lies between them on the autopilot's clock, over the
-most and the least that can lie between them on ours. It is another rate where the last PAIRS of
-answers leave no doubt of it, all on one side. A computer that was suspended, whose clock stood
-still, shows one such pair alone. A clock that stands, or counts in other units, is none to go by.
+The autopilot answers a TIMESYNC question after we send it and before its answer arrives. So two
+answers bound the rate, whatever the delays of the link: the time between them on the autopilot's
+clock, divided by the longest and the shortest time that can lie between them on ours. The rate
+differs from 1 only if each of the last PAIRS pairs of answers proves it, all in the same direction.
+If the computer was suspended, and its clock stood still, only one pair shows this. Rates outside
+SLOWEST to QUICKEST are ignored: such a clock stands still or counts in other units.
 
 Source: https://mavlink.io/en/services/timesync.html
 """
@@ -17,13 +18,13 @@ from typing import NamedTuple
 
 PAIRS = 3
 NEARLY = 0.03
-"""A rate that is off by less is none: setpoints are, by as little."""
+"""A rate that differs from 1 by less is taken as 1; setpoints are off by no more than this then."""
 SLOWEST, QUICKEST = 0.02, 50.0
-"""Of simulators."""
+"""Limits of simulators' rates."""
 
 
 class ClockAnswer(NamedTuple):
-    """When a question was asked and answered, by our clock, and what the other clock showed."""
+    """When a question was sent and answered, by our clock; and what the other clock showed."""
 
     asked_s: float
     heard_s: float
@@ -31,15 +32,15 @@ class ClockAnswer(NamedTuple):
 
     @property
     def round_trip_s(self) -> float:
-        """How long question and answer were under way."""
+        """Time from the question to its answer."""
         return self.heard_s - self.asked_s
 
 
 class ClockRate:
-    """The rate of a clock, from what it is asked.
+    """The rate of a clock, from its answers.
 
     Attributes:
-        has_differed: whether it was another one than 1, once.
+        has_differed: whether a rate other than 1 was ever found.
 
     >>> rate = ClockRate()
     >>> for i in range(4):
@@ -55,7 +56,8 @@ class ClockRate:
         self._news: float | None = None
 
     def take(self, answer: ClockAnswer) -> bool:
-        """Takes an answer; a clock that steps back is another one, that has begun anew.
+        """Takes an answer; a clock that steps back has started anew, so earlier answers are
+        dropped.
 
         Returns:
             whether it shows another rate than 1: there are news.
@@ -75,13 +77,13 @@ class ClockRate:
         return True
 
     def take_news(self) -> float | None:
-        """A rate that was found; given once. Answers that follow are by a clock that has it."""
+        """A rate that was found, once only; later answers are judged against it."""
         news, self._news = self._news, None
         return news
 
 
 def _bounds(first: ClockAnswer, second: ClockAnswer) -> tuple[float, float]:
-    """The least and the greatest rate between two answers."""
+    """The least and the greatest possible rate between two answers."""
     passed_s = second.boot_s - first.boot_s
     shortest_s = second.asked_s - first.heard_s
     most = passed_s / shortest_s if shortest_s > 0.0 else math.inf
@@ -89,6 +91,6 @@ def _bounds(first: ClockAnswer, second: ClockAnswer) -> tuple[float, float]:
 
 
 def _between(first: ClockAnswer, second: ClockAnswer) -> float:
-    """The rate between two answers if each was given in the middle of its way."""
+    """The rate between two answers, if each was given halfway between question and arrival."""
     asked_s, heard_s = second.asked_s - first.asked_s, second.heard_s - first.heard_s
     return (second.boot_s - first.boot_s) / ((asked_s + heard_s) / 2)

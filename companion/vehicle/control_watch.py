@@ -1,19 +1,21 @@
-"""Whether control is still ours, by the autopilot's heartbeats alone.
+"""Decides from the autopilot's heartbeats alone whether the companion still has control.
 
-A heartbeat of another mode than ours may be the pilot's, or forged: anybody on a link without
-signatures can send one. The pilot loses nothing by our doubt, as nothing is sent in it.
+A heartbeat with a mode that is not ours may mean that the pilot has taken over. It may also be
+forged: on a link without signatures anybody can send one. Doubting it costs the pilot nothing, as
+the companion sends nothing meanwhile.
 
 Rules:
-1. A heartbeat of another mode begins a doubt: nothing is sent from the same tick on, and what it
-   says is not believed yet.
-2. A second one in a row, or one by which a failsafe acts on an armed vehicle: control is lost.
-3. A heartbeat of our mode ends the doubt. Within CONTRADICTED_S it comes from another sender, as an
-   autopilot speaks once a second, and control was ours all the time. A later one may follow upon a
-   pilot who has come and gone, and one that tells of a disarming upon a pilot's landing: control is
-   lost.
-4. What is lost stays lost until it is given back (`regain`).
-5. A pause of ours, in which the autopilot may have missed setpoints, begins a doubt as well: the
-   next heartbeat is taken as if there had been none.
+1. A heartbeat with another mode begins a doubt: from the same tick on nothing is sent, and the
+   content of the heartbeat is not believed yet.
+2. Control is lost with a second such heartbeat in a row, or with a first one that reports a
+   failsafe on an armed vehicle.
+3. A heartbeat with our mode ends the doubt. If it comes within CONTRADICTED_S, the doubted one was
+   sent by somebody else, as an autopilot sends one a second: control was ours all the time. If it
+   comes later, a pilot may have come and gone; if it reports a disarming, a pilot may have landed.
+   In both cases control is lost.
+4. Lost control stays lost until it is given back (`regain`).
+5. A pause of the companion, in which the autopilot may have missed setpoints, also begins a doubt.
+   The next heartbeat is then judged as if there were no doubt.
 
     state     heartbeat of our mode        of another mode
     OURS      OURS                         DOUBTED, by a failsafe LOST
@@ -32,17 +34,17 @@ from enum import Enum
 from companion.vehicle.port import Mode, Takeover
 
 CONTRADICTED_S = 0.9
-"""Time within which two heartbeats of one autopilot do not come: it sends one a second."""
+"""Two heartbeats of one autopilot are never this close together: it sends one a second."""
 PAUSED_S = 0.9
-"""Between two ticks: a PX4 misses setpoints after a second (COM_OF_LOSS_T), and holds."""
+"""Between two ticks: a PX4 that misses setpoints for a second (COM_OF_LOSS_T) holds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Heartbeat:
-    """What an autopilot's HEARTBEAT says.
+    """The content of an autopilot's HEARTBEAT.
 
     Attributes:
-        is_failsafe: a system status of CRITICAL or worse.
+        is_failsafe: the system status is CRITICAL or worse.
     """
 
     mode: Mode
@@ -51,7 +53,7 @@ class Heartbeat:
 
 
 class ControlState(Enum):
-    """Whose the vehicle is, as far as heartbeats tell."""
+    """Who has control, as far as heartbeats tell."""
 
     OURS = "ours"
     DOUBTED = "doubted"
@@ -59,7 +61,7 @@ class ControlState(Enum):
 
 
 class ControlWatch:
-    """Takes every heartbeat of the autopilot in flight, in their order.
+    """Takes every heartbeat of the autopilot in flight, in order.
 
     >>> watch = ControlWatch()
     >>> watch.take(5.0, Heartbeat(Mode.POSCTL, True, False), is_our_mode=False)
@@ -71,7 +73,7 @@ class ControlWatch:
 
     Attributes:
         state: as of the newest heartbeat.
-        takeover: who has control, where it is lost.
+        takeover: who has control, if it is lost.
     """
 
     def __init__(self) -> None:
@@ -82,7 +84,7 @@ class ControlWatch:
         self._stepped_s = math.inf
 
     def step(self, now_s: float) -> None:
-        """Begins a tick, before what was heard in it."""
+        """Begins a tick; call it before the heartbeats of that tick."""
         if now_s - self._stepped_s >= PAUSED_S and self.state is ControlState.OURS:
             self.state = ControlState.DOUBTED
         self._stepped_s = now_s
@@ -92,8 +94,8 @@ class ControlWatch:
 
         Args:
             now_s: when it was heard.
-            heartbeat: what it says.
-            is_our_mode: its mode is one that the present goal passes through.
+            heartbeat: its content.
+            is_our_mode: whether the present goal passes through its mode.
         """
         if self.state is ControlState.LOST:
             return
@@ -109,12 +111,12 @@ class ControlWatch:
             self.state, self._doubted = ControlState.DOUBTED, (now_s, heartbeat)
 
     def settle(self) -> None:
-        """Ends a doubt, as nothing is flown; what is lost stays lost."""
+        """Ends a doubt when nothing is flown; lost control stays lost."""
         if self.state is ControlState.DOUBTED:
             self.regain()
 
     def regain(self) -> None:
-        """Control is given back."""
+        """Takes note that control was given back."""
         self.state, self.takeover, self._doubted = ControlState.OURS, None, None
 
     def _contradicts(self, heartbeat: Heartbeat, after_s: float) -> bool:

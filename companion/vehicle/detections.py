@@ -1,19 +1,19 @@
-"""Reports of other programs on board, such as detectors: one datagram, one JSON object.
+"""Reads reports of other programs on board, such as detectors: each datagram is one JSON object.
 
     {"persons": 2, "door_open": true}
 
-Each key is the name of a signal that the mission's events mention, `EVENT[persons]`, each value a
-number or a truth; or a position, where a place is found by it:
+Each key names a signal that the mission's events use, as `EVENT[persons]`. Its value is a number or
+a truth value; or a position, if a place is found by the signal:
 
     {"person": {"forward_m": 4.5, "right_m": -1.2, "monotonic_ns": 81234567890123}}
 
-What is not so is dropped, counted and told; nothing in a datagram can raise.
+Anything else is dropped, counted and reported. No datagram can raise an exception.
 
 Rules:
-1. A datagram has at most LONGEST bytes, and in a tick MOST are read; more wait for the next.
-2. Of a signal that is reported several times in a tick the last value counts.
-3. A name that the mission does not mention is passed over, and told once for each.
-4. Numbers that are not finite are none.
+1. A datagram has at most LONGEST bytes. At most MOST are read in a tick; the others wait.
+2. If a signal is reported several times in a tick, the last value counts.
+3. A name that the mission does not use is ignored, and reported once.
+4. Infinity and NaN are not accepted as numbers.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ from companion.vehicle.signals import SignalReading
 LONGEST = 1024
 MOST = 200
 MOST_NAMES_TOLD = 20
-"""Of a flight: a program that reports something else each time fills no log."""
+"""In a flight, so that a program which reports a new name each time does not fill the log."""
 
 
 class Detections:
     """Reads the reports of one flight.
 
     Args:
-        signals: what the mission's events mention.
-        placed: the names of those that find places.
+        signals: those that the mission's events use.
+        placed: names of the signals that find places.
     """
 
     def __init__(self, signals: Iterable[Signal], placed: Collection[str] = ()) -> None:
@@ -54,7 +54,7 @@ class Detections:
         self._news: list[FlightEvent] = []
 
     def read(self, datagrams: Sequence[bytes]) -> list[SignalReading]:
-        """What the reports of a tick say, the last value of each signal."""
+        """The signals that the reports of a tick contain, with their last values."""
         values: dict[Signal, float] = {}
         for datagram in datagrams:
             for name, value in self._object(datagram).items():
@@ -70,7 +70,7 @@ class Detections:
         return list(values.items())
 
     def news(self) -> list[FlightEvent]:
-        """What was refused since this was asked, when that is news."""
+        """What was refused since the last call, if it is worth reporting."""
         news, self._news = self._news, []
         return news
 
@@ -89,7 +89,7 @@ class Detections:
         return report
 
     def _see(self, name: str, value: object) -> None:
-        """What finds a place; numbers that say that nothing is there are passed over."""
+        """Keeps a position; a number that means "nothing there" is ignored."""
         if _number(value) == 0.0:
             return
         seen = sighting_of(value) if isinstance(value, dict) else None
@@ -100,12 +100,12 @@ class Detections:
             self._sightings[name] = seen
 
     def take_sightings(self) -> dict[str, Sighting]:
-        """The positions that were reported since this was asked, the last one of each name."""
+        """The positions reported since the last call, the last one for each name."""
         sightings, self._sightings = self._sightings, {}
         return sightings
 
     def refuse(self, why: str) -> None:
-        """A report cannot be used; told when that is news."""
+        """Counts a report that cannot be used, and reports it if it is news."""
         self._refused += 1
         if is_news(self._refused, self._refused_told):
             self._refused_told = self._refused
@@ -120,7 +120,7 @@ class Detections:
 
 
 def _number(value: object) -> float | None:
-    """A finite number, or a truth as 0 or 1."""
+    """A finite number; a truth value gives 0 or 1."""
     if not isinstance(value, int | float):
         return None
     try:

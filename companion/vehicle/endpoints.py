@@ -1,11 +1,11 @@
-"""Where the vehicle is: the URL of a link, and a class for each kind.
+"""Parses the URL of a link to a vehicle; each kind of link has a class.
 
-    udpin://0.0.0.0:14540          a port is bound; the autopilot sends there, as PX4 SITL does
-    udpout://192.168.1.10:14580    an address is sent to
-    tcpout://192.168.1.10:5760     a server is connected to, again and again where it is not there
-    serial:///dev/ttyTHS1:921600   a serial port is opened, with its speed in baud; again likewise
+    udpin://0.0.0.0:14540          binds a port; the autopilot sends to it, as PX4 SITL does
+    udpout://192.168.1.10:14580    sends to an address
+    tcpout://192.168.1.10:5760     connects to a server, again and again until it is there
+    serial:///dev/ttyTHS1:921600   opens a serial port at a speed in baud; likewise
 
-A bare `udp` means one thing to MAVSDK and another to pymavlink, so it is refused. MAVSDK reads the
+A bare `udp` is refused, because MAVSDK and pymavlink give it different meanings. MAVSDK reads the
 same URLs.
 """
 
@@ -39,26 +39,26 @@ class NetworkAddress:
 
     @property
     def name(self) -> str:
-        """A short one, for files."""
+        """A short name, used in file names."""
         return str(self.port)
 
 
 class UdpPort(NetworkAddress):
-    """A UDP port that is bound."""
+    """A UDP port to bind."""
 
     __slots__ = ()
     scheme = "udpin"
 
 
 class UdpPeer(NetworkAddress):
-    """A UDP address that is sent to."""
+    """A UDP address to send to."""
 
     __slots__ = ()
     scheme = "udpout"
 
 
 class TcpServer(NetworkAddress):
-    """A TCP server that is connected to."""
+    """A TCP server to connect to."""
 
     __slots__ = ()
     scheme = "tcpout"
@@ -76,7 +76,7 @@ class SerialPort:
 
     @property
     def name(self) -> str:
-        """A short one, for files."""
+        """A short name, used in file names."""
         return self.device.rpartition("/")[2]
 
 
@@ -87,7 +87,7 @@ def parse_url(url: str) -> Endpoint:
     """The endpoint of a URL such as udpin://0.0.0.0:14540 or serial:///dev/ttyTHS1:921600.
 
     Raises:
-        AddressError: with the URL that was perhaps meant.
+        AddressError: the message suggests the URL that was probably meant.
     """
     scheme, _, rest = url.partition(":")
     rest = rest.removeprefix("//")

@@ -1,20 +1,21 @@
-"""The failsafe parameters that an autopilot must have before a companion arms it.
+"""Checks the failsafe parameters that an autopilot must have before the companion arms it.
 
-PX4's own defaults leave much of this off: without setpoints and without a pilot it sinks to the
-ground where it is, and an empty battery only warns. A companion that dies in flight relies on
-these parameters, so weak ones are refused unless the operator accepts them. So are others that PX4
-sets well by default, where they were changed: its fence, and the loss of the pilot's radio.
+PX4's defaults leave many failsafes off: without setpoints and without a pilot the vehicle descends
+where it is, and an empty battery only causes a warning. If the companion dies in flight, these
+parameters are all that protects the vehicle. So weak values are refused unless the operator accepts
+them. The same holds for parameters that PX4 sets well by default but somebody has changed: its
+fence action, and the loss of the pilot's radio.
 
-A return climbs first, to RTL_RETURN_ALT above home: 30 m by default, whatever is above the vehicle.
-Where the offboard loss or the fence makes it return, that must not be above the mission's ceiling.
-
-Besides the fence that can be uploaded PX4 has a cylinder about home, of a radius and a height.
-Where the mission may be flown beyond it, the autopilot would end the flight there.
-
-A take-off climbs to MIS_TAKEOFF_ALT at least, whatever altitude is asked for: that must not be
-above the ceiling either. A PX4's home is where it was armed last: on a roof both begin there.
-
-Where plans know of energy, what they leave lies above the charge at which the autopilot acts.
+1. A return first climbs to RTL_RETURN_ALT above home: 30 m by default, whatever is above the
+   vehicle. If the offboard loss or the fence triggers a return, this altitude must not exceed the
+   mission's ceiling.
+2. Besides the fence that can be uploaded, PX4 has a cylinder around home, with a radius and a
+   height. If the mission may leave it, the autopilot would end the flight there.
+3. A take-off climbs at least to MIS_TAKEOFF_ALT, whatever altitude is requested. This must not
+   exceed the ceiling either. PX4's home is where it was last armed, so on a roof both altitudes
+   count from the roof.
+4. If plans account for energy, the reserve that they leave must lie above the charge at which the
+   autopilot acts.
 
 Source: PX4 v1.16, parameter reference (COM_*, GF_*, RTL_*).
 """
@@ -27,12 +28,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 IN_OFFBOARD = 4
-"""The bit of COM_RCL_EXCEPT that stands for OFFBOARD."""
+"""The bit of COM_RCL_EXCEPT for OFFBOARD."""
 
 
 @dataclass(frozen=True, slots=True)
 class Requirement:
-    """One parameter, and when it is strong enough."""
+    """A parameter, and when its value is strong enough."""
 
     parameter: str
     is_strong: Callable[[float], bool]
@@ -72,12 +73,12 @@ REQUIREMENTS: tuple[Requirement, ...] = (
 RETURN_ALTITUDE = "RTL_RETURN_ALT"
 RETURN = 3.0
 RETURNING = ("COM_OBL_RC_ACT", "GF_ACTION")
-"""What may make the vehicle return because of the companion."""
+"""The failsafes by which the companion may cause a return."""
 
 FENCE_RADIUS, FENCE_HEIGHT = "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"
 TAKEOFF_ALTITUDE = "MIS_TAKEOFF_ALT"
 HEADROOM_M = 0.5
-"""So far above its ceiling a vehicle may climb for a moment."""
+"""The vehicle may exceed its ceiling by this much for a moment."""
 
 PARAMETERS = (
     *(requirement.parameter for requirement in REQUIREMENTS),
@@ -86,19 +87,19 @@ PARAMETERS = (
     FENCE_HEIGHT,
     TAKEOFF_ALTITUDE,
 )
-"""What has to be asked for."""
+"""The parameters to request."""
 
 CRITICAL_CHARGE = "BAT_CRIT_THR"
 CHARGE_MARGIN = 0.02
-"""So much more than what the autopilot acts at a reserve has to be: a gauge has whole percents."""
+"""The reserve must exceed the autopilot's threshold by this much: a gauge has whole percents."""
 
 
 class FlownWithin(NamedTuple):
-    """What a mission is flown in, as far as the autopilot's own limits are compared with it.
+    """The space in which a mission is flown, as compared with the autopilot's own limits.
 
     Attributes:
         ceiling_m: greatest altitude above home.
-        away_m: how far it is flown away from home, over the ground.
+        away_m: greatest horizontal distance from home.
         roof_m: altitude above home of the highest place where the vehicle is armed.
     """
 
@@ -108,20 +109,21 @@ class FlownWithin(NamedTuple):
 
     @property
     def climb_m(self) -> float:
-        """So far the vehicle may climb straight up from where it is armed, wherever that is."""
+        """How far the vehicle may climb from where it is armed, even from the highest such
+        place."""
         return self.ceiling_m - self.roof_m
 
     @property
     def on_roof(self) -> str:
-        """From where that is, in words; "" from the ground."""
+        """Words that name the roof; "" if the vehicle is armed only on the ground."""
         return f", also from a roof of {self.roof_m:g} m" if self.roof_m else ""
 
 
 def parameters_of(reserve: float | None) -> tuple[str, ...]:
-    """What has to be asked for.
+    """The parameters to request.
 
     Args:
-        reserve: the charge, 0 to 1, that plans leave; None where they know of none.
+        reserve: the charge, 0 to 1, that plans leave; None if plans do not account for energy.
     """
     return PARAMETERS if reserve is None else (*PARAMETERS, CRITICAL_CHARGE)
 
@@ -129,12 +131,12 @@ def parameters_of(reserve: float | None) -> tuple[str, ...]:
 def weaknesses(
     values: Mapping[str, float | None], flown: FlownWithin, reserve: float | None = None
 ) -> list[str]:
-    """What is too weak, a line each with what to do.
+    """Describes each parameter that is too weak: one line each, with what to do.
 
     Args:
-        values: of `parameters_of`; None is one that was not answered.
-        flown: in what the mission stays.
-        reserve: the charge, 0 to 1, that plans leave; None where they know of none.
+        values: the values of `parameters_of`; None for one that was not answered.
+        flown: the space in which the mission stays.
+        reserve: the charge, 0 to 1, that plans leave; None if plans do not account for energy.
     """
     lines = _return_above(values, flown) + _take_off_above(values, flown)
     lines += _fenced_in(values, flown)
@@ -148,7 +150,7 @@ def weaknesses(
 
 
 def _return_above(values: Mapping[str, float | None], flown: FlownWithin) -> list[str]:
-    """That a return would leave the mission's limits, if it would."""
+    """A line if a return would leave the mission's limits."""
     height_m, why = values[RETURN_ALTITUDE], [p for p in RETURNING if values[p] == RETURN]
     if not why or (height_m is not None and height_m <= flown.climb_m):
         return []
@@ -160,7 +162,7 @@ def _return_above(values: Mapping[str, float | None], flown: FlownWithin) -> lis
 
 
 def _take_off_above(values: Mapping[str, float | None], flown: FlownWithin) -> list[str]:
-    """That a take-off would leave the mission's limits, if it would."""
+    """A line if a take-off would leave the mission's limits."""
     height_m = values[TAKEOFF_ALTITUDE]
     if height_m is not None and height_m <= flown.climb_m:
         return []
@@ -172,7 +174,7 @@ def _take_off_above(values: Mapping[str, float | None], flown: FlownWithin) -> l
 
 
 def _fenced_in(values: Mapping[str, float | None], flown: FlownWithin) -> list[str]:
-    """That the autopilot's own cylinder about home ends within the mission's limits, if it does."""
+    """Lines if the autopilot's cylinder around home is smaller than the mission's limits."""
     above_m = flown.ceiling_m + HEADROOM_M
     asked = (
         (FENCE_RADIUS, flown.away_m, f"is flown up to {flown.away_m:.1f} m away (limits.fence)"),
@@ -200,7 +202,7 @@ def _is_now(value: float | None) -> str:
 
 
 def _acts_before(critical: float | None, reserve: float) -> list[str]:
-    """That the autopilot would end a flight that plans still go on with, if it would."""
+    """A line if the autopilot would end a flight that the plan still continues."""
     if critical is not None and reserve >= critical + CHARGE_MARGIN:
         return []
     least = math.ceil(100 * ((critical or 0.0) + CHARGE_MARGIN))

@@ -1,7 +1,9 @@
-"""A fence as items of the mission protocol, and back.
+"""Converts a fence to items of the mission protocol, and back.
 
-Written: polygons first, as PX4 has it: behind a circle it takes each corner of a polygon for the
-first one of a polygon of its own. Read: as PX4 takes it, and with the flaw that it does not tell.
+1. Writing: polygons come first. PX4 misreads a polygon behind a circle: it takes each corner for
+   the first corner of another polygon.
+2. Reading: items are interpreted as PX4 interprets them, and a flaw that PX4 does not report is
+   named.
 
 Source: PX4 1.16, src/modules/navigator/geofence.cpp (_updateFence).
 """
@@ -18,7 +20,7 @@ from companion.mavlink.plan_transfer import PlanItem
 
 _POLYGONS = {5001: True, 5002: False}
 _CIRCLES = {5003: True, 5004: False}
-"""MAV_CMD -> an area of inclusion."""
+"""MAV_CMD -> whether the area is one of inclusion."""
 _RETURN_POINT = 5000
 _COMMANDS = {
     (FencePolygon, True): 5001,
@@ -30,18 +32,18 @@ _COMMANDS = {
 OnEarth = Callable[[NorthEast], tuple[float, float] | None]
 """Latitude and longitude of a point in the mission's frame."""
 FromEarth = Callable[[float, float], NorthEast | None]
-"""The other way round."""
+"""The reverse of `OnEarth`."""
 
 
 def items_of(
     areas: Sequence[FenceArea], on_earth: OnEarth, first: int = 0
 ) -> tuple[PlanItem, ...] | None:
-    """The items of a fence; None while it is not known where on the earth it lies.
+    """The items of a fence; None while its place on the earth is not known.
 
     Args:
         areas: in the mission's frame.
-        on_earth: takes a point there.
-        first: the corner with which each polygon begins.
+        on_earth: converts a point of that frame.
+        first: index of the corner with which each polygon begins.
     """
     items: list[PlanItem] = []
     for area in sorted(areas, key=lambda each: isinstance(each.shape, FenceCircle)):
@@ -61,11 +63,11 @@ def items_of(
 
 
 def fence_of(items: Sequence[PlanItem], from_earth: FromEarth) -> StoredFence | None:
-    """What PX4 makes of items; None while it is not known where they lie.
+    """The fence that PX4 makes of items; None while their place is not known.
 
     Args:
-        items: of a fence, as they were read.
-        from_earth: takes a place on the earth to the mission's frame.
+        items: of a fence, as read from the autopilot.
+        from_earth: converts a place on the earth to the mission's frame.
     """
     points: list[NorthEast] = []
     for item in items:

@@ -1,8 +1,9 @@
-"""The fence of the autopilot over MAVLink: read, written, and what is said of it. No I/O.
+"""Reads and writes the autopilot's fence over MAVLink, and hears its objections to it. No I/O.
 
-1. PX4 takes every fence, reads it back whole, and then leaves out an area that does not hold its
-   home. It says so by an event, and where a ground station is heard by a text; both are heard here.
-2. PX4 does not load equal items anew; a fence that is written again begins with another corner.
+1. PX4 accepts any fence and reads it back unchanged, but does not enforce an area that does not
+   contain its home. It reports this by an EVENT, and by a STATUSTEXT where a ground station is
+   heard. This service listens to both.
+2. PX4 does not reload identical items. So a fence that is written again begins with another corner.
 
 Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/navigator/geofence.cpp.
 """
@@ -25,22 +26,22 @@ from companion.vehicle.wire import AUTOPILOT, Wire
 
 FENCE = dialect.MAV_MISSION_TYPE_FENCE
 ALIKE_M = 0.2
-"""Corners that are nearer to each other are the same."""
+"""Corners closer to each other than this count as the same."""
 OBJECTION = "Geofence invalid"
 OBJECTIONS = {
     10973461: "Geofence invalid, doesn't contain Home position",
     9432105: "Geofence invalid, doesn't contain current vehicle position",
 }
-"""Numbers of PX4's events, without the component in the upper byte."""
+"""Ids of PX4's events, without the component in the upper byte."""
 MOST_OBJECTIONS = 8
 
 
 class FenceService:
-    """Fulfils `store_port.AutopilotFence`, and is a service of the vehicle.
+    """Implements `store_port.AutopilotFence`; a service of the vehicle.
 
     Args:
-        wire: whose system the autopilot belongs to.
-        telemetry: what it says.
+        wire: of the system that the autopilot belongs to.
+        telemetry: of the autopilot.
         own: the fences that this companion has written.
     """
 
@@ -57,23 +58,24 @@ class FenceService:
 
     @property
     def stored(self) -> StoredFence | None:
-        """What was read last; None before, and where it is not known where it lies."""
+        """The fence that was read last; None before that, or if its place is not known."""
         items = self._store.items
         return None if items is None else self._fence(items)
 
     @property
     def outcome(self) -> Outcome:
-        """What has become of the last `read` or `write`."""
+        """What became of the last `read` or `write`."""
         return self._store.outcome
 
     @property
     def home(self) -> NorthEast | None:
-        """The autopilot's home in the mission's frame; None where that is not known."""
+        """The autopilot's home in the mission's frame; None if not known."""
         return None if self._home is None else self._telemetry.frame.from_earth(*self._home)
 
     @property
     def objections(self) -> Sequence[str]:
-        """What the autopilot has said, since the last `write`, of areas that it leaves out."""
+        """What the autopilot has said since the last `write` about areas that it does not
+        enforce."""
         return tuple(self._objections)
 
     def locate(self) -> Outcome:
@@ -81,11 +83,11 @@ class FenceService:
         return self._store.locate()
 
     def read(self) -> None:
-        """Begins to ask for the fence."""
+        """Begins to read the fence."""
         self._store.read("the autopilot does not tell its fence")
 
     def write(self, areas: Sequence[FenceArea]) -> None:
-        """Begins to put a fence in the place of the one that is there; rule 2."""
+        """Begins to replace the stored fence; applies rule 2."""
         on_earth = self._telemetry.frame.on_earth
         items = items_of(areas, on_earth)
         if items is not None and items == self._store.items:
@@ -95,20 +97,20 @@ class FenceService:
         self._store.write(items, f"the autopilot does not take a fence{points}")
 
     def is_as_written(self) -> bool:
-        """Whether what was read last is what was written last, wherever the frame is by now."""
+        """Whether the fence read last is the one written last, wherever the frame is by now."""
         return self._store.is_as_written()
 
     def is_own(self) -> bool:
-        """Whether what was read last was written by this companion, now or in another flight."""
+        """Whether this companion wrote the fence that was read last, now or in another flight."""
         return any(self._is_like_read(items) for items in self._own.written)
 
     def is_vouched_for(self) -> bool:
-        """Whether what was read last is known to be in force."""
+        """Whether the fence that was read last is known to be in force."""
         items = self._store.items
         return items is not None and items == self._own.in_force
 
     def vouch(self) -> None:
-        """What was written last was read back, and nothing was said against it."""
+        """Notes that the fence written last was read back, and that nothing was said against it."""
         self._own.in_force = self._store.written
 
     def _fence(self, items: Sequence[PlanItem]) -> StoredFence | None:
@@ -123,11 +125,11 @@ class FenceService:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Time has passed."""
+        """Passes time to the transfer."""
         self._store.step(moment)
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes what the autopilot says of its plans, its home, and what is wrong."""
+        """Takes the autopilot's messages about its plans, its home, and faults of the fence."""
         if source(message)[1] != AUTOPILOT:
             return
         match message.get_type():
@@ -144,11 +146,11 @@ class FenceService:
                 self._store.take(moment, message)
 
     def due(self, moment: Moment) -> list[Message]:
-        """What has to be said now."""
+        """The messages to send now."""
         return self._store.due(moment)
 
     def release(self) -> None:
-        """Asks for nothing any longer."""
+        """Stops all requests."""
         self._store.forget()
         self._objections = []
 

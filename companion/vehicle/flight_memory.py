@@ -1,4 +1,4 @@
-"""What a companion remembers of earlier flights, of other programs too."""
+"""What a companion remembers of earlier flights, including those of other runs of the program."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ class FlightMemory:
     """What is remembered.
 
     Attributes:
-        fences, rally_points: what was written to autopilots.
-        frames: where missions begin; None where that cannot be remembered.
+        fences, rally_points: those that were written to autopilots.
+        frames: where missions' frames were laid; None if that cannot be remembered.
     """
 
     fences: OwnItems = field(default_factory=OwnItems)

@@ -1,32 +1,35 @@
 """The gate that every setpoint passes: a run-time monitor that knows nothing of plans or routes.
 
-It is small, pure, and shares no code with what it watches (ASTM F3269, run-time assurance): points,
-distances and polygons are its own, and all that it believes are the vehicle's state and the limits.
+It is small and pure, and shares no code with what it monitors (ASTM F3269, run-time assurance). It
+has its own points, distances and polygons, and relies only on the vehicle's state and the limits.
 
 Rules, in this order; the first that applies decides:
-1. Position or heading not known, no position for `lost_s`, no mode for `mode_lost_s`, not armed, or
-   in a mode that is not ours: nothing is sent.
-2. Position or heading older than `max_age_s`, or a position that the autopilot is losing: hold.
-3. Where the mission's frame lies in the autopilot's is not certain: hold.
-4. Asked for longer ago than `lease_s`: hold. Who flies renews the setpoint in every tick.
-5. Of the task's plan, when the task is violated: hold. A return or a landing goes on.
-6. A number that is not finite: hold.
-7. Hold, where the setpoint (a) is outside the fence, or nearer to its edge than the margin, be it
-   the mission's or the autopilot's own that is kept beside it; (b) is in a keep-out zone or within
-   the margin of one, or the way to it crosses one; (c) is outside the altitude band. A vehicle that
-   is in a zone, or outside the band, may be sent to where it is less so. A landing on a marker goes
-   as low as its site is, be that below the band or above its lower end.
-8. Further from the vehicle than the carrot: hold. A setpoint that stays behind when this program
-   dies means "hover a carrot's length ahead", never "fly to the far end".
+1. Position or heading unknown, no position for `lost_s`, no mode for `mode_lost_s`, not armed, or a
+   mode that is not ours: nothing is sent.
+2. Position or heading older than `max_age_s`, or the autopilot is losing its position: hold.
+3. The place of the mission's frame in the autopilot's frame is not certain: hold.
+4. The setpoint was requested longer ago than `lease_s`: hold. The caller renews it in every tick.
+5. The setpoint belongs to the task's plan, and the task is violated: hold. A return or a landing
+   continues.
+6. A number is not finite: hold.
+7. Hold if the setpoint (a) is outside the fence, or closer to its edge than the margin; this holds
+   for the mission's fence and for an autopilot's fence that is kept beside it; (b) is in a keep-out
+   zone or within its margin, or the straight line to it crosses a zone; (c) is outside the altitude
+   band. A vehicle that is already in a zone, or outside the band, may be sent to where it is less
+   so. A landing on a marker may descend to its site's lowest altitude, below or above the lower end
+   of the band.
+8. Further from the vehicle than the carrot: hold. So if this program dies, the last setpoint means
+   "hover a carrot's length ahead", never "fly to the far end".
 9. Faster than the speed limit: hold.
 10. Climbing or descending faster than the vehicle can: hold.
 
-To hold is to be sent, at rest, to where the hold began, as long as that is within the carrot: a PX4
-that was sent to its present position in each tick went 2.6 m in 6 s. In a frame in doubt it is that
-position, which is right in both. Walls are the business of routes.
+To hold means: the setpoint is the point where the hold began, at rest, while that point is within
+the carrot. A PX4 that was sent to its present position in each tick drifted 2.6 m in 6 s. If the
+frame is in doubt, the setpoint is the present position, which is right in both frames. Routes, not
+the gate, keep clear of walls.
 
-What leaves is written in the autopilot's own measure: to a velocity that was let out at most
-`velocity_bias.MOST_MPS` is added, what the autopilot's own is off by (`setpoint_stream.py`).
+After the gate, `setpoint_stream.py` converts setpoints to the autopilot's own measure: it adds at
+most `velocity_bias.MOST_MPS` to the velocity, the error of the autopilot's own estimate.
 """
 
 from __future__ import annotations
@@ -40,17 +43,17 @@ from companion.vehicle.gate_polygons import Corner, distance_to, edges, is_cross
 from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
 
 SPEED_TOLERANCE = 1.01
-"""Rounding of a velocity that is exactly at the limit must not stop the vehicle."""
+"""So that rounding of a velocity exactly at the limit does not stop the vehicle."""
 
 
 @dataclass(frozen=True, slots=True)
 class LandingSite:
-    """Where a mission lands on a marker.
+    """A place where the mission lands on a marker.
 
     Attributes:
         centre: its middle.
-        radius_m: how far it reaches.
-        lowest_up_m: altitude above home below which no setpoint leads there.
+        radius_m: of the site.
+        lowest_up_m: lowest altitude above home of setpoints there.
     """
 
     centre: Corner
@@ -60,24 +63,27 @@ class LandingSite:
 
 @dataclass(frozen=True, slots=True)
 class Envelope:
-    """What no setpoint may leave.
+    """The limits that no setpoint may exceed.
 
     Attributes:
         fence: polygon of north-east corners.
-        fence_margin_m: least distance from its edges, and from those of the zones.
-        keep_out: polygons that are not entered.
-        within: polygons of the autopilot's own fence, in each of which it stays as in the fence.
+        fence_margin_m: least distance from edges of the fence and of zones.
+        keep_out: polygons that are not to be entered.
+        within: polygons of the autopilot's own fence; setpoints stay in each of them as in the
+            fence.
         up_m: lowest and highest altitude above home.
         speed_mps: greatest speed.
         climb_mps: greatest vertical speed upwards.
-        descent_mps: the same downwards.
+        descent_mps: greatest vertical speed downwards.
         carrot_m: greatest distance of a setpoint from the vehicle.
-        sites: where it may land on markers.
+        sites: where the vehicle may land on markers.
         max_age_s: age of position or heading at which the vehicle holds.
         lease_s: age of a setpoint at which the vehicle holds.
-        lost_s: age of the position at which the stream ends and the autopilot's failsafe begins.
-        mode_lost_s: age of the mode at which the stream ends. A link that loses 30 % loses five
-            heartbeats in a row in every other flight of five minutes, ten in one of a thousand.
+        lost_s: age of the position at which the stream ends, so that the autopilot's failsafe
+            begins.
+        mode_lost_s: age of the mode at which the stream ends. A link that loses 30 % of its
+            messages loses five heartbeats in a row in every other flight of five minutes, ten in
+            one of a thousand.
     """
 
     fence: tuple[Corner, ...]
@@ -98,12 +104,12 @@ class Envelope:
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """A setpoint that was asked for.
+    """A requested setpoint.
 
     Attributes:
-        asked_s: when.
-        is_for_task: it is of the task's plan, not of a return, a landing or a hold.
-        is_landing: it is of the way down to a marker, or up from there.
+        asked_s: when it was requested.
+        is_for_task: it belongs to the task's plan, not to a return, a landing or a hold.
+        is_landing: it belongs to the descent to a marker, or to the climb from there.
     """
 
     setpoint: Setpoint
@@ -114,7 +120,7 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What may be sent, and why it is not what was asked for (a hold, or nothing)."""
+    """What may be sent; and, if that is a hold or nothing, why."""
 
     setpoint: Setpoint | None
     refusal: Refusal | None = None
@@ -131,18 +137,18 @@ def admit(
     frame_doubt: Refusal | None = None,
     before: Verdict | None = None,
 ) -> Verdict:
-    """The setpoint that was asked for, a hold in its place, or nothing.
+    """Returns the requested setpoint, or a hold in its place, or nothing.
 
     Args:
-        request: what was asked for.
+        request: the requested setpoint.
         state: of the vehicle, as last heard.
         now_s: the time.
         envelope: the limits.
-        is_entering: OFFBOARD is about to be asked for, and wants setpoints before.
-        is_violated: nothing can satisfy the task any more.
-        frame_doubt: why positions of the mission are not certain for the autopilot; a hold at the
-            present one is, wherever that is.
-        before: the verdict of the tick before; one that was a hold is gone on with.
+        is_entering: OFFBOARD is about to be requested; the autopilot wants setpoints before that.
+        is_violated: the task can no longer be satisfied.
+        frame_doubt: why the autopilot may misplace positions of the mission. A hold at the present
+            position is right even so.
+        before: the verdict of the previous tick; if it was a hold, that hold continues.
     """
     if state is None:
         return Verdict(None, Refusal("the position is unknown"))
@@ -157,7 +163,7 @@ def admit(
 
 
 def _hold(judged: _Judged, before: Verdict | None) -> Setpoint:
-    """Where the hold began, or the present position if it begins now."""
+    """A hold where the present hold began; at the present position if it begins now."""
     here, carrot_m = judged.state.position, judged.envelope.carrot_m
     begun = before.setpoint if before is not None and before.refusal is not None else None
     if (
@@ -171,7 +177,7 @@ def _hold(judged: _Judged, before: Verdict | None) -> Setpoint:
 
 @dataclass(frozen=True, slots=True)
 class _Judged:
-    """What the rules judge. A comparison that is not a number fails: each asks what is right."""
+    """The input of the rules. Each rule tests for what is allowed, so that NaN is refused."""
 
     request: Request
     state: VehicleState

@@ -1,6 +1,6 @@
 """The gate's own geometry: points and polygons in the plane, metres north and east.
 
-It is shared with nothing that the gate watches.
+The gate shares it with none of the code that it monitors.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ Corner = tuple[float, float]
 
 
 def is_inside_of(point: Corner, fence: Sequence[Corner], margin_m: float) -> bool:
-    """Whether a point lies in a polygon and so far from its edges: crossings of a ray eastwards."""
+    """Whether a point is inside a polygon, at least a margin from its edges (ray casting
+    eastwards).
+    """
     north, east = point
     is_odd = False
     for (n1, e1), (n2, e2) in edges(fence):
@@ -25,18 +27,18 @@ def is_inside_of(point: Corner, fence: Sequence[Corner], margin_m: float) -> boo
 
 
 def distance_to(point: Corner, zone: Sequence[Corner]) -> float:
-    """From a point to the nearest edge of a polygon, metres; negative inside."""
+    """Distance from a point to the nearest edge of a polygon, metres; negative inside."""
     nearest_m = min(_distance(point, *edge) for edge in edges(zone))
     return -nearest_m if is_inside_of(point, zone, 0.0) else nearest_m
 
 
 def edges(polygon: Sequence[Corner]) -> Sequence[tuple[Corner, Corner]]:
-    """Of a polygon, each with its two ends."""
+    """The edges of a polygon, each as a pair of corners."""
     return [*zip(polygon, (*polygon[1:], polygon[0]), strict=True)]
 
 
 def is_crossing(a: Corner, b: Corner, c: Corner, d: Corner) -> bool:
-    """Whether the ways from a to b and from c to d cross."""
+    """Whether the segments a-b and c-d cross."""
     return _side(a, b, c) * _side(a, b, d) < 0 and _side(c, d, a) * _side(c, d, b) < 0
 
 
@@ -46,7 +48,7 @@ def _side(a: Corner, b: Corner, point: Corner) -> float:
 
 
 def _distance(point: Corner, start: Corner, end: Corner) -> float:
-    """From a point to the nearest one of an edge, metres."""
+    """Distance from a point to a segment, metres."""
     along = (end[0] - start[0], end[1] - start[1])
     length_2 = along[0] ** 2 + along[1] ** 2
     offset = (point[0] - start[0]) * along[0] + (point[1] - start[1]) * along[1]

@@ -1,6 +1,6 @@
-"""What the acting side knows of gimbals: they are pointed somewhere, and say when they are there.
+"""The acting side's interface to gimbals: point one somewhere, learn when it points there.
 
-`gimbals.py` fulfils the port over MAVLink.
+`gimbals.py` implements the port over MAVLink.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from typing import Protocol
 
 @dataclass(frozen=True, slots=True)
 class Aim:
-    """Where a gimbal points to.
+    """A direction for a gimbal.
 
     Attributes:
         pitch_rad: up is positive.
         yaw_rad: clockwise, from the vehicle's heading or from north.
-        is_from_north: it keeps the direction when the vehicle turns.
+        is_from_north: the gimbal keeps the direction when the vehicle turns.
     """
 
     pitch_rad: float
@@ -26,18 +26,18 @@ class Aim:
 
 @dataclass(frozen=True, slots=True)
 class Aimed:
-    """The gimbal points there."""
+    """The gimbal points in the direction."""
 
 
 @dataclass(frozen=True, slots=True)
 class NotAimed:
-    """It does not, for a reason in words."""
+    """The gimbal does not point there; the reason is in words."""
 
     reason: str
 
 
 AimOutcome = Aimed | NotAimed | None
-"""What has become of it; None while it turns."""
+"""What became of the request; None while the gimbal turns."""
 
 
 class Gimbals(Protocol):
@@ -47,13 +47,13 @@ class Gimbals(Protocol):
         """Begin to point a gimbal; returns a ticket for `outcome`.
 
         Args:
-            component: its manager, which may be the autopilot.
-            aim: where to.
-            timeout_s: time for all of it; None for the usual one.
+            component: the gimbal's manager, which may be the autopilot.
+            aim: the direction.
+            timeout_s: time for the whole procedure; None for the default.
         """
 
     def outcome(self, ticket: int) -> AimOutcome:
-        """What has become of it."""
+        """What became of the request."""
 
     def forget(self, ticket: int) -> None:
-        """Ask for it no longer."""
+        """Stop pursuing the request."""

@@ -1,13 +1,13 @@
-"""Gimbals over MAVLink, by the gimbal protocol, version 2.
+"""Points gimbals over MAVLink, by the gimbal protocol, version 2.
 
 Rules:
-1. Control is asked for first, in figures: our system and component. -2, which stands for the sender
-   itself, is not understood by PX4 so.
-2. The manager accepts a direction at once. It is reached when GIMBAL_DEVICE_ATTITUDE_STATUS, heard
-   after that, is within REACHED_RAD of it.
-3. What points from north is locked there (flags of the yaw's lock and of the earth's frame); what
-   points from the heading turns with the vehicle.
-4. Before the vehicle lands, control is given back.
+1. Control is requested first, with our system and component ids as numbers. PX4 does not understand
+   -2, which stands for the sender, in this command.
+2. The manager accepts a direction at once. The direction is reached when a
+   GIMBAL_DEVICE_ATTITUDE_STATUS, heard after that, is within REACHED_RAD of it.
+3. A direction from north is locked there (flags: yaw lock, earth frame). A direction from the
+   heading turns with the vehicle.
+4. Control is given back before the vehicle lands.
 
     phase        leads to
     CONFIGURING  AIMING, once control was accepted
@@ -15,9 +15,9 @@ Rules:
     TURNING      the end, by rule 2
     any          the end, by a refusal or when its time is over
 
-The device is the manager itself, or the one that GIMBAL_MANAGER_STATUS names, or else the one with
-the usual id. Times are those in which the autopilot is heard (`heard_time.py`).
-Source: https://mavlink.io/en/services/gimbal_v2.html; PX4 v1.16, gimbal module.
+The gimbal's device is the manager itself, or the one that GIMBAL_MANAGER_STATUS names, or else the
+one with the default id. Only time in which the autopilot is heard counts (`heard_time.py`). Source:
+https://mavlink.io/en/services/gimbal_v2.html; PX4 v1.16, gimbal module.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ from companion.vehicle.wire import COMPONENT, Wire
 
 REACHED_RAD = math.radians(2.0)
 TURN_S = 15.0
-"""Time to point, where the skill does not say."""
+"""Time to point, if the skill does not specify one."""
 USUAL_DEVICE = dialect.MAV_COMP_ID_GIMBAL
 MOST_BUILT_IN = 6
-"""Gimbal device ids up to this are no MAVLink components, but gimbals of the manager's own."""
+"""Gimbal device ids up to this are not MAVLink components, but the manager's own gimbals."""
 CONFIGURE, PITCHYAW = (
     dialect.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE,
     dialect.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
@@ -57,7 +57,7 @@ Direction = tuple[float, float, float]
 
 
 class AimPhase(Enum):
-    """How far the pointing of a gimbal has come."""
+    """The phases of pointing a gimbal."""
 
     CONFIGURING = auto()
     AIMING = auto()
@@ -66,7 +66,7 @@ class AimPhase(Enum):
 
 @dataclass
 class _Pointing:
-    """A gimbal that is being pointed.
+    """A request to point a gimbal.
 
     Attributes:
         ticket: of the command under way.
@@ -85,7 +85,7 @@ class _Pointing:
 
 @dataclass
 class _Manager:
-    """What a gimbal manager has said: whom it controls, and who controls it."""
+    """What a gimbal manager has said: which device it controls, and who controls the manager."""
 
     device: int | None = None
     control: tuple[int, int] | None = None
@@ -93,7 +93,7 @@ class _Manager:
 
 @dataclass
 class _Attitude:
-    """Where a device points, from north, and when it was heard."""
+    """The direction of a device, from north, and when it was heard."""
 
     direction: Direction
     heard_s: float
@@ -101,11 +101,11 @@ class _Attitude:
 
 @dataclass
 class MavlinkGimbals:
-    """Fulfils `gimbal_port.Gimbals`, and is a service of the vehicle.
+    """Implements `gimbal_port.Gimbals`; a service of the vehicle.
 
     Args:
-        wire: whose system the gimbals belong to.
-        telemetry: knows the vehicle's heading.
+        wire: of the system that the gimbals belong to.
+        telemetry: has the vehicle's heading.
     """
 
     wire: Wire
@@ -134,11 +134,11 @@ class MavlinkGimbals:
         return self._tickets
 
     def outcome(self, ticket: int) -> AimOutcome:
-        """What has become of it."""
+        """What became of the request."""
         return self._pointings[ticket].outcome
 
     def forget(self, ticket: int) -> None:
-        """Asks for it no longer."""
+        """Stops pursuing the request."""
         pointing = self._pointings.pop(ticket, None)
         if pointing is not None and pointing.ticket is not None:
             self._commands.forget(pointing.ticket)
@@ -153,14 +153,14 @@ class MavlinkGimbals:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Time has passed."""
+        """Advances all requests."""
         self._heard_s = moment.heard_s
         for pointing in self._pointings.values():
             if pointing.outcome is None:
                 self._follow(pointing)
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes what managers and devices say, and answers to us."""
+        """Takes messages of managers and devices, and answers to our commands."""
         _, component = source(message)
         kind = message.get_type()
         if kind == "COMMAND_ACK":
@@ -179,7 +179,7 @@ class MavlinkGimbals:
         return [] if moment.is_quiet else self._commands.due(moment.heard_s)
 
     def release(self) -> None:
-        """Asks for nothing any longer."""
+        """Drops all requests."""
         self._commands = CommandSender()
         self._pointings.clear()
         self._controlled.clear()
@@ -193,7 +193,7 @@ class MavlinkGimbals:
         return self._commands.start(self._heard_s, target, command, parameters, limit_s)
 
     def _follow(self, pointing: _Pointing) -> None:
-        """Goes on with a gimbal, as far as it has come."""
+        """Advances one request."""
         who = f"the gimbal (component {pointing.component})"
         left_s = pointing.begun_s + pointing.limit_s - self._heard_s
         if pointing.ticket is not None:
@@ -219,7 +219,7 @@ class MavlinkGimbals:
             pointing.outcome = NotAimed(f"{who} {about} after {pointing.limit_s:g} s")
 
     def _control(self, pointing: _Pointing) -> str:
-        """Who else has control, in words."""
+        """Who else controls the gimbal, in words; "" if nobody."""
         manager = self._managers.get(pointing.component)
         control = manager.control if manager is not None else None
         if control in (None, (0, 0), (self.wire.system, COMPONENT)):
@@ -228,7 +228,7 @@ class MavlinkGimbals:
         return f"; component {control[1]} of system {control[0]} controls it"
 
     def _off_rad(self, pointing: _Pointing) -> float | None:
-        """The angle that is left; None while no attitude was heard since it was accepted."""
+        """The remaining angle; None if no attitude was heard since the direction was accepted."""
         attitude = self._attitude_of(pointing.component)
         heading_rad = self._heading_rad
         if attitude is None or heading_rad is None or attitude.heard_s <= pointing.accepted_s:
@@ -251,7 +251,7 @@ class MavlinkGimbals:
         return state.yaw_rad if state is not None else None
 
     def _direction(self, message: Message) -> Direction | None:
-        """Where a GIMBAL_DEVICE_ATTITUDE_STATUS says that it points, from north."""
+        """The direction in a GIMBAL_DEVICE_ATTITUDE_STATUS, from north."""
         heading_rad = self._heading_rad
         if heading_rad is None or not all(map(math.isfinite, message.q)):
             return None
@@ -269,6 +269,6 @@ def _parameters(aim: Aim) -> Parameters:
 
 
 def _unit(pitch_rad: float, yaw_rad: float) -> Direction:
-    """The direction of a pitch and a yaw."""
+    """The unit vector of a pitch and a yaw."""
     flat = math.cos(pitch_rad)
     return (flat * math.cos(yaw_rad), flat * math.sin(yaw_rad), -math.sin(pitch_rad))

@@ -1,11 +1,10 @@
-"""Pursues one goal of the vehicle after the other (`goals.py`), by commands to its autopilot.
+"""Pursues the vehicle's goals one after the other (`goals.py`), by commands to its autopilot.
 
-A failsafe that holds the vehicle where a climb ends, or where OFFBOARD is entered, is not gone on
-from: it may be the fence's. One that follows upon an interruption (`heard_time.py`) after OFFBOARD
-was asked for is the loss of our own stream.
-
-A command that was accepted without effect is sent again after a pause. While nothing is heard of
-the autopilot no command is sent, and no goal's time passes.
+1. If a failsafe holds the vehicle where a climb ends, or where OFFBOARD is entered, the goal is not
+   pursued further: the failsafe may be the fence's. But a failsafe that follows an interruption
+   (`heard_time.py`), after OFFBOARD was requested, is the loss of our own stream.
+2. A command that was accepted without effect is sent again after a pause.
+3. While the autopilot is not heard, no command is sent, and no time of a goal passes.
 """
 
 from __future__ import annotations
@@ -23,20 +22,21 @@ from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 ASK_AGAIN_S = 2.0
 """Pause before a command that was accepted without effect is sent again."""
 ROOF_M = 1.0
-"""So much above home a vehicle stands on something; less may be an error of its altitude."""
+"""A vehicle that stands higher than this above home stands on something; less may be an altitude
+error."""
 SHORT_M = 1.5
-"""A take-off that ends by itself is no lower than that below its altitude: PX4 ends it within
-NAV_MC_ALT_RAD, 0.8 m, and was seen to by up to 0.9 m of its own estimate."""
+"""A take-off that ends by itself ends at most this far below its altitude: PX4 ends it within
+NAV_MC_ALT_RAD, 0.8 m; up to 0.9 m of its own estimate were observed."""
 
 
 class GoalPursuit:
-    """The goal that is pursued; a service of the vehicle.
+    """Pursues one goal at a time; a service of the vehicle.
 
     Args:
-        wire: whose system it is.
-        telemetry: what its autopilot says.
+        wire: of the vehicle's system.
+        telemetry: of its autopilot.
         takeoff_up_m: altitude above home to take off to.
-        ceiling_up_m: altitude above home above which no take-off leads.
+        ceiling_up_m: highest altitude above home of a take-off.
     """
 
     wanted = frozenset({"COMMAND_ACK"})
@@ -55,19 +55,20 @@ class GoalPursuit:
 
     @property
     def goal(self) -> Goal | None:
-        """What is pursued, or was reached last; None before the first one."""
+        """The goal that is pursued, or was reached last; None before the first one."""
         return self._pursuit.goal if self._pursuit is not None else None
 
     def pursue(
         self, goal: Goal, state: VehicleState, moment: Moment, takeoff_up_m: float | None = None
     ) -> Outcome:
-        """Works towards a goal; the caller asks in every tick until it is reached or has failed.
+        """Works towards a goal; the caller calls it in every tick until the goal is reached or has
+        failed.
 
         Args:
             goal: what to bring about.
             state: of the vehicle.
             moment: now.
-            takeoff_up_m: altitude above home to take off to; the mission's own without it.
+            takeoff_up_m: altitude above home to take off to; the mission's own if it is None.
         """
         approach, pursuit = APPROACHES[goal], self._pursuit
         if pursuit is None or pursuit.goal is not goal or pursuit.has_failed:
@@ -94,7 +95,7 @@ class GoalPursuit:
         return failure or Progress.RUNNING
 
     def admits(self, heartbeat: Heartbeat) -> bool:
-        """Takes what was heard; whether it means that nobody has taken control."""
+        """Takes a heartbeat; returns whether control is still ours by its mode."""
         pursuit = self._pursuit
         if pursuit is None:
             return True
@@ -109,24 +110,25 @@ class GoalPursuit:
         return is_passed and not is_held
 
     def _may_have_fallen(self, state: VehicleState, moment: Moment) -> bool:
-        """Whether a vehicle on the ground may be there because its autopilot has restarted."""
+        """Whether a vehicle on the ground may be there because its autopilot restarted in the
+        air."""
         return state.is_landed and not self._telemetry.boots.is_certain(moment.now_s)
 
     def _is_held_low(self, pursuit: Pursuit) -> bool:
-        """Whether a climb has ended in a hold so low that somebody must have chosen it."""
+        """Whether a climb ended in a hold so low that somebody must have chosen it."""
         state = self._telemetry.state
         if pursuit.goal is not Goal.AIRBORNE or state is None:
             return False
         return state.mode is Mode.TAKEOFF and -state.position[2] < pursuit.takeoff_up_m - SHORT_M
 
     def _is_held_by_failsafe(self, pursuit: Pursuit, heartbeat: Heartbeat) -> bool:
-        """Whether the autopilot holds by a failsafe, of its fence, where a climb would end."""
+        """Whether a failsafe, such as the fence's, holds the vehicle where a climb would end."""
         state, is_rising = self._telemetry.state, pursuit.goal in (Goal.AIRBORNE, Goal.OFFBOARD)
         is_news = heartbeat.is_failsafe and not pursuit.is_in_failsafe
         return is_rising and is_news and state is not None and not state.is_landed
 
     def _ask(self, pursuit: Pursuit, state: VehicleState, moment: Moment) -> Failed | None:
-        """Sends the goal's command when it is time to, unless the goal has failed."""
+        """Sends the goal's command when it is due; returns a failure if the goal has failed."""
         approach = APPROACHES[pursuit.goal]
         heard_s = moment.heard_s
         elapsed_s = heard_s - pursuit.start_s
@@ -137,7 +139,7 @@ class GoalPursuit:
         if approach.needs_arming and not state.is_armed:
             return self._failed(pursuit.goal, ": disarmed", moment)
         if state.mode in approach.underway:
-            self._end_command()  # it has had its effect
+            self._end_command()  # it took effect
             return None
         if elapsed_s < approach.lead_s:
             return None
@@ -159,16 +161,16 @@ class GoalPursuit:
         return None
 
     def _takeoff_up(self, state: VehicleState, asked_m: float | None) -> float:
-        """The altitude above home to take off to: from a roof, so much higher at least.
+        """The altitude above home to take off to; from a roof, at least that much above the roof.
 
-        The mission's ceiling, and the altitude of the place, come before that.
+        It is at least the altitude of the place, but never above the mission's ceiling.
         """
         up_m = -state.position[2]
         ground_m = up_m if state.is_landed and up_m > ROOF_M else 0.0
         return min(max(ground_m + self._takeoff_up_m, asked_m or 0.0), self._ceiling_up_m)
 
     def _failed(self, goal: Goal, why: str, moment: Moment) -> Failed:
-        """A failure with what the autopilot said lately."""
+        """A failure, with what the autopilot said lately."""
         words = self._telemetry.words
         is_arming = goal is Goal.ARMED
         said = (words.why_not_armed if is_arming else words.lately)(moment.now_s)
@@ -183,11 +185,11 @@ class GoalPursuit:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Notes interruptions; goals are worked towards when they are pursued."""
+        """Notes interruptions; `pursue` does the work."""
         self._interruption.step(moment.now_s, moment.is_quiet)
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes an answer to us."""
+        """Takes an answer to our commands."""
         if message.target_component in (0, COMPONENT):
             self._commands.receive(moment.heard_s, message)
 
@@ -196,6 +198,6 @@ class GoalPursuit:
         return [] if moment.is_quiet else self._commands.due(moment.heard_s)
 
     def release(self) -> None:
-        """Asks for nothing any longer."""
+        """Drops the goal and its command."""
         self._pursuit = None
         self._commands = CommandSender()

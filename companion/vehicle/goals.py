@@ -1,17 +1,20 @@
-"""The table of goals: which command brings each about, in which modes, in what time.
+"""The table of goals: the command that brings each about, its modes, and its time limits.
 
-A goal is a state of the vehicle (`port.Goal`). The command is sent and, if the vehicle accepts
-it without getting there, sent again, until the state is observed or the time is up: EFFECT_S
-while nothing happens, and all of the goal's time while it is under way. The modes
-listed are those that the vehicle may pass through on the way without anybody having taken it
-from us; authority is watched from the first goal on, also while the vehicle is disarmed.
+A goal is a state of the vehicle (`port.Goal`). Its command is sent, and sent again if the vehicle
+accepts it without getting there, until the state is observed or time is up: EFFECT_S while nothing
+happens, and the goal's whole time while the vehicle is on its way. The listed modes are those that
+the vehicle may pass through without anybody having taken control. Control is watched from the first
+goal on, also while the vehicle is disarmed.
 
-When PX4 disarms it falls back to the mode that was chosen last and may be armed in: OFFBOARD after
-a flight, else the mode in which the vehicle stood at first. In OFFBOARD it arms with setpoints
-alone, so a vehicle that stands there is brought to hold first. That takes nothing from a pilot:
-OFFBOARD is nobody's but a companion's. Any other mode stays as it is. It falls back once: where the
-vehicle has stood disarmed for FALLEN_BACK heartbeats, another mode was chosen by somebody. So it
-may have been in a silence: after one, a vehicle that landed out of OFFBOARD stands in that again.
+Modes after a landing:
+1. When PX4 disarms, it falls back to the last chosen mode in which it may be armed: OFFBOARD after
+   a flight, otherwise the mode before the first goal.
+2. In OFFBOARD PX4 arms only with setpoints, so a vehicle in OFFBOARD is first commanded to hold.
+   This takes nothing from a pilot: only a companion uses OFFBOARD. Other modes are left as they
+   are.
+3. PX4 falls back only once. If the mode changes after the vehicle stood disarmed for FALLEN_BACK
+   heartbeats, somebody chose it. The same holds after a silence, except that a vehicle which landed
+   out of OFFBOARD may be in OFFBOARD again.
 
 Source: PX4 v1.16 as observed, and its UserModeIntention.cpp.
 """
@@ -30,29 +33,29 @@ from companion.vehicle.port import Goal, Mode, VehicleState
 NAN = math.nan
 CUSTOM_MODE_ENABLED = 1.0  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
 EFFECT_S = 12.0
-"""Time within which a command has to have an effect: longer than ten tries with a second between
-them, or the 10 s after an IN_PROGRESS. A PX4 is armed, or shows another mode, within a second."""
+"""Time within which a command must take effect: longer than ten tries at one a second, or the 10 s
+after an IN_PROGRESS. A PX4 is armed, or shows another mode, within a second."""
 
 FALLEN_BACK = 3
-"""Heartbeats after a landing in which an autopilot has fallen back: a PX4 tells of the disarming
-and of the mode that follows in the same one, or in the next."""
+"""Heartbeats after a landing within which an autopilot falls back: a PX4 reports the disarming and
+the new mode in the same heartbeat, or the new mode in the next."""
 
 
 @dataclass(frozen=True, slots=True)
 class Approach:
-    """One way to a goal.
+    """How to reach a goal.
 
     Attributes:
         command: MAV_CMD number.
-        parameters: its parameters, from the altitude above mean sea level to take off to.
-        is_reached: whether a state is the goal.
-        passes: modes on the way; the mode at the start is one of them until it was left.
-        keeps: modes in which the goal, once reached, still stands; None for those on the way.
-        leaves: modes in which it cannot be reached; the vehicle is asked to hold first.
-        needs_arming: a vehicle that is not armed cannot get there.
-        underway: modes that show that the vehicle is on its way and need not be asked again.
-        lead_s: time to stream setpoints before asking; PX4 wants to see them first.
-        timeout_s: time after which the goal has failed, though the vehicle is on its way.
+        parameters: of the command, computed from the take-off altitude above mean sea level.
+        is_reached: whether the goal is reached in a state.
+        passes: modes on the way; the initial mode also counts until the vehicle has left it.
+        keeps: modes in which a reached goal remains reached; None for those on the way.
+        leaves: modes in which the goal cannot be reached; the vehicle is first commanded to hold.
+        needs_arming: the vehicle has to be armed.
+        underway: modes that show that the vehicle is on its way, so the command is not repeated.
+        lead_s: time to stream setpoints before the command; PX4 wants to see them first.
+        timeout_s: time after which the goal has failed even if the vehicle is on its way.
     """
 
     command: int
@@ -69,19 +72,19 @@ class Approach:
 
 @dataclass
 class Pursuit:
-    """A goal under way.
+    """A goal that is pursued.
 
     Attributes:
-        allowed: modes that do not mean that somebody else took over.
-        takeoff_up_m: altitude above home that a take-off leads to.
+        allowed: modes that do not mean that somebody has taken control.
+        takeoff_up_m: altitude above home of a take-off.
         ticket: the command under way.
-        asked: the approach to which that command belongs.
-        is_in_failsafe: one of the autopilot's is gone on from, which was active at its start, or
-            is that our stream was lost.
-        has_failed: it was given up; the goal may be pursued anew.
-        underway_s: when the vehicle was last on its way; the start before that.
-        standing: heartbeats since the vehicle has landed for this goal, and is disarmed.
-        stands_in: the mode of the last of them.
+        asked: the approach that the command belongs to.
+        is_in_failsafe: the autopilot's failsafe is tolerated: it was active at the start, or is the
+            loss of our stream.
+        has_failed: it has failed; the goal may be pursued anew.
+        underway_s: when the vehicle was last on its way; before that, the start.
+        standing: heartbeats since the vehicle landed for this goal and is disarmed.
+        stands_in: mode of the last of these heartbeats.
     """
 
     goal: Goal
@@ -103,16 +106,16 @@ class Pursuit:
     def admits(
         self, mode: Mode, is_armed: bool, first_mode: Mode | None, was_silent: bool = False
     ) -> bool:
-        """Takes a mode; whether the goal passes through it, so that nobody has taken control.
+        """Takes a mode; returns whether the goal passes through it, so that control is still ours.
 
-        The mode of the goal's start is ours until it was left. A vehicle that has landed for us
-        may fall back to the mode in which it stood at first, and then stays in it.
+        The initial mode is ours until the vehicle has left it. A vehicle that has landed for us may
+        fall back to the mode before the first goal, and then has to stay in it.
 
         Args:
-            mode: what is flown.
-            is_armed: the vehicle.
-            first_mode: in which it stood before the first goal.
-            was_silent: nothing was heard for a while before.
+            mode: the present one.
+            is_armed: whether the vehicle is armed.
+            first_mode: the mode before the first goal.
+            was_silent: the autopilot was not heard for a while before.
         """
         passes = APPROACHES[self.goal].passes
         has_landed = self.goal is Goal.LANDED and not is_armed
@@ -129,7 +132,8 @@ class Pursuit:
         return is_ours
 
     def overdue_s(self, now_s: float, mode: Mode) -> float | None:
-        """Takes the mode; the time after which the goal has failed, None while it has not."""
+        """Takes the mode; returns the time after which the goal has failed, None while it has
+        not."""
         approach = APPROACHES[self.goal]
         if mode in approach.underway:
             self.underway_s = now_s
@@ -144,9 +148,9 @@ def _set_mode(mode: Mode) -> Parameters:
 
 
 def _has_climbed(state: VehicleState) -> bool:
-    """Returns whether AUTO.TAKEOFF has ended: hold was heard after the vehicle had left the ground.
+    """Whether AUTO.TAKEOFF has ended: hold was heard after the vehicle had left the ground.
 
-    The mode heard last before that says nothing, as heartbeats may be lost on the way.
+    The previous mode is not used, as heartbeats may be lost.
     """
     return not state.is_landed and state.mode is Mode.LOITER and state.mode_s > state.landed_since_s
 

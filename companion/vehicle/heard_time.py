@@ -1,7 +1,7 @@
-"""A clock that runs while the autopilot is heard.
+"""A clock that runs only while the autopilot is heard.
 
-Goals and commands have their time in it: what cannot be heard cannot be observed, and a command to
-somebody who is not heard may take effect at any later time.
+Goals and commands are timed by it. Without hearing the autopilot nothing can be observed, and a
+command sent meanwhile might take effect at any later time.
 """
 
 from __future__ import annotations
@@ -9,38 +9,40 @@ from __future__ import annotations
 import math
 
 QUIET_S = 0.5
-"""Silence after which nothing is heard; a PX4 sends more than a hundred messages a second."""
+"""After this silence the autopilot counts as not heard; a PX4 sends over a hundred messages a
+second."""
 FOLLOWS_S = 5.0
-"""From the end of an interruption to the failsafe by which a loss of our stream is told."""
+"""A failsafe that reports the loss of our stream begins within this time of an interruption's
+end."""
 
 
 class Interruption:
-    """The end of the last time in which the autopilot was not heard, or nothing was done here.
+    """The end of the last time in which the autopilot was not heard, or this program paused.
 
-    A hold by a failsafe that follows soon is no decision of a pilot: it is the loss of our stream.
+    A failsafe's hold soon after that is the loss of our stream, not a pilot's decision.
     """
 
     def __init__(self) -> None:
         self._stepped_s = self._ended_s = -math.inf
 
     def step(self, now_s: float, is_quiet: bool) -> None:
-        """Once a tick; whether nothing is heard now."""
+        """Takes whether the autopilot is not heard now; once a tick."""
         if is_quiet or now_s - self._stepped_s >= QUIET_S:
             self._ended_s = now_s
         self._stepped_s = now_s
 
     def forget(self) -> None:
-        """What follows from now on does not follow from it."""
+        """Nothing that follows is attributed to the interruption."""
         self._ended_s = -math.inf
 
     @property
     def is_recent(self) -> bool:
-        """Whether a failsafe may follow from it."""
+        """Whether a failsafe may be due to the interruption."""
         return self._stepped_s - self._ended_s <= FOLLOWS_S
 
 
 class HeardTime:
-    """The time in which something was heard.
+    """The time in which the autopilot was heard.
 
     >>> time = HeardTime()
     >>> for now_s in (10.0, 10.25, 10.5, 10.75, 60.0):
@@ -49,8 +51,8 @@ class HeardTime:
     (0.75, True)
 
     Attributes:
-        seconds: of it, since the first step.
-        is_quiet: nothing is heard now.
+        seconds: that time, since the first step.
+        is_quiet: the autopilot is not heard now.
     """
 
     def __init__(self) -> None:
@@ -60,7 +62,7 @@ class HeardTime:
         self._stepped_s: float | None = None
 
     def step(self, now_s: float, is_heard: bool) -> None:
-        """Time has passed; whether something has arrived in it."""
+        """Advances the clock; `is_heard` says whether anything has arrived since the last step."""
         passed_s = now_s - (now_s if self._stepped_s is None else self._stepped_s)
         self._stepped_s = now_s
         if is_heard:

@@ -1,8 +1,9 @@
-"""What is known of one camera: whether it is there, what it has counted, what it may still make.
+"""What is known of one camera: its presence, its count of photos, what it may still make.
 
-Many cameras do not say that they are at work, and some need seconds for a photo. So a photo that
-was asked for, and of which nothing was heard, may still be made, for as long as one may take; but
-not by a camera that was heard before to say when it is at work, and says that it is idle.
+Many cameras do not say when they are at work, and some need seconds for a photo. So a photo that
+was asked for, and of which nothing was heard, may still be made for as long as one may take. The
+exception is a camera that has shown before that it says when it is at work, and says that it is
+idle.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from companion.mavlink.framing import Message
 from companion.vehicle.camera_port import ShotOwner
 
 ONLINE_S = 3.0
-"""So long after anything was heard of it a camera is there; a heartbeat comes each second."""
+"""A camera counts as present this long after its last message; a heartbeat comes each second."""
 RESEND_S = 2.0
-"""A camera that says when it is at work, and is idle then, has not heard what it was asked."""
+"""If a camera that says when it is at work is idle after this time, it did not get the request."""
 KEPT_INDICES, KEPT_MARKS = 1000, 100
 
 
@@ -26,9 +27,9 @@ class Mark:
     """A photo that was, or may have been, asked for.
 
     Attributes:
-        image_count: what the camera had counted before.
-        sent_s: when that was, at the latest.
-        until_s: so long it may still be made.
+        image_count: the camera's count before it.
+        sent_s: when it was asked for, at the latest.
+        until_s: until when it may still be made.
     """
 
     image_count: int
@@ -41,15 +42,15 @@ class KnownCamera:
     """What is known of one camera.
 
     Attributes:
-        heard_s: when anything was heard of it.
-        image_count: of its newest status, None before the first one.
-        is_idle: by that status.
+        heard_s: when its last message was heard.
+        image_count: count in its newest status; None before the first one.
+        is_idle: whether it is idle by that status.
         tells_work: a status has said that it is at work, while it made a photo of ours.
-        open: a photo that was asked for, and of which nothing is known; None without one.
-        status_s: when it was heard; never, where an image has come since.
-        sequence: the greatest number that a photo was asked for with.
-        marks: photos by what they are for.
-        indices: of its newest images.
+        open: a photo that was asked for, with unknown result; None without one.
+        status_s: when the status was heard; -inf if an image has come since.
+        sequence: greatest number with which a photo was asked for.
+        marks: photos, by what they are for.
+        indices: those of its newest images.
     """
 
     component: int
@@ -64,16 +65,16 @@ class KnownCamera:
     indices: deque[int] = field(default_factory=lambda: deque(maxlen=KEPT_INDICES))
 
     def absence(self, now_s: float) -> str | None:
-        """That it is not there, in words; None if it is."""
+        """A sentence if the camera is not present; None if it is."""
         if now_s - self.heard_s <= ONLINE_S:
             return None
         silent = f"for {now_s - self.heard_s:.0f} s" if self.heard_s > -math.inf else "yet"
         return f"the camera (component {self.component}) is offline: nothing heard {silent}"
 
     def mark(self, owner: ShotOwner, image_count: int, now_s: float, longest_s: float) -> None:
-        """A photo is, or may have been, asked for, which may take so long.
+        """Notes that a photo is, or may have been, asked for, which takes `longest_s` at most.
 
-        What others have asked for was not made, where the count has not risen since.
+        Marks of other photos are dropped if the count has not risen since: these were not made.
         """
         self.marks = {
             other: mark
@@ -85,11 +86,11 @@ class KnownCamera:
             del self.marks[next(iter(self.marks))]
 
     def settle(self) -> None:
-        """What was asked for was made, or is not made any more."""
+        """The result of the open photo is known."""
         self.open = None
 
     def take_image(self, index: int, is_good: bool) -> None:
-        """An image is there, or has failed, whoever has asked for it."""
+        """Takes note that an image was captured or has failed, whoever asked for it."""
         if self.open is not None and (not is_good or index >= self.open.image_count):
             self.settle()
         if is_good:
@@ -106,7 +107,9 @@ class KnownCamera:
                 self.settle()
 
     def may_be_asked(self, may_repeat: bool) -> bool:
-        """Whether the newest status says that no photo is under way; rules 4 and 5."""
+        """Whether the newest status shows that no photo is under way; rules 4 and 5 of
+        `photo_shot.py`.
+        """
         if self.open is None or not self.is_idle:
             return self.is_idle
         is_told = self.tells_work or may_repeat

@@ -1,12 +1,12 @@
-"""Where missions in metres begin on autopilots that were not restarted, in other programs' flights.
+"""Remembers where other runs of the program laid the frames of missions in metres, per autopilot.
 
-The first sortie lays the mission's frame where its vehicle stands (mission_frame.py), and later
-ones keep it. A vehicle that has landed stands up to a metre beside home. A program started anew
-would lay the frame there, and all walls with it. So it goes on with the frame of the program
-before, for as long as the autopilot's local frame is the same: until the autopilot is restarted.
+The first sortie lays the mission's frame where its vehicle stands (mission_frame.py); later sorties
+keep it. After a landing the vehicle stands up to a metre beside home. A program that starts then
+would lay the frame there, and all walls with it. So it continues with the earlier frame for as long
+as the autopilot's local frame stays the same: until the autopilot restarts.
 
-An autopilot is known again by its system id and by when it booted. That is reckoned by the
-computer's own clock, which is asked for here: one that no user and no network sets.
+An autopilot is recognized by its system id and its boot time. The boot time is computed with the
+computer's own clock, which is passed in here; neither users nor the network may set it.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from companion.vehicle.mission_frame import LaidHome, MissionFrame
 
 SAME_BOOT_S = 10.0
-"""Two reckonings of one boot differ by less: clocks that drift apart by 100 millionths for a day,
-or by 2 %, as that of a simulated autopilot on a busy machine, for eight minutes between two
-sorties. What lies between two boots takes longer: a flight."""
+"""Two estimates of one boot time differ by less: clocks drift apart by 100 parts per million for a
+day, or by 2 %, as that of a simulated autopilot on a busy machine, for eight minutes between two
+sorties. Between two boots lies more time: a flight."""
 MOST_FRAMES = 16
 """The newest ones are remembered."""
 
@@ -31,7 +31,7 @@ class LaidFrame:
     Attributes:
         system: MAVLink system id of the vehicle.
         booted_s: when its autopilot booted, by the computer's clock.
-        laid: where.
+        laid: where the frame is.
     """
 
     system: int
@@ -40,12 +40,12 @@ class LaidFrame:
 
 
 class LaidFrames:
-    """The frames that were laid, oldest first.
+    """All frames that were laid, oldest first.
 
     Args:
-        clock: of the computer, seconds.
-        laid: by other programs.
-        keep: told of all of them when there is a new one.
+        clock: the computer's clock, seconds.
+        laid: the frames that other runs have laid.
+        keep: called with all of them when one is added.
     """
 
     def __init__(
@@ -59,18 +59,19 @@ class LaidFrames:
         self._keep = keep
 
     def recall(self, frame: MissionFrame, system: int, boot_s: float) -> None:
-        """A frame that is not laid yet goes on where it was laid on this autopilot, if it was.
+        """If the frame is not laid yet, lays it where it was laid on this autopilot before, if it
+        was.
 
         Args:
             frame: of the mission.
             system: the vehicle's.
-            boot_s: since its autopilot booted.
+            boot_s: time since its autopilot's boot.
         """
         if not frame.is_laid and (known := self._of(system, boot_s)) is not None:
             frame.recall(known.laid)
 
     def note(self, frame: MissionFrame, system: int, boot_s: float) -> None:
-        """A frame is laid; one of a mission in latitude and longitude needs no memory."""
+        """Remembers a frame that was laid; missions in latitude and longitude need no memory."""
         if (laid := frame.laid) is None:
             return
         known = self._of(system, boot_s)

@@ -1,14 +1,13 @@
-"""The door of the flight side: bytes to and from one vehicle. Everything else is a pure step.
+"""The door of the flight side: carries bytes to and from one vehicle. All other modules are pure.
 
-`endpoints.py` says which links there are, `transport.py` carries the bytes. What is heard decides
-who is answered: the autopilot that sends heartbeats (`autopilot_address.py`). Where the other end
-is known beforehand, a heartbeat of the companion calls it once a second until it was heard: it may
-wait to be spoken to.
-
-From one `send` to the next is a step of the loop. What is received in it is bounded, whatever
-arrives (`companion/mavlink/intake.py`); the address that is sent to has a share of its own. With a
-key, frames are signed and verified here (`companion/mavlink/signing.py`), before anything is
-learned from them.
+1. `endpoints.py` lists the kinds of links; `transport.py` carries the bytes.
+2. Answers go to the autopilot that sends heartbeats (`autopilot_address.py`). If the other end is
+   known beforehand, the companion calls it with one heartbeat a second until it is heard, as it may
+   wait to be spoken to.
+3. A step of the loop lasts from one `send` to the next. Whatever arrives, what is received in a
+   step is bounded (`companion/mavlink/intake.py`); the address that is sent to has its own share.
+4. With a key, frames are signed and verified here (`companion/mavlink/signing.py`), before anything
+   is learned from them.
 """
 
 from __future__ import annotations
@@ -29,21 +28,22 @@ from companion.vehicle.wire import COMPONENT
 
 MAVLINK2_MAGIC = b"\xfd"
 HOSTS_NAMED = 8
-"""So many that were heard are named; a flood may come from any number."""
+"""Number of senders that are named; a flood may come from any number."""
 CALL_S = 1.0
 CALLED_SYSTEM = 1
-"""Whose companion calls, while the system is not known; PX4's default."""
+"""The system id used to call a vehicle whose id is not known; PX4's default."""
 
 log = logging.getLogger(__name__)
 
 
 class Link:
-    """Datagrams to and from one vehicle.
+    """Sends datagrams to one vehicle and receives its datagrams.
 
     Args:
         endpoint: our end of the link.
         signing: signs and verifies the frames; None for a link without signatures.
-        calls: it is a companion's; what carries the words of others has none of its own.
+        calls: whether it belongs to a companion, which calls the vehicle; one that only forwards
+            does not.
 
     Raises:
         LinkError: the port cannot be opened.
@@ -64,7 +64,7 @@ class Link:
         self.transport: Transport = open_transport(endpoint)
 
     def receive(self) -> list[bytes]:
-        """The datagrams that have arrived, as far as this step takes them in."""
+        """The datagrams that have arrived, up to the limits of a step."""
         datagrams: list[bytes] = []
         for datagram, sender in self.transport.receive():
             if self._intake.takes(sender, datagram, self._peer):
@@ -75,16 +75,18 @@ class Link:
         return datagrams
 
     def discard(self) -> None:
-        """Drops what has arrived so far, as it speaks of the past."""
+        """Drops what has arrived so far, as it is out of date."""
         self.transport.discard()
 
     def send(self, datagrams: list[bytes]) -> None:
-        """Sends to the vehicle; what the network does not take is lost, as on a radio."""
+        """Begins a step and sends to the vehicle; what the network does not take is lost, as on a
+        radio.
+        """
         self._intake.begin_step()
         self.answer([*self._call(), *datagrams])
 
     def answer(self, datagrams: list[bytes]) -> None:
-        """Sends within a step: what is taken in is still bounded by where the step began."""
+        """Sends within a step, without beginning a new one."""
         address = self._peer
         if address is None:
             return
@@ -119,11 +121,13 @@ class Link:
             log.debug("first datagram from %s:%d, %d bytes", *sender, len(datagram))
 
     def wait(self, timeout_s: float) -> bool:
-        """Waits until something has arrived, at most so many wall-clock seconds; whether it has."""
+        """Waits until something arrives, at most `timeout_s` of wall-clock time; returns whether it
+        has.
+        """
         return self.transport.wait(timeout_s)
 
     def news(self) -> list[FlightEvent]:
-        """What has become of the line, and how much was dropped and refused, when that is news."""
+        """What became of the line, and how much was dropped and refused, if that is news."""
         events = self.transport.news()
         if dropped := self._intake.news():
             events.append(DatagramsDropped(dropped))

@@ -1,7 +1,7 @@
-"""Sightings of landing markers (LANDING_TARGET), placed in the mission's frame.
+"""Converts sightings of landing markers (LANDING_TARGET) to positions in the mission's frame.
 
-A detector on board sends them, stamped with the autopilot's time since boot, which it knows by
-TIMESYNC. Understood are:
+A detector on board sends them. It stamps them with the autopilot's time since boot, which it knows
+by TIMESYNC. These forms are accepted:
 
     position_valid 1, MAV_FRAME_LOCAL_NED      where the marker is in the autopilot's local frame
     position_valid 1, MAV_FRAME_BODY_FRD       from the vehicle to the marker, along the body's axes
@@ -9,10 +9,11 @@ TIMESYNC. Understood are:
     position_valid 0, with a distance          angles from the middle of the image of a camera that
                                                looks down: angle_x to the right, angle_y backwards
 
-All else is refused, with words: other frames, angles without a distance (they ask for a height
-above the marker, which nobody has measured), numbers that are not finite, a component that the
-mission does not name, a sighting from more than OLD_S ago. A stamp more than APART_S from the
-autopilot's time is of another clock; what bears it is taken to be as old as the newest position.
+Everything else is refused, with a reason: other frames; angles without a distance (they would need
+the height above the marker, which nobody has measured); numbers that are not finite; a component
+that the mission does not name; a sighting more than OLD_S old. A stamp more than APART_S from the
+autopilot's time comes from another clock; such a sighting is taken to be as old as the newest
+position.
 
 Source: common.xml; https://mavlink.io/en/services/landing_target.html.
 """
@@ -33,27 +34,27 @@ from companion.vehicle.telemetry import Telemetry
 OLD_S = 0.5
 APART_S = 5.0
 FAR_M = 100.0
-"""Nothing is seen from farther away."""
+"""A marker is not seen from farther away."""
 MOST = 40
-"""Sightings that are looked at in a tick of 50 ms."""
+"""Sightings that are evaluated in a tick of 50 ms."""
 MESSAGE = "LANDING_TARGET"
 
 
 _IS_LEVEL = {dialect.MAV_FRAME_BODY_FRD: False, dialect.MAV_FRAME_LOCAL_FRD: True}
-"""Frames about the vehicle, and whether their axes are turned by the heading alone."""
+"""Frames relative to the vehicle -> whether they are turned by the heading only."""
 
 
 class MarkerSightings:
-    """What was seen of markers; a service of the vehicle, and `port.Markers`.
+    """Sightings of markers; a service of the vehicle, and `port.Markers`.
 
     Args:
         telemetry: of the vehicle.
-        components: ids of the components that are believed.
-        poses: of the vehicle, by its autopilot's time since boot.
+        components: ids of the components whose sightings are accepted.
+        poses: of the vehicle, by the autopilot's time since boot.
 
     Attributes:
         seen: sightings since the tick before, in order.
-        refused: why others were not taken.
+        refused: why others were refused.
     """
 
     wanted = frozenset({MESSAGE})
@@ -69,11 +70,11 @@ class MarkerSightings:
         self._poses = poses
 
     def step(self, moment: Moment) -> None:
-        """What was seen before is old."""
+        """Drops the sightings of the previous tick."""
         self.seen, self.refused = [], []
 
     def take(self, moment: Moment, message: Message) -> None:
-        """A sighting."""
+        """Takes a sighting."""
         if len(self.seen) + len(self.refused) >= MOST:
             return
         outcome = self._read(moment, source(message)[1], message)
@@ -83,11 +84,11 @@ class MarkerSightings:
             self.seen.append(outcome)
 
     def due(self, moment: Moment) -> list[Message]:
-        """Nothing is asked for."""
+        """Nothing; this service only listens."""
         return []
 
     def release(self) -> None:
-        """What was seen is forgotten."""
+        """Drops all sightings."""
         self.seen, self.refused = [], []
 
     def _read(self, moment: Moment, component: int, message: Message) -> MarkerSighting | Refusal:
@@ -134,22 +135,22 @@ class MarkerSightings:
 
 
 def _ray(right_rad: float, back_rad: float, distance_m: float) -> Ned:
-    """Forward, right and down to what a camera sees that looks down."""
+    """Forward, right and down from a camera that looks down to what it sees."""
     forward, right = -math.tan(back_rad), math.tan(right_rad)
     scale = distance_m / math.hypot(forward, right, 1.0)
     return (forward * scale, right * scale, scale)
 
 
 def turned(body: Ned, euler: Ned, is_level: bool) -> Ned:
-    """A vector along the body's axes in north, east, down.
+    """Turns a vector from body axes to north, east, down.
 
     >>> [round(x, 3) for x in turned((1.0, 0.0, 0.0), (0.0, 0.0, math.pi / 2), is_level=False)]
     [0.0, 1.0, 0.0]
 
     Args:
         body: forward, right, down.
-        euler: roll, pitch, yaw.
-        is_level: the axes are turned by the yaw alone.
+        euler: roll, pitch, yaw; rad.
+        is_level: turn by the yaw only.
     """
     roll, pitch, yaw = (0.0, 0.0, euler[2]) if is_level else euler
     x, y, z = body

@@ -1,13 +1,13 @@
-"""Fetches the metadata of the autopilot's events from the autopilot. No I/O.
+"""Fetches the metadata of an autopilot's events from that autopilot. No I/O.
 
-The autopilot is asked where its general metadata is (COMPONENT_METADATA), that file names the one
-of its events, and both are read over MAVLink FTP. What fails is tried again after PAUSE_S, ATTEMPTS
-times in all. Their checksums are for caches, and not looked at: PX4 tells that of a file before it
-was packed, and a packed file has its own.
-
-It takes a second or two, and is done only while the vehicle stands disarmed: it waits for nobody,
-and nobody for it. A vehicle that is armed sooner has no words until it is disarmed again. The
-second file is unpacked and read in one go (12 ms for PX4 v1.16).
+1. The autopilot is asked where its general metadata is (COMPONENT_METADATA). That file names the
+   file about events. Both are read over MAVLink FTP.
+2. A failed attempt is repeated after PAUSE_S, up to ATTEMPTS in all.
+3. Checksums are ignored. They exist for caches; and PX4 sends that of the unpacked file, though the
+   packed file has another one.
+4. It takes a second or two, only happens while the vehicle stands disarmed, and nothing waits for
+   it. If the vehicle is armed sooner, the words stay unknown until it is disarmed again.
+5. The second file is unpacked and read in one step (12 ms for PX4 v1.16).
 
 Source: https://mavlink.io/en/services/component_information.html.
 """
@@ -38,10 +38,10 @@ log = logging.getLogger(__name__)
 
 
 class MetadataFetch:
-    """Fetches until it has the metadata, or has given up.
+    """Fetches the metadata, until it succeeds or gives up.
 
     Attributes:
-        metadata: of the events, once it is there.
+        metadata: of the events; None until it was read.
     """
 
     def __init__(self) -> None:
@@ -54,11 +54,11 @@ class MetadataFetch:
 
     @property
     def has_given_up(self) -> bool:
-        """Whether the words stay unknown."""
+        """Whether the words will stay unknown."""
         return self.metadata is None and self._attempts >= ATTEMPTS
 
     def due(self, now_s: float, target: tuple[int, int]) -> list[Message]:
-        """What to send now to (system, component); nothing once it has ended."""
+        """The messages to send now to (system, component); none once it has ended."""
         if self.metadata is not None or self.has_given_up:
             return []
         reading = self._reading
@@ -73,7 +73,7 @@ class MetadataFetch:
         ]
 
     def interrupt(self) -> None:
-        """The vehicle is armed: what was under way begins anew when it is not."""
+        """Stops because the vehicle is armed; the attempt starts anew when it is not."""
         if self._reading is not None:
             self._sequence = self._reading.sequence + 1
         self._reading, self._asked = None, 0
@@ -104,7 +104,7 @@ class MetadataFetch:
         if path == uri:
             self._fail(now_s, f"it is not on the vehicle: {uri[:100]}")
             return
-        if path.startswith("[;comp="):  # of this autopilot, who else would name it
+        if path.startswith("[;comp="):  # only this autopilot would name it
             path = path.partition("]")[2]
         self._is_general = is_general
         self._reading = FileReading(path, MOST_FILE_BYTES, self._sequence)

@@ -1,21 +1,22 @@
-"""Where the mission's frame lies in the autopilot's local frame.
+"""Converts positions between the mission's frame and the autopilot's local frame.
 
 A mission in metres: its origin is the home position, at first that of the first HOME_POSITION
-heard. That is one sample of an estimate, and PX4 takes another one when it arms; both are off by
-what the estimate wanders. So the frame settles before the first sortie: the vehicle stands where
-the mission begins, and the mean of where it is heard to stand is laid there. After that the frame
-is kept for good, whatever HOME_POSITION says: the walls of the map do not move where the vehicle
-lands and arms again, nor where another program goes on with it (laid_frames.py). Only what the
-vehicle sees of these walls moves it, by what the position is wrong by (surroundings.py).
+heard. That is one sample of an estimate. PX4 takes another sample when it arms, and both are off by
+as much as the estimate wanders. So the frame settles before the first sortie: it is laid so that
+the place where the mission begins lies at the mean of the vehicle's positions while it stands
+there. From then on the frame is kept, whatever HOME_POSITION says: the walls of the map do not move
+when the vehicle lands and arms again, nor when another run of the program continues
+(laid_frames.py). Only what the vehicle sees of these walls moves the frame, by the error of its
+position (surroundings.py).
 
-A mission in latitude and longitude: its origin is where its file says (its anchor), at the height
-at which the vehicle stands when it begins. Each position is taken from one frame to the other by
-way of the earth, for the projections about two points differ by more than a shift. That needs the
-autopilot's own origin (origin_watch.py).
+A mission in latitude and longitude: the file gives its origin (its anchor). Its height is that of
+the standing vehicle when the mission begins. Positions are converted by way of the earth, as the
+projections around two points differ by more than a shift. This needs the origin of the autopilot's
+local frame (origin_watch.py).
 
-Where the autopilot lays another origin, in flight or on the ground, the mission's frame stays where
-it is on the earth. Directions are not turned: between two origins 10 km apart they differ by 0.16
-degrees at a latitude of 60.
+If the autopilot moves its origin, in flight or on the ground, the mission's frame stays where it is
+on the earth. Directions are not turned: between two origins 10 km apart they differ by 0.16 degrees
+at a latitude of 60.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ from companion.geometry import GlobalOrigin, Ned, NorthEast, distance, horizonta
 from companion.motion.position_error import EXACT_M
 
 SETTLING_S = 10.0
-"""Time over which the standing vehicle's position is averaged."""
+"""Time over which the position of the standing vehicle is averaged."""
 SETTLED_M = 0.05
-"""A vehicle this near to where it should stand moves no frame."""
+"""If the vehicle stands this close to where it should, the frame is not moved."""
 MOVED_M = 1.0
-"""A jump from the mean: the vehicle was carried there, and the averaging begins anew."""
+"""A jump this far from the mean: the vehicle was carried, and averaging starts anew."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +41,8 @@ class LaidHome:
 
     Attributes:
         local: its origin, in the autopilot's local frame.
-        altitude_m: of that above mean sea level.
-        reference: where the local frame lay on the earth; None where that was not known.
+        altitude_m: of that origin, above mean sea level.
+        reference: where the local frame was on the earth; None if not known.
     """
 
     local: Ned
@@ -53,10 +54,11 @@ class MissionFrame:
     """The mission's frame.
 
     Attributes:
-        altitude_m: of its origin above mean sea level.
-        anchor: where its origin lies on the earth, if the mission says so.
-        reference: where that of the autopilot's local frame lies; None until that is known.
-        is_laid: whether one in metres lies where it stays.
+        altitude_m: of its origin, above mean sea level.
+        anchor: where its origin is on the earth, if the mission says so.
+        reference: where the origin of the autopilot's local frame is on the earth; None until
+            known.
+        is_laid: whether a frame in metres is where it will stay.
     """
 
     def __init__(self) -> None:
@@ -72,7 +74,7 @@ class MissionFrame:
 
     @property
     def is_known(self) -> bool:
-        """Whether positions can be taken from one frame to the other."""
+        """Whether positions can be converted."""
         return self._home is not None and (self.anchor is None or self.reference is not None)
 
     @property
@@ -82,16 +84,16 @@ class MissionFrame:
 
     @property
     def origin(self) -> Ned | None:
-        """In the autopilot's local frame; None until it is known."""
+        """Its origin in the autopilot's local frame; None until known."""
         return self.local((0.0, 0.0, 0.0)) if self.is_known else None
 
     def position(self, local: Ned) -> Ned:
-        """A position of the autopilot's local frame in the mission's."""
+        """Converts a position from the autopilot's local frame to the mission's."""
         north, east, down = self._unshifted(local)
         return (north + self._shift[0], east + self._shift[1], down)
 
     def local(self, position: Ned) -> Ned:
-        """A position of the mission's frame in the autopilot's local frame."""
+        """Converts a position from the mission's frame to the autopilot's local frame."""
         north, east, down = position
         there = (north - self._shift[0], east - self._shift[1], down)
         if self.anchor is not None and self.reference is not None:
@@ -111,36 +113,39 @@ class MissionFrame:
 
     @property
     def zero(self) -> GlobalOrigin | None:
-        """Where its origin lies on the earth; None where that is not known."""
+        """Where its origin is on the earth; None if not known."""
         if self.reference is None or not self.is_known:
             return None
         return GlobalOrigin(*self.reference.to_global(self.local((0.0, 0.0, 0.0))))
 
     def on_earth(self, point: NorthEast) -> tuple[float, float] | None:
-        """Latitude and longitude of a point, as the autopilot reckons; None where not known."""
+        """Latitude and longitude of a point, by the autopilot's projection; None if not known."""
         if self.reference is None or not self.is_known:
             return None
         return self.reference.to_global(self.local((*point, 0.0)))[:2]
 
     def from_earth(self, latitude_deg: float, longitude_deg: float) -> NorthEast | None:
-        """North and east of a point on the earth, the other way round; None where not known."""
+        """North and east of a point on the earth, the reverse of `on_earth`; None if not known."""
         if self.reference is None or not self.is_known:
             return None
         there = self.reference.to_local(latitude_deg, longitude_deg, self.reference.altitude_m)
         return self.position(there)[:2]
 
     def anchor_at(self, anchor: GlobalOrigin | None) -> None:
-        """A mission begins whose origin lies there; None where the vehicle stands."""
+        """Begins a mission with this origin; None if the mission begins where the vehicle
+        stands."""
         if anchor != self.anchor:
             self.anchor, self._shift = anchor, (0.0, 0.0)
 
     def take_home(self, home: Ned, altitude_m: float) -> None:
-        """Takes a HOME_POSITION; the first alone counts."""
+        """Takes a HOME_POSITION; only the first one counts."""
         if self._home is None:
             self._home, self.altitude_m = home, altitude_m
 
     def take_reference(self, reference: GlobalOrigin) -> None:
-        """The autopilot's local frame lies there; what is known in the one before moves along."""
+        """Takes where the autopilot's local frame is on the earth; home is converted to the new
+        frame.
+        """
         before, self.reference = self.reference, reference
         if before is not None:
             self._mean = None
@@ -163,7 +168,7 @@ class MissionFrame:
 
         Args:
             place: in the mission's frame.
-            accuracy_m: of the position, as the autopilot tells it.
+            accuracy_m: of the position, as the autopilot reports it.
         """
         if self._mean is None or not self.is_known:
             return None
@@ -176,14 +181,14 @@ class MissionFrame:
 
     @property
     def is_settling(self) -> bool:
-        """Whether the mean of where the vehicle stands is of too short a time yet."""
+        """Whether the vehicle's position has been averaged for too short a time."""
         return self._mean is not None and self._heard_s - self._since_s < SETTLING_S
 
     def lay(self, place: Ned) -> None:
-        """The vehicle stands at a place, and a sortie begins: moves the frame so that this is so.
+        """Moves the frame so that the vehicle stands at a place, when a sortie begins.
 
-        A frame in metres is moved the first time only. One that lies where the file says takes its
-        height alone, each time: what GPS calls a height drifts by metres in an hour.
+        A frame in metres is moved only the first time. For one that lies where the file says, only
+        the height is set, each time: the height by GPS drifts by metres in an hour.
         """
         if self._mean is None or not self.is_known:
             return
@@ -198,23 +203,23 @@ class MissionFrame:
 
     @property
     def laid(self) -> LaidHome | None:
-        """Where it was laid; None for a mission that lies where its file says."""
+        """Where it was laid; None if the file says where it lies."""
         if self.anchor is not None or self._home is None or not self.is_laid:
             return None
         return LaidHome(self._home, self.altitude_m, self.reference)
 
     @property
     def is_fixed(self) -> bool:
-        """Whether it lies where it does wherever the vehicle stands when a sortie begins."""
+        """Whether it lies where it does, wherever the vehicle stands when a sortie begins."""
         return self.is_laid or self.anchor is not None
 
     @property
     def is_recalled(self) -> bool:
-        """Whether the mission begins where another program has laid its frame."""
+        """Whether the frame is the one that another run of the program has laid."""
         return self._is_recalled and self.anchor is None
 
     def recall(self, laid: LaidHome) -> None:
-        """The frame is where another program has laid it, before this one began."""
+        """Lays the frame where another run of the program had laid it."""
         self.keep(laid.local, laid.altitude_m)
         self._is_recalled = True
         if laid.reference is None:
@@ -225,15 +230,15 @@ class MissionFrame:
             self._home = self.reference.to_local(*laid.reference.to_global(laid.local))
 
     def keep(self, origin: Ned, altitude_m: float) -> None:
-        """The frame is where it was laid in this flight, by another process."""
+        """Lays the frame where another process has laid it in this flight."""
         self._home, self.altitude_m, self.is_laid = origin, altitude_m, True
 
     def move(self, by: NorthEast, most_m: float) -> None:
-        """Positions in the frame become greater by so much; not before it lies anywhere for good.
+        """Adds a shift to all positions in the frame, once the frame is fixed.
 
         Args:
             by: north and east.
-            most_m: greatest distance from where it was laid.
+            most_m: greatest distance of the frame from where it was laid.
         """
         shift = (self._shift[0] + by[0], self._shift[1] + by[1])
         if self.is_fixed and math.hypot(*shift) <= most_m:

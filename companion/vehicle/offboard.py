@@ -1,22 +1,22 @@
 """A vehicle over MAVLink: messages in, state and signals out; goals and setpoints in, messages out.
 
-No I/O: everything leaves from one loop. So the setpoints stop when the program hangs, and the
-autopilot's own offboard-loss failsafe takes over. What ground stations say to this component is
-not for here (`ground/component.py`).
+No I/O: one loop sends everything. So if the program hangs, the setpoints stop, and the autopilot's
+own offboard-loss failsafe acts. Messages of ground stations to this component are handled elsewhere
+(`ground/component.py`).
 
 Rules:
-1. Other systems than the vehicle's are ignored.
-2. Every setpoint passes the gate (`gate.py`); nothing repeats a setpoint by itself.
-3. What else is spoken is spoken by services, each in a file of its own (`services.py`): payloads'
-   commands (`payload_commands.py`), our own goals' (`goal_pursuit.py`), the autopilot's fence
-   and rally points (`fence_service.py`, `rally_service.py`).
-4. A goal is pursued until it is observed (`goals.py`). While nothing is heard of the autopilot no
-   command is sent, and no goal's or command's time passes (`heard_time.py`).
+1. Systems other than the vehicle's are ignored.
+2. Every setpoint passes the gate (`gate.py`). Nothing repeats a setpoint by itself.
+3. Everything else is spoken by services, each in its own file (`services.py`): payloads' commands
+   (`payload_commands.py`), our own goals' (`goal_pursuit.py`), the autopilot's fence and rally
+   points (`fence_service.py`, `rally_service.py`).
+4. A goal is pursued until it is observed (`goals.py`). While the autopilot is not heard, no command
+   is sent, and no time of a goal or a command passes (`heard_time.py`).
 5. A mode that our goal does not pass through was chosen by somebody else, on the ground as in the
-   air. From the first heartbeat of it on nothing is streamed or commanded; once it is certain
-   (`control_watch.py`), not before an operator gives control back (`regain`).
-6. A mode that was heard too long ago is not known. Until the next heartbeat no goal is reached, and
-   nothing is asked for.
+   air. From its first heartbeat on nothing is streamed or commanded. Once it is certain
+   (`control_watch.py`), this holds until an operator gives control back (`regain`).
+6. A mode that was heard too long ago counts as unknown. Until the next heartbeat no goal is reached
+   and nothing is requested.
 
 Source: https://mavlink.io/en/services/command.html, PX4's offboard mode.
 """
@@ -64,29 +64,29 @@ from companion.vehicle.wire import AUTOPILOT, Wire
 SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
 SCAN = "OBSTACLE_DISTANCE"
 PROTOCOL = frozenset({"PARAM_VALUE", SCAN})
-"""Messages that are read here, beside those of telemetry and services."""
+"""Messages that are read here, besides those of telemetry and services."""
 
 CONTINUAL = frozenset({"ATTITUDE", "LOCAL_POSITION_NED", "GLOBAL_POSITION_INT"})
-"""Of those that arrive together only the newest is looked at."""
+"""If several of one kind arrive together, only the newest is read."""
 
 
 class MavlinkVehicle:
-    """Fulfils `port.Vehicle` over MAVLink 2, for one flight.
+    """Implements `port.Vehicle` over MAVLink 2, for one flight.
 
     Args:
-        wire: whose system it is.
-        telemetry: what its autopilot says; it may have been heard before this flight.
+        wire: of the vehicle's system.
+        telemetry: of its autopilot; it may have been heard before this flight.
         envelope: limits of the gate.
-        signals: what to hand on from the wire besides the state.
+        signals: signals to extract from messages, besides the state.
         takeoff_up_m: altitude above home to take off to.
-        marker_components: who is believed to see landing markers.
-        memory: of earlier flights; None for nothing yet.
+        marker_components: components whose sightings of landing markers are accepted.
+        memory: of earlier flights; None if there is none.
 
     Attributes:
-        scans: what was heard of the surroundings since the tick before, in order.
-        payloads: what skills have to do with payloads.
-        markers: what is seen of landing markers.
-        fence, rally: of the autopilot.
+        scans: range scans heard since the previous tick, in order.
+        payloads: the payloads that skills command.
+        markers: sightings of landing markers.
+        fence, rally: those of the autopilot.
         cameras: its cameras.
         gimbals: its gimbals.
     """
@@ -135,21 +135,21 @@ class MavlinkVehicle:
 
     @property
     def wanted(self) -> frozenset[str]:
-        """Names of the messages that are read here."""
+        """Names of the messages that are read."""
         return PROTOCOL.union(TELEMETRY, self.telling, self._takers)
 
     @property
     def continual(self) -> frozenset[str]:
-        """Of these, those of which only the newest counts."""
+        """Those of which only the newest counts."""
         return CONTINUAL - self.telling
 
     @property
     def telling(self) -> frozenset[str]:
-        """Of these, those with signals."""
+        """Those that contain signals."""
         return self._signals.messages
 
     def receive(self, now_s: float, messages: list[Message]) -> list[SignalReading]:
-        """Takes what arrived; returns the signals in it, in order."""
+        """Takes what has arrived; returns the signals in it, in order."""
         self._control.step(now_s)
         self._readings = []
         autopilot = (self._wire.system, AUTOPILOT)
@@ -164,12 +164,12 @@ class MavlinkVehicle:
         return self._readings
 
     def foresee(self, messages: list[Message]) -> list[SignalReading]:
-        """The signals in messages that are not taken yet."""
+        """The signals in messages that have not been taken yet."""
         ours = [message for message in messages if source(message)[0] == self._wire.system]
         return [reading for message in ours for reading in self._signals.read(message)]
 
     def transmit(self, now_s: float) -> list[Message]:
-        """What has to leave now: commands, questions, and at most one setpoint."""
+        """What to send now: commands, questions, and at most one setpoint."""
         moment = self._set_moment(now_s)
         is_ours = self._control.state is ControlState.OURS
         speaking = [s for s in self._services if is_ours or not s.needs_control]
@@ -189,7 +189,7 @@ class MavlinkVehicle:
 
     @property
     def state(self) -> VehicleState | None:
-        """The newest state, None until one has been heard."""
+        """The newest state; None until one has been heard."""
         return self._telemetry.state
 
     @property
@@ -199,64 +199,69 @@ class MavlinkVehicle:
 
     @property
     def is_doubted(self) -> bool:
-        """Whether control may be somebody else's, by the newest heartbeat; nothing is sent."""
+        """Whether, by the newest heartbeat, somebody else may have control; nothing is sent
+        meanwhile.
+        """
         return self._control.state is ControlState.DOUBTED
 
     @property
     def has_restarted(self) -> bool:
-        """Whether the autopilot has restarted since its first goal."""
+        """Whether the autopilot has restarted since the first goal."""
         before = self._restarts_before
         return before is not None and self._telemetry.boots.restarts > before
 
     @property
     def frame_doubt(self) -> Refusal | None:
-        """Why the position in the mission's frame is not known or not certain; None if it is."""
+        """Why the position in the mission's frame is unknown or uncertain; None if it is
+        certain."""
         return self._telemetry.frame_doubt
 
     @property
     def origin(self) -> GlobalOrigin | None:
-        """Where the autopilot's local frame lies on the earth; None where frames are not known."""
+        """Where the autopilot's local frame is on the earth; None while frames are not known."""
         return self._telemetry.origin
 
     @property
     def location(self) -> FrameLocation | None:
-        """Where the frames lie on the earth; None where that is not known."""
+        """Where the frames are on the earth; None if not known."""
         return self._telemetry.location
 
     @property
     def refusal(self) -> Refusal | None:
-        """Why a hold is sent in place of the setpoint; None while it is not."""
+        """Why a hold is sent in place of the setpoint; None if none is."""
         return self._stream.refusal
 
     def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
-        """Streams a setpoint from now on; it has to be renewed before its lease is over."""
+        """Streams a setpoint; the caller renews it before its lease ends."""
         self._stream.fly(setpoint, self._moment.now_s, is_for_task, is_landing)
 
     def set_speed_limit(self, speed_mps: float) -> None:
-        """The gate admits no faster setpoint from now on."""
+        """Sets the gate's speed limit."""
         self._stream.set_speed_limit(speed_mps)
 
     def keep_within(self, fence: KeptFence) -> None:
-        """The gate admits no setpoint outside a fence of the autopilot's from now on."""
+        """Lets the gate refuse setpoints outside a fence of the autopilot's from now on."""
         self._stream.keep_within(fence)
 
     def set_violated(self, is_violated: bool) -> None:
-        """The gate admits no setpoint of the task's plan while the task is violated."""
+        """While the task is violated, the gate refuses setpoints of its plan."""
         self._stream.set_violated(is_violated)
 
     def release(self) -> None:
-        """Streams nothing and asks for nothing any longer."""
+        """Stops streaming, and stops all requests."""
         self._stream.end()
         for service in self._services:
             service.release()
         self._control.settle()
 
     def regain(self) -> None:
-        """Takes back control that was lost; the operator has given it."""
+        """Takes back control, which the operator has given back."""
         self._control.regain()
 
     def pursue(self, goal: Goal, takeoff_up_m: float | None = None) -> Outcome:
-        """Works towards a goal; the caller asks in every tick until it is reached or has failed."""
+        """Works towards a goal; the caller calls it in every tick until the goal is reached or has
+        failed.
+        """
         if self.takeover is not None:
             return Failed(str(self.takeover))
         if self.state is None or self.is_doubted:
@@ -267,12 +272,12 @@ class MavlinkVehicle:
             self.gimbals.give_back()
         outcome = self._goals.pursue(goal, self.state, self._moment, takeoff_up_m)
         if outcome is Progress.DONE and goal is Goal.LANDED:
-            self._stream.end()  # OFFBOARD on the ground is not ours to stream in
+            self._stream.end()  # we do not stream to a vehicle in OFFBOARD on the ground
         return outcome
 
     @property
     def anchoring(self) -> Anchoring:
-        """What decides where home lies."""
+        """What determines where home is."""
         frame = self._telemetry.frame
         if frame.is_recalled:
             return Anchoring.RECALLED
@@ -284,15 +289,16 @@ class MavlinkVehicle:
 
     @property
     def is_settling(self) -> bool:
-        """Whether it is measured where the vehicle stands."""
+        """Whether the position of the standing vehicle is being averaged."""
         return self._telemetry.frame.is_known and self._telemetry.frame.is_settling
 
     def stand_at(self, place: Ned) -> None:
-        """Lays the mission's frame, before the first sortie."""
+        """Lays the mission's frame so that the vehicle stands at a place, before the first
+        sortie."""
         self._telemetry.stand_at(place)
 
     def parameter(self, name: str) -> float | None:
-        """A parameter of the autopilot; asks for it, and is None until it was answered."""
+        """A parameter of the autopilot; requests it, and returns None until it was answered."""
         return self._parameters.read(name)
 
     # -- in ------------------------------------------------------------------------------------
@@ -318,9 +324,10 @@ class MavlinkVehicle:
         self._readings += self._signals.read(message)
 
     def _is_believed(self, message: Message) -> bool:
-        """Rule 5, from the first goal on; what begins a doubt is not believed yet.
+        """Applies rule 5, from the first goal on; a heartbeat that begins a doubt is not believed
+        yet.
 
-        Before it no mode is another one: a pause of ours is over with the next heartbeat.
+        Before the first goal all modes are accepted, and the next heartbeat ends a doubt.
         """
         heartbeat = heartbeat_of(message)
         if self._goals.goal is None:

@@ -1,15 +1,17 @@
-"""Where the autopilot's local frame lies on the earth, and whether that is still true.
+"""Watches where the autopilot's local frame is on the earth, and whether that is still true.
 
-GPS_GLOBAL_ORIGIN tells it, when it changes and when it is asked for. PX4 takes another origin from
-anybody, also in flight: LOCAL_POSITION_NED jumps at once, and the message comes up to a second
-later, or never. What holds is seen by what the autopilot says of one position in both ways, there
-and in GLOBAL_POSITION_INT.
+GPS_GLOBAL_ORIGIN says where, when it changes and when it is requested. PX4 accepts another origin
+from anybody, also in flight: LOCAL_POSITION_NED then jumps at once, but the message comes up to a
+second later, or never. So the origin is checked against the two ways in which the autopilot reports
+one position: LOCAL_POSITION_NED and GLOBAL_POSITION_INT.
 
-1. The newest origin heard is in force from the moment on when both agree in it within AGREES_M.
-2. While they do not agree in the one in force, the position on the earth is not known: doubt.
-3. Both are compared at one time of the autopilot's clock, to which the velocity carries one on.
+1. The newest origin heard comes into force when both positions agree by it within AGREES_M.
+2. While both do not agree by the origin in force, the position on the earth is in doubt.
+3. Both are compared at the same time of the autopilot's clock; the velocity extrapolates one of
+   them.
 
-A jump of both is no doubt: the estimate was corrected, and the frame is where it was.
+If both positions jump together, there is no doubt: the estimate was corrected, and the frame has
+not moved.
 
 Sources: https://mavlink.io/en/messages/common.html#GPS_GLOBAL_ORIGIN; PX4 1.16,
 src/modules/ekf2/EKF/ekf_helper.cpp (setLatLonOrigin), src/modules/mavlink/streams.
@@ -23,9 +25,9 @@ from companion.geometry import GlobalOrigin, Ned, distance, moved
 from companion.mavlink.framing import Message, dialect
 
 AGREES_M = 1.0
-"""Both positions are rounded to centimetres; more than this is another frame."""
+"""Both positions are rounded to centimetres; a greater difference means another frame."""
 APART_S = 0.2
-"""Two positions further apart in time are not compared."""
+"""Positions further apart in time are not compared."""
 ASK_S = 1.0
 FEW = 5
 
@@ -37,9 +39,9 @@ class OriginWatch:
     """The origin of one autopilot's local frame.
 
     Attributes:
-        origin: in force; None until both positions have agreed in one.
-        residual_m: between both positions, in the newest origin heard, when last compared.
-        is_doubted: rule 2.
+        origin: the one in force; None until both positions have agreed by one.
+        residual_m: distance between both positions by the newest origin heard, when last compared.
+        is_doubted: by rule 2.
     """
 
     def __init__(self) -> None:
@@ -54,11 +56,11 @@ class OriginWatch:
 
     @property
     def altitude_m(self) -> float | None:
-        """Of the vehicle above mean sea level; None before it was heard."""
+        """The vehicle's altitude above mean sea level; None before it was heard."""
         return self._global[1][2] if self._global is not None else None
 
     def take_origin(self, message: Message) -> None:
-        """A GPS_GLOBAL_ORIGIN."""
+        """Takes a GPS_GLOBAL_ORIGIN."""
         self._heard = GlobalOrigin(
             latitude_deg=message.latitude / 1e7,
             longitude_deg=message.longitude / 1e7,
@@ -67,24 +69,24 @@ class OriginWatch:
         self._compare()
 
     def take_local(self, measured_s: float, position: Ned, velocity: Ned) -> None:
-        """A LOCAL_POSITION_NED, by the autopilot's clock."""
+        """Takes a LOCAL_POSITION_NED, measured at a time of the autopilot's clock."""
         self._local = (measured_s, position, velocity)
         self._compare()
 
     def take_global(self, message: Message) -> None:
-        """A GLOBAL_POSITION_INT."""
+        """Takes a GLOBAL_POSITION_INT."""
         degrees = message.lat / 1e7, message.lon / 1e7
         self._global = (message.time_boot_ms / 1e3, (*degrees, message.alt / 1e3))
         self._compare()
 
     def due(self, now_s: float, address: tuple[int, int], is_needed: bool) -> list[Message]:
-        """Asks for the origin, once in ASK_S.
+        """The request for the origin, once in ASK_S.
 
         Args:
             now_s: the time.
-            address: of the autopilot.
-            is_needed: the flight cannot go on without it; else it is asked for a few times, where a
-                global position is told, in case it moves in flight.
+            address: system and component of the autopilot.
+            is_needed: the flight cannot continue without it. Otherwise it is requested a few times
+                if a global position is heard, in case the origin moves in flight.
         """
         is_wanted = self.origin is None and self._global is not None and self._asked < FEW
         if now_s - self._asked_s < ASK_S or not (is_needed or is_wanted):

@@ -1,4 +1,4 @@
-"""What has become of something that takes time: it is running, done, or has failed for a reason."""
+"""What became of something that takes time: it is running, is done, or has failed for a reason."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import Enum
 
 
 class Progress(Enum):
-    """How far a goal or a command has come that has not failed."""
+    """A goal or a command that has not failed."""
 
     RUNNING = "running"
     DONE = "done"
@@ -15,10 +15,10 @@ class Progress(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """A goal is not reached, or a command not done, for a reason in words."""
+    """A goal was not reached, or a command not done; the reason is in words."""
 
     reason: str
 
 
 Outcome = Progress | Failed
-"""What has become of a goal or a command."""
+"""What became of a goal or a command."""

@@ -1,8 +1,9 @@
-"""Which fences and rally points of an autopilot are this companion's own, from earlier flights too.
+"""Remembers which fences and rally points this companion wrote to autopilots, also in earlier
+flights.
 
-They stay in the autopilot after the flight. The next mission may put its own in their place, since
-nobody else has drawn them. What a user has drawn is never taken for ours: it would have to be the
-same within centimetres.
+They stay in the autopilot after the flight. The next mission may replace them, since nobody else
+has drawn them. What a user has drawn is never taken for ours: it would have to be equal within
+centimetres.
 """
 
 from __future__ import annotations
@@ -14,18 +15,18 @@ from companion.mavlink.plan_transfer import PlanItem
 UploadedItems = tuple[PlanItem, ...]
 
 MOST_UPLOADS = 16
-"""The newest ones are remembered: of missions, and of vehicles that take turns."""
+"""The newest ones are remembered: of several missions, and of vehicles that take turns."""
 
 
 class OwnItems:
-    """What was written of one kind, oldest first.
+    """The uploads of one kind, oldest first.
 
     Args:
-        written: in other flights.
-        keep: told of all of them when there is a new one.
+        written: those of other flights.
+        keep: called with all of them when one is added.
 
     Attributes:
-        in_force: the items of which it is known that they are in force; None if nothing is.
+        in_force: the items known to be in force; None if none are.
     """
 
     def __init__(
@@ -43,7 +44,7 @@ class OwnItems:
         return tuple(self._written)
 
     def note(self, items: UploadedItems) -> None:
-        """Some are about to be written; until more is known nothing is in force."""
+        """Remembers items that are about to be written; until more is known, none are in force."""
         self.in_force = None
         if not items:
             return

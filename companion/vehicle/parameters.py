@@ -1,7 +1,7 @@
-"""Reads single parameters of the autopilot: ask until it answers. No I/O.
+"""Reads single parameters of the autopilot: requests each until it is answered. No I/O.
 
-Source: https://mavlink.io/en/services/parameter.html. PX4 does not answer for a name that it
-does not know.
+Source: https://mavlink.io/en/services/parameter.html. PX4 does not answer for a name that it does
+not know.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ log = logging.getLogger(__name__)
 
 
 class ParameterReader:
-    """The parameters that were asked for, and what was answered."""
+    """The parameters that were requested, and their answers."""
 
     def __init__(self) -> None:
         self._values: dict[str, float] = {}
@@ -31,7 +31,7 @@ class ParameterReader:
         return self._values.get(name)
 
     def take(self, message: Message) -> None:
-        """Takes over a PARAM_VALUE."""
+        """Takes a PARAM_VALUE."""
         is_known_type = message.param_type in (INT32, REAL32)
         if is_known_type and message.param_id in self._next_ask_s:
             del self._next_ask_s[message.param_id]
@@ -40,7 +40,7 @@ class ParameterReader:
             log.debug("parameter %s is %g", message.param_id, value)
 
     def due(self, now_s: float, target: tuple[int, int]) -> list[Message]:
-        """The questions to send now to (system, component)."""
+        """The requests to send now to (system, component)."""
         questions = []
         for name, next_ask_s in self._next_ask_s.items():
             if now_s >= next_ask_s:

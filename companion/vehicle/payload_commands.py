@@ -1,9 +1,11 @@
-"""The commands of skills to payloads, over MAVLink.
+"""Sends the commands of skills to payloads over MAVLink.
 
-1. A command passes the rules of `mavlink/payload_commands.py`, or it is never sent.
-2. Silence and absence are two things: who did not answer, and sends no heartbeat, is not there.
-3. While nothing is heard of the autopilot no command is sent, and no command's time passes.
-4. What is released is not sent any more, until somebody comes back to it; its answer counts.
+1. A command is sent only if the rules of `mavlink/payload_commands.py` allow it.
+2. Silence and absence are told apart: a component that did not answer and sends no heartbeat is
+   absent.
+3. While the autopilot is not heard, no command is sent, and no time of a command passes.
+4. A command that is left is not sent again until somebody comes back to it; its answer still
+   counts.
 
 Source: https://mavlink.io/en/services/command.html.
 """
@@ -21,15 +23,15 @@ from companion.vehicle.services import Moment
 from companion.vehicle.wire import COMPONENT, Wire
 
 ONLINE_S = 3.0
-"""Age of the newest heartbeat up to which a component is there; one comes each second."""
+"""A component is present if its newest heartbeat is not older; one comes each second."""
 NUMBERS: dict[str, int] = {entry.name: n for n, entry in dialect.enums["MAV_CMD"].items()}
 
 
 class PayloadCommands:
-    """Fulfils `port.Payloads`, and is a service of the vehicle.
+    """Implements `port.Payloads`; a service of the vehicle.
 
     Args:
-        wire: whose system the payloads belong to.
+        wire: of the system that the payloads belong to.
     """
 
     wanted = frozenset({"COMMAND_ACK", "HEARTBEAT"})
@@ -51,7 +53,7 @@ class PayloadCommands:
     def send(
         self, component: int, command: int, parameters: tuple[float, ...], timeout_s: float | None
     ) -> int:
-        """Starts a skill's command if payloads take it; returns its ticket."""
+        """Starts a command if payloads may receive it; returns its ticket."""
         p1, p2, p3, p4, p5, p6, p7 = (*parameters, *[0.0] * (7 - len(parameters)))
         target = (self._wire.system, component)
         ticket = self._commands.start(
@@ -70,20 +72,20 @@ class PayloadCommands:
         return Progress.DONE if exchange.result else Progress.RUNNING
 
     def leave(self, ticket: int) -> None:
-        """Sends a command no more for now; its answer still counts."""
+        """Stops sending a command for now; its answer still counts."""
         self._commands.leave(ticket)
 
     def come_back(self, ticket: int) -> None:
-        """Waits again for a command that was left."""
+        """Resumes a command that was left."""
         self._commands.come_back(ticket)
 
     def forget(self, ticket: int) -> None:
-        """Asks for a command no longer; one that is at work on it gets no other one meanwhile."""
+        """Drops a command; a component that still works on it gets no other with its number."""
         self._commands.abandon(ticket)
         self._targets.pop(ticket, None)
 
     def _absence(self, ticket: int, exchange: Exchange) -> str:
-        """That nobody is there to answer; "" if somebody is, or has answered."""
+        """Words that say that the component is absent; "" if it is present or has answered."""
         component = self._targets[ticket]
         heard_s = self._heartbeats_s.get(component, -math.inf)
         if (
@@ -97,11 +99,11 @@ class PayloadCommands:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Time has passed."""
+        """Notes the time."""
         self._heard_s = moment.heard_s
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes an answer to us, or a heartbeat."""
+        """Takes an answer to our commands, or a heartbeat."""
         if message.get_type() == "HEARTBEAT":
             self._heartbeats_s[source(message)[1]] = moment.heard_s
             return
@@ -113,5 +115,5 @@ class PayloadCommands:
         return [] if moment.is_quiet else self._commands.due(moment.heard_s)
 
     def release(self) -> None:
-        """Sends nothing any longer."""
+        """Stops sending all commands."""
         self._commands.leave_all()

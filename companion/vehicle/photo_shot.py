@@ -1,22 +1,22 @@
-"""One photo by the camera protocol, version 2: asked for once, and done when it is there. No I/O.
+"""Makes one photo by the camera protocol, version 2: asks once, and waits until it is made. No I/O.
 
 Rules:
-1. A camera that was not heard for ONLINE_S is not there, which is said at once.
-2. How many photos it has made is asked before the first one is asked for, and a busy camera waited
-   for. Who had asked for the same photo before, and does not know what has become of it, learns it
-   from that count: more photos, and it was made; as many, and it is asked for; fewer, and nobody
+1. A camera that was not heard for ONLINE_S is absent; the photo fails at once.
+2. Before the request the camera is asked for its count of photos; while it is busy, the photo
+   waits. If the same photo was asked for before with unknown result, the count decides: if it has
+   risen, the photo was made; if it is equal, the photo is asked for again; if it has fallen, nobody
    knows.
-3. Done is CAMERA_IMAGE_CAPTURED with capture_result 1 and an image_index that was not heard before,
-   or, as that message may be lost, a greater count.
-4. It is asked for once: a camera may take a second photo for an equal number, and the answer to the
-   first may be lost while it is at work. Again it is asked for once the camera has said that it is
-   idle and has counted no more, after
-   - TEMPORARILY_REJECTED, with a pause that grows: it has not taken it;
-   - RESEND_S without an answer, if it was heard before to say when it is at work, or if the skill
-     may be repeated.
-5. What was asked for, and of which nothing is known, may still be made for PHOTO_S, or the time of
-   its skill if that is more. As long no other photo is asked for, but by the exceptions of rule 4.
-6. A photo that is refused or has failed is not made. Why is asked of the camera's storage.
+3. The photo is made when a CAMERA_IMAGE_CAPTURED arrives with capture_result 1 and an image_index
+   that was not heard before; or, as that message may be lost, when the count has risen.
+4. The photo is asked for once: a camera may take a second one for the same number, and the answer
+   may be lost while it works. The request is repeated only when the camera has said that it is idle
+   and has counted no more, after
+   - TEMPORARILY_REJECTED, with a pause that grows: it did not accept the request;
+   - RESEND_S without an answer, if the camera has shown before that it says when it is at work,
+     or if the skill may be repeated.
+5. A photo that was asked for, with unknown result, may still be made for PHOTO_S, or for the time
+   of its skill if that is longer. Meanwhile no other photo is asked for, except by rule 4.
+6. If the photo is refused or fails, the camera's storage is asked for the cause.
 
     state      leads to
     COUNTING   READY by rule 2; ENDED
@@ -25,10 +25,10 @@ Rules:
     ANSWERED   FAILING by a refusal or a failed capture; ENDED
     FAILING    ENDED, with what the storage has to do with it
 
-It ends as made, or not made; from FAILING always as not made.
+A photo ends as made or not made; from FAILING always as not made.
 
-Times are those in which the autopilot is heard (`heard_time.py`).
-Source: https://mavlink.io/en/services/camera.html; the camera server of MAVSDK 4.1.
+Only time in which the autopilot is heard counts (`heard_time.py`). Source:
+https://mavlink.io/en/services/camera.html; the camera server of MAVSDK 4.1.
 """
 
 from __future__ import annotations
@@ -48,10 +48,10 @@ from companion.vehicle.camera_port import (
 from companion.vehicle.known_camera import RESEND_S, KnownCamera
 
 GRACE_S = 1.0
-"""What a camera that was not heard has to answer in, to be there after all."""
+"""A camera that was not heard may answer within this time, and then counts as present."""
 PHOTO_S = 15.0
-"""Time of a photo, where the skill does not say; and the longest that a camera needs for one, where
-the skill does not give it more."""
+"""Time for a photo if the skill gives none; also the longest that a camera is assumed to need,
+unless the skill gives it more."""
 FIRST_ASK_S, ASK_S, SELDOM_S = 0.15, 0.5, 2.0
 REJECTED_S, MOST_REJECTED_S = 1.0, 8.0
 STORAGE_S = 1.5
@@ -67,7 +67,7 @@ REQUEST, OLD_REQUEST = (
 
 
 class ShotState(Enum):
-    """How far a photo has come."""
+    """The states of a photo."""
 
     COUNTING = auto()
     READY = auto()
@@ -81,9 +81,9 @@ class PhotoShot:
     """One photo.
 
     Args:
-        camera: that makes it.
+        camera: makes it.
         owner: what it is for.
-        timeout_s: time for all of it, from its first step on.
+        timeout_s: time for the whole procedure, from the first step on.
         may_repeat: a second photo does no harm.
     """
 
@@ -108,11 +108,11 @@ class PhotoShot:
 
     @property
     def outcome(self) -> ShotOutcome:
-        """What has become of it."""
+        """What became of the photo."""
         return self._outcome
 
     def shoot(self, now_s: float) -> None:
-        """It is asked for from now on."""
+        """Asks for the photo from now on."""
         if self._state is not ShotState.READY:
             return
         self._state, self._outcome = ShotState.ASKED, None
@@ -126,7 +126,7 @@ class PhotoShot:
     # -- in ------------------------------------------------------------------------------------
 
     def step(self, now_s: float) -> None:
-        """Time has passed, and what has come since is known of the camera."""
+        """Advances the photo, with what is known of the camera by now."""
         if self._begun_s is None:
             self._begun_s = now_s
         if self._state is ShotState.COUNTING:
@@ -141,7 +141,7 @@ class PhotoShot:
             self._end(NoPhoto(self._overdue(now_s)))
 
     def take_answer(self, now_s: float, ack: Message) -> None:
-        """Takes the answer to our asking for a photo."""
+        """Takes the answer to our request for a photo."""
         if self._state not in (ShotState.ASKED, ShotState.ANSWERED):
             return
         result = result_name(ack.result)
@@ -186,7 +186,7 @@ class PhotoShot:
     # -- out -----------------------------------------------------------------------------------
 
     def due(self, now_s: float, system: int) -> list[Message]:
-        """What has to be sent now."""
+        """What to send now."""
         is_asking = self._is_under_way or self._state is ShotState.FAILING
         if self._state is ShotState.ASKED and now_s >= self._next_send_s:
             self._next_send_s, self._next_ask_s = math.inf, now_s + FIRST_ASK_S
@@ -213,7 +213,7 @@ class PhotoShot:
         return self._state in (ShotState.COUNTING, ShotState.ASKED, ShotState.ANSWERED)
 
     def _count_photos(self, now_s: float) -> None:
-        """Rules 1 and 2."""
+        """Applies rules 1 and 2."""
         camera, mark = self.camera, self.camera.marks.get(self._owner)
         begun_s = now_s if self._begun_s is None else self._begun_s
         if now_s - begun_s >= GRACE_S and (absence := camera.absence(now_s)):
@@ -232,7 +232,7 @@ class PhotoShot:
             self._state, self._outcome = ShotState.READY, ShotReady(self._sequence, count)
 
     def _look_for_photo(self) -> None:
-        """What the camera's count says of a photo of which no message tells: rules 3 and 4."""
+        """Applies rules 3 and 4 to the camera's count, for a photo whose message may be lost."""
         camera, count = self.camera, self.camera.image_count
         if not self._sent or count is None:
             return
@@ -252,7 +252,7 @@ class PhotoShot:
         self._state, self._outcome = ShotState.ENDED, outcome
 
     def _overdue(self, now_s: float) -> str:
-        """Why there is no photo after all of its time."""
+        """Why there is no photo when its time is over."""
         camera, after = self.camera, f"in {self._limit_s:g} s"
         who = f"the camera (component {camera.component})"
         if absence := camera.absence(now_s):

@@ -1,9 +1,9 @@
-"""What an autopilot stores of one kind by the mission protocol: read, and written. No I/O.
+"""Reads and writes what an autopilot stores by the mission protocol, one kind of items. No I/O.
 
-1. It is read and written while the vehicle stands disarmed, by what was heard last. Once it is
-   armed or in the air nothing is said, and a transfer has failed.
-2. What is stored lies on the earth: without GLOBAL_POSITION_INT and GPS_GLOBAL_ORIGIN it is not
-   known where, and nothing is read or written.
+1. Transfers happen only while the vehicle stands disarmed, by what was heard last. When it is armed
+   or in the air nothing is sent, and a transfer under way fails.
+2. Stored items have positions on the earth. Without GLOBAL_POSITION_INT and GPS_GLOBAL_ORIGIN these
+   cannot be converted, so nothing is read or written.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
 GLOBAL_POSITION_S = 1.0
-"""A vehicle that has told none for so long has none."""
+"""A vehicle that has not reported a global position for this long has none."""
 LOCATE_S = 10.0
 ROUNDED, ROUNDED_M = 2, 0.01
-"""What an autopilot's own numbers may make of a latitude, in 1e-7 degrees, and of a height."""
+"""How much the autopilot's number format may change a latitude, in 1e-7 degrees, and a height."""
 TURN = 3_600_000_000
 """Once around the earth, in 1e-7 degrees of longitude."""
 
@@ -31,14 +31,14 @@ class PlanStore:
     """The items of one kind.
 
     Args:
-        wire: whose system the autopilot belongs to.
-        telemetry: what it says.
+        wire: of the system that the autopilot belongs to.
+        telemetry: of the autopilot.
         kind: MAV_MISSION_TYPE.
-        own: what this companion has written of that kind.
+        own: items of that kind that this companion has written.
 
     Attributes:
-        items: that were read last; None before.
-        written: that were written last in this flight; None before.
+        items: the items read last; None before.
+        written: the items written last in this flight; None before.
     """
 
     def __init__(self, wire: Wire, telemetry: Telemetry, kind: int, own: OwnItems) -> None:
@@ -47,7 +47,7 @@ class PlanStore:
         self.forget()
 
     def forget(self) -> None:
-        """Nothing was read or asked."""
+        """Drops the transfer and everything that was read."""
         self.items: UploadedItems | None = None
         self.written: UploadedItems | None = None
         self._transfer: PlanTransfer | None = None
@@ -59,7 +59,7 @@ class PlanStore:
 
     @property
     def outcome(self) -> Outcome:
-        """What has become of the last `read` or `write`."""
+        """What became of the last `read` or `write`."""
         transfer = self._transfer
         if self._refusal is not None:
             return self._refusal
@@ -83,20 +83,20 @@ class PlanStore:
         return Progress.RUNNING
 
     def read(self, purpose: str) -> None:
-        """Begins to ask for the items.
+        """Begins to read the items.
 
         Args:
-            purpose: what is not done if that fails, in words.
+            purpose: the sentence that begins the failure message.
         """
         self.items = None
         self._begin(purpose, None)
 
     def write(self, items: UploadedItems | None, purpose: str) -> None:
-        """Begins to put items in the place of those that are there.
+        """Begins to replace the stored items.
 
         Args:
-            items: None where it is not known where on the earth they lie.
-            purpose: as above.
+            items: None if their position on the earth is not known.
+            purpose: the sentence that begins the failure message.
         """
         if items is None:
             self._refusal = Failed(f"{purpose}: it is not known where on the earth that lies")
@@ -106,10 +106,10 @@ class PlanStore:
         self._begin(purpose, items)
 
     def is_as_written(self) -> bool:
-        """Whether what was read last is what was written last.
+        """Whether the items read last are those written last.
 
-        They are compared as they lie on the earth. The mission's frame may have moved meanwhile: it
-        settles while the vehicle stands, and by what the vehicle sees of its walls.
+        They are compared by position on the earth. The mission's frame may have moved since: it
+        settles while the vehicle stands, and what the vehicle sees of its walls moves it.
         """
         ours, theirs = self.written, self.items
         if ours is None or theirs is None or len(ours) != len(theirs):
@@ -123,21 +123,21 @@ class PlanStore:
         self._transfer = PlanTransfer(self._heard_s, target, own, self._kind, items)
 
     def step(self, moment: Moment) -> None:
-        """Time has passed; rule 1."""
+        """Notes the time; applies rule 1."""
         self._heard_s = moment.heard_s
         if self._telemetry.is_flown and self._transfer is not None:
             self._transfer = None
             self._refusal = Failed(f"{self._purpose}: the vehicle is armed or in the air")
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes one of TRANSFER_MESSAGES of the autopilot."""
+        """Takes one of the autopilot's TRANSFER_MESSAGES."""
         if self._transfer is not None:
             self._leaving += self._transfer.take(moment.heard_s, message)
             if self._is_reading and self._transfer.state is TransferState.DONE:
                 self.items = tuple(self._transfer.items)
 
     def due(self, moment: Moment) -> list[Message]:
-        """What the transfer has to say now, and the question where the frame lies."""
+        """What the transfer has to send now, and the request for the frame's origin."""
         leaving, self._leaving = self._leaving, []
         if moment.is_quiet or self._telemetry.is_flown:
             return []

@@ -1,8 +1,8 @@
-"""What the acting side knows of a vehicle: a state it can read, goals it can set.
+"""The acting side's interface to a vehicle: a state to read, goals to set, setpoints to stream.
 
-Positions are in the mission's frame: local NED with its origin at the home position. Time is
-the vehicle's own scaled monotonic time, in seconds. `offboard.py` fulfils the port over
-MAVLink; tests fulfil it with a kinematic fake.
+Positions are in the mission's frame: local NED with its origin at the home position. Time is the
+vehicle's own scaled monotonic time, in seconds. `offboard.py` implements the port over MAVLink;
+tests implement it with a kinematic fake.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from companion.vehicle.outcome import Progress as Progress
 from companion.vehicle.store_port import AutopilotFence, AutopilotRally
 
 MODE_KNOWN_S = 1.5
-"""Age of the newest heartbeat, sent once a second, up to which its mode is taken for the present
-one. With an older one no goal is reached, no mode is asked for, and no control is taken back."""
+"""Greatest age of a heartbeat, sent once a second, at which its mode counts as the present one.
+With an older one no goal is reached, no mode is requested, and no control is taken back."""
 
 
 class Mode(StrEnum):
-    """Flight modes of PX4 that matter here; the value is how people know them."""
+    """The flight modes of PX4 that matter here; the values are their usual names."""
 
     MANUAL = "MANUAL"
     ALTCTL = "ALTCTL"
@@ -45,7 +45,7 @@ class Mode(StrEnum):
 
 
 class Anchoring(Enum):
-    """What decides where the origin of the mission's frame, and so home, lies."""
+    """What determines where the origin of the mission's frame, and so home, is."""
 
     BY_VEHICLE = "where the vehicle stands when its first sortie begins"
     FIXED = "the mission, or an earlier sortie of this program"
@@ -59,29 +59,30 @@ class VehicleState:
     Attributes:
         stamp_s: when the position was received.
         position: in the mission's frame.
-        velocity: NED, metres per second, by what the position does (`velocity_bias.py`).
+        velocity: NED, metres per second, corrected by the change of the position
+            (`velocity_bias.py`).
         yaw_rad: heading, 0 is north, positive to the east.
         is_failsafe: the autopilot reports a critical system status.
         battery_percent: remaining charge, None while unknown.
-        mode_s: when the mode was received; an old one is not known any more.
-        landed_since_s: since when it is, or is not, landed.
-        measured_s: when the position and the velocity were measured, by the autopilot's clock.
+        mode_s: when the mode was received; an old mode counts as unknown.
+        landed_since_s: since when `is_landed` has its value.
+        measured_s: when position and velocity were measured, by the autopilot's clock.
         tilt_rad: angle between the body's axis and the vertical.
-        thrust_mps2: horizontal acceleration, north and east, that the tilt of a vehicle stands for
-            whose thrust carries its weight.
+        thrust_mps2: horizontal acceleration, north and east, that follows from the tilt if the
+            thrust carries the vehicle's weight.
         accuracy_m: standard deviation of the horizontal position, as the autopilot estimates it; 0
-            while it says nothing of that.
-        position_s: when the position was measured, by our clock; where the autopilot does not tell
-            its own, when it was received.
-        yaw_s: the same of the heading.
-        is_battery_critical: the charge is critical, or worse, by the autopilot's own word.
+            until it is reported.
+        position_s: when the position was measured, by our clock; if the autopilot does not report
+            its clock, when it was received.
+        yaw_s: the same for the heading.
+        is_battery_critical: the autopilot reports the charge as critical or worse.
         is_drifting: the autopilot is losing its position (`position_watch.py`).
-        battery_s: when the charge was told last; for a charge that is None of no account.
-        battery_low_since_s: since when the charge is low, or worse, by the autopilot's own word;
-            inf while it is not.
-        power_w: what the battery gives, by voltage and current; None while one is not known.
-        below_m: from the vehicle down to what is below it, by a range finder; inf where nothing is
-            within its range, None while none is heard.
+        battery_s: when the charge was last reported; meaningless while it is None.
+        battery_low_since_s: since when the autopilot reports the charge as low or worse; inf while
+            it does not.
+        power_w: power drawn, voltage times current; None while one of them is not known.
+        below_m: distance down to what is below the vehicle, by a range finder; inf if nothing is
+            within its range, None if no range finder is heard.
     """
 
     stamp_s: float
@@ -109,7 +110,7 @@ class VehicleState:
     below_m: float | None = None
 
     def is_mode_known(self, now_s: float) -> bool:
-        """Whether the mode is that of a recent heartbeat."""
+        """Whether the mode comes from a recent heartbeat."""
         return now_s - self.mode_s <= MODE_KNOWN_S
 
 
@@ -135,13 +136,13 @@ def hold_at(position: Ned, yaw_rad: float) -> Setpoint:
 
 @dataclass(frozen=True, slots=True)
 class FrameLocation:
-    """Where the frames lie on the earth.
+    """Where the frames are on the earth.
 
     Attributes:
-        origin: of the autopilot's local frame.
+        origin: that of the autopilot's local frame.
         zero: the origin of the mission's frame.
-        is_asked_for: the mission says where it lies; else it lies where the vehicle began.
-        residual_m: between what the autopilot says of its position in both ways.
+        is_asked_for: the mission gives its origin; otherwise it is where the vehicle began.
+        residual_m: distance between the autopilot's local and global reports of its position.
     """
 
     origin: GlobalOrigin
@@ -162,11 +163,11 @@ class Goal(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Takeover:
-    """Somebody else controls the vehicle.
+    """Somebody else has control of the vehicle.
 
     Attributes:
-        mode: the mode that was chosen.
-        is_failsafe: a failsafe of the autopilot has chosen it; else it was the pilot.
+        mode: the mode that they chose.
+        is_failsafe: a failsafe of the autopilot chose it; otherwise it was the pilot.
 
     >>> print(Takeover(Mode.POSCTL, is_failsafe=False))
     the pilot has control, in POSCTL
@@ -181,7 +182,7 @@ class Takeover:
 
 
 class Payloads(Protocol):
-    """The payloads of a vehicle: what skills command."""
+    """The payloads of a vehicle, which skills command."""
 
     def number(self, command: str) -> int | None:
         """The number of a MAV_CMD; None if there is no command of that name."""
@@ -191,35 +192,35 @@ class Payloads(Protocol):
     ) -> int:
         """Start a MAVLink command to a component; returns a ticket for `outcome`.
 
-        Without a final answer within `timeout_s` the command has failed; without `timeout_s` the
-        command protocol says how long to wait.
+        The command fails without a final answer within `timeout_s`; if that is None, the command
+        protocol determines how long to wait.
         """
 
     def outcome(self, ticket: int) -> Outcome:
         """How far the command of a ticket has come."""
 
     def leave(self, ticket: int) -> None:
-        """Send a command no more for now; its answer still counts."""
+        """Stop sending a command for now; its answer still counts."""
 
     def come_back(self, ticket: int) -> None:
-        """Wait again for a command that was left."""
+        """Resume a command that was left."""
 
     def forget(self, ticket: int) -> None:
-        """Do not ask for a command any longer.
+        """Drop a command.
 
-        While its component is at work on it, no other one with its number is sent there.
+        While its component still works on it, no other command with its number is sent there.
         """
 
 
 @dataclass(frozen=True, slots=True)
 class MarkerSighting:
-    """A landing marker, as it was seen once.
+    """One sighting of a landing marker.
 
     Attributes:
-        seen_s: when.
-        component: by whom.
-        number: that was read off it.
-        position: where, in the mission's frame.
+        seen_s: when it was seen.
+        component: the component that saw it.
+        number: the number on the marker.
+        position: of the marker, in the mission's frame.
     """
 
     seen_s: float
@@ -229,15 +230,15 @@ class MarkerSighting:
 
 
 class Markers(Protocol):
-    """What is seen of landing markers."""
+    """Sightings of landing markers."""
 
     @property
     def seen(self) -> Sequence[MarkerSighting]:
-        """Sightings since the tick before, in order."""
+        """Sightings since the previous tick, in order."""
 
     @property
     def refused(self) -> Sequence[Refusal]:
-        """Why others were not taken, in the same time."""
+        """Why others were refused in the same time."""
 
 
 class Vehicle(Protocol):
@@ -253,11 +254,11 @@ class Vehicle(Protocol):
 
     @property
     def payloads(self) -> Payloads:
-        """What skills command."""
+        """The payloads that skills command."""
 
     @property
     def markers(self) -> Markers:
-        """What is seen of landing markers."""
+        """Sightings of landing markers."""
 
     @property
     def cameras(self) -> Cameras:
@@ -269,11 +270,11 @@ class Vehicle(Protocol):
 
     @property
     def state(self) -> VehicleState | None:
-        """The newest state, None until one has been heard."""
+        """The newest state; None until one has been heard."""
 
     @property
     def scans(self) -> Sequence[RangeScan]:
-        """What was heard of the surroundings since the tick before, in order."""
+        """Range scans heard since the previous tick, in order."""
 
     @property
     def takeover(self) -> Takeover | None:
@@ -281,62 +282,65 @@ class Vehicle(Protocol):
 
     @property
     def is_doubted(self) -> bool:
-        """Whether control may just have been taken from us; nothing is sent until that is known."""
+        """Whether control may just have been taken from us; nothing is sent until that is
+        decided."""
 
     @property
     def has_restarted(self) -> bool:
-        """Whether the autopilot has restarted since its first goal."""
+        """Whether the autopilot has restarted since the first goal."""
 
     @property
     def frame_doubt(self) -> Refusal | None:
-        """Why the position in the mission's frame is not known or not certain; None if it is."""
+        """Why the position in the mission's frame is unknown or uncertain; None if it is
+        certain."""
 
     @property
     def origin(self) -> GlobalOrigin | None:
-        """Where the autopilot's local frame lies on the earth; None where frames are not known."""
+        """Where the autopilot's local frame is on the earth; None while frames are not known."""
 
     @property
     def location(self) -> FrameLocation | None:
-        """Where the frames lie on the earth; None where that is not known."""
+        """Where the frames are on the earth; None if not known."""
 
     @property
     def refusal(self) -> Refusal | None:
-        """Why the vehicle is sent a hold in place of the setpoint; None while it is not."""
+        """Why a hold is sent in place of the setpoint; None if none is."""
 
     @property
     def anchoring(self) -> Anchoring:
-        """What decides where home lies."""
+        """What determines where home is."""
 
     def gap_m(self, place: Ned) -> float | None:
         """How far from a place the vehicle stands on the ground; None until that is certain."""
 
     @property
     def is_settling(self) -> bool:
-        """Whether it is measured where the vehicle stands: its position is averaged."""
+        """Whether the position of the standing vehicle is being averaged."""
 
     def stand_at(self, place: Ned) -> None:
-        """The vehicle stands at a place, where the mission's map begins to be true."""
+        """Declare that the vehicle stands at a place, from where the mission's map is valid."""
 
     def parameter(self, name: str) -> float | None:
-        """A parameter of the autopilot; asks for it, and is None until it was answered."""
+        """A parameter of the autopilot; requests it, and returns None until it was answered."""
 
     def pursue(self, goal: Goal, takeoff_up_m: float | None = None) -> Outcome:
         """Work towards a goal; call it every tick while the outcome is RUNNING.
 
-        A take-off leads to an altitude above home, the mission's own if none is said.
+        A take-off leads to `takeoff_up_m` above home; None stands for the mission's own altitude.
         """
 
     def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
-        """The setpoint to stream from now on.
+        """Stream a setpoint from now on.
 
-        It may be of the task's plan; and of the way down to a marker, or up from there.
+        The flags say whether it belongs to the task's plan, and to the descent to a marker or the
+        climb from it.
         """
 
     def keep_within(self, fence: KeptFence) -> None:
-        """Fly nowhere outside a fence from now on, whatever is asked for."""
+        """Refuse every setpoint outside a fence from now on."""
 
     def release(self) -> None:
-        """Stream nothing and ask for nothing any longer."""
+        """Stop streaming, and stop all requests."""
 
     def regain(self) -> None:
-        """The operator has given control back after it was lost."""
+        """Take back control, which the operator has given back after it was lost."""

@@ -1,6 +1,6 @@
-"""The messages of an autopilot that say where the vehicle was, and how it was turned.
+"""Stores the autopilot's positions and attitudes, by its time since boot, in a history of poses.
 
-LOCAL_POSITION_NED and ATTITUDE, each with its time since boot. Source: common.xml.
+They come in LOCAL_POSITION_NED and ATTITUDE. Source: common.xml.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ POSES = frozenset({"LOCAL_POSITION_NED", "ATTITUDE"})
 
 
 def keep_pose(poses: PoseHistory, message: Message, frame: MissionFrame) -> None:
-    """Adds what one of POSES says; other messages, and numbers that are not finite, are passed.
+    """Adds the pose in one of POSES; other messages, and numbers that are not finite, are ignored.
 
     Args:
-        poses: of the vehicle, by its autopilot's time since boot.
+        poses: of the vehicle, by the autopilot's time since boot.
         message: of the autopilot.
-        frame: of the mission; a position is taken once it is known.
+        frame: of the mission; positions are added once it is known.
     """
     kind = message.get_type()
     if kind == "LOCAL_POSITION_NED" and frame.is_known:

@@ -1,7 +1,7 @@
-"""Where the vehicle was, and how it was turned: what scans, markers and reports are placed by.
+"""Keeps the vehicle's recent positions and attitudes, to place scans, markers and reports.
 
-Positions and attitudes come in messages of their own. Between two of them the vehicle moves and
-turns evenly; before the first and after the last that are kept it is where that one says.
+Positions and attitudes come in separate messages. Both are interpolated linearly between two
+samples. Before the first sample that is kept, and after the last, that sample is used.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ KEPT_S = 1.0
 
 
 class Pose(NamedTuple):
-    """A position in the mission's frame, and roll, pitch and yaw."""
+    """A position in the mission's frame; roll, pitch and yaw, rad."""
 
     position: Ned
     euler: Ned
 
 
 class PoseHistory:
-    """The poses of one vehicle in the last seconds, by one clock.
+    """The vehicle's poses of the last seconds, by one clock.
 
     Args:
         kept_s: how long a pose is kept.
@@ -35,15 +35,15 @@ class PoseHistory:
         self._eulers = _Samples(kept_s)
 
     def add_position(self, time_s: float, position: Ned) -> None:
-        """Adds where the vehicle was, in the mission's frame."""
+        """Adds a position in the mission's frame."""
         self._positions.add(time_s, position)
 
     def add_attitude(self, time_s: float, euler: Ned) -> None:
-        """Adds how it was turned: roll, pitch and yaw."""
+        """Adds an attitude: roll, pitch and yaw, rad."""
         self._eulers.add(time_s, euler)
 
     def add(self, time_s: float, pose: Pose) -> None:
-        """Adds both."""
+        """Adds a position and an attitude."""
         self.add_position(time_s, pose.position)
         self.add_attitude(time_s, pose.euler)
 
@@ -64,7 +64,7 @@ class PoseHistory:
         return None if position_s is None or euler_s is None else min(position_s, euler_s)
 
     def at(self, time_s: float, ahead_s: float = 0.0) -> Pose | None:
-        """The pose at a time; None until position and attitude have come.
+        """The pose at a time; None until both position and attitude have come.
 
         >>> from companion.vehicle.poses import Pose, PoseHistory
         >>> poses = PoseHistory()
@@ -75,7 +75,7 @@ class PoseHistory:
 
         Args:
             time_s: by the clock of the history.
-            ahead_s: how far the motion between the last two is carried on, at most.
+            ahead_s: greatest time by which the motion of the last two samples is extrapolated.
         """
         if self.complete_until_s is None:
             return None
@@ -89,7 +89,7 @@ class PoseHistory:
 
 
 class _Samples:
-    """Three numbers at each of some times, in the order of time."""
+    """Vectors of three numbers with their times, in order."""
 
     def __init__(self, kept_s: float) -> None:
         self._kept_s = kept_s
@@ -104,7 +104,9 @@ class _Samples:
         return self._entries[-1][0] if self._entries else None
 
     def add(self, time_s: float, value: Ned) -> None:
-        """One from before the others begins anew: the clock has been set back (a restart)."""
+        """Adds a sample. A step back in time means that the clock was reset (a restart): starts
+        anew.
+        """
         entries = self._entries
         if entries and time_s < entries[-1][0]:
             entries.clear()
@@ -114,9 +116,9 @@ class _Samples:
             entries.popleft()
 
     def around(self, time_s: float, ahead_s: float) -> tuple[Ned, Ned, float]:
-        """The two values around a time, and where it lies between them; beyond the last, above 1.
+        """The two samples around a time, and its fraction between them; above 1 beyond the last.
 
-        There has to be a value.
+        Requires at least one sample.
         """
         entries = self._entries
         time_s = min(time_s, entries[-1][0] + ahead_s)

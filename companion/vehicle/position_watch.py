@@ -1,15 +1,15 @@
-"""Whether the autopilot is losing its position, by the accuracy that it tells.
+"""Detects from the accuracy that the autopilot reports whether it is losing its position.
 
-Without fixes an estimator goes on by inertial sensors alone, and its accuracy gets worse from one
-second to the next. PX4 takes the vehicle by a failsafe after some 5 s of that (EKF2_NOAID_TOUT), or
-at 5 m (COM_POS_FS_EPH). Until then no clearance that is kept means much. A receiver that is merely
-bad tells an accuracy that stays as it is: the flight goes on with the most clearance there is.
+Without fixes an estimator continues by inertial sensors alone, and its accuracy gets worse every
+second. PX4 takes over by a failsafe after some 5 s of that (EKF2_NOAID_TOUT), or at 5 m
+(COM_POS_FS_EPH). Until then no clearance is worth much. A merely bad receiver reports a constant
+accuracy: the flight continues with the greatest clearance.
 
 Rules:
-1. The position drifts from the report on by which its standard deviation is beyond `WORST_M`, where
-   clearances no longer follow, and `GROWTH` times what it was at some time in `WITHIN_S` before.
-2. It does so until reports have said something else for `STEADY_S`.
-3. After a silence the first report is compared with the last one before.
+1. The position drifts from the report on whose standard deviation is above `WORST_M`, where
+   clearances no longer grow with it, and above `GROWTH` times a value of the last `WITHIN_S`.
+2. It drifts until reports have said otherwise for `STEADY_S`.
+3. After a silence the first report is compared with the last one before it.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from collections import deque
 from companion.motion.position_error import MOST_M, SIGMAS
 
 WORST_M = MOST_M / SIGMAS
-"""Standard deviation beyond which clearances no longer follow the accuracy."""
+"""Standard deviation above which clearances no longer grow with the accuracy."""
 GROWTH = 1.5
-"""A receiver's own accuracy changes by less in a few seconds; an estimate of PX4 that was good for
-0.25 m is three times as bad after 2.5 s without fixes."""
+"""A receiver's own accuracy changes by less in a few seconds. PX4's estimate that was good for 0.25
+m is three times as bad after 2.5 s without fixes."""
 WITHIN_S = 5.0
 STEADY_S = 3.0
 
@@ -32,7 +32,7 @@ class PositionWatch:
     """Follows the accuracy of the position.
 
     Attributes:
-        is_drifting: the position is being lost.
+        is_drifting: the autopilot is losing its position.
 
     >>> watch = PositionWatch()
     >>> for second, accuracy_m in enumerate([0.3, 0.4, 0.6]):

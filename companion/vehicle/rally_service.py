@@ -1,8 +1,8 @@
-"""The rally points of the autopilot over MAVLink, before a flight: read and written. No I/O.
+"""Reads and writes the autopilot's rally points over MAVLink, before a flight. No I/O.
 
-A point is written with its altitude above home. PX4's Return knows that frame, and the one above
-the sea, by their numbers without `_INT` alone. The altitude is that of the ground: it returns at
-RTL_RETURN_ALT above that, and lands on it.
+A point is written with its altitude above home. PX4's Return accepts this frame, and that above the
+sea, only by their numbers without `_INT`. The altitude is that of the ground: the vehicle returns
+at RTL_RETURN_ALT above it, and lands there.
 
 Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/navigator/rtl.cpp
 (setSafepointAsDestination), rtl_direct.cpp.
@@ -26,15 +26,15 @@ RALLY = dialect.MAV_MISSION_TYPE_RALLY
 POINT = dialect.MAV_CMD_NAV_RALLY_POINT
 ABOVE_HOME = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
 SAME_M = 0.2
-"""Points that are nearer to each other are the same; the protocol rounds to a centimetre."""
+"""Points closer to each other count as the same; the protocol rounds to a centimetre."""
 
 
 class RallyService:
-    """Fulfils `store_port.AutopilotRally`, and is a service of the vehicle.
+    """Implements `store_port.AutopilotRally`; a service of the vehicle.
 
     Args:
-        wire: whose system the autopilot belongs to.
-        telemetry: what it says.
+        wire: of the system that the autopilot belongs to.
+        telemetry: of the autopilot.
         own: the rally points that this companion has written.
     """
 
@@ -49,18 +49,18 @@ class RallyService:
 
     @property
     def stored(self) -> StoredRally | None:
-        """Those that were read last; None before, and where it is not known where they lie."""
+        """The points that were read last; None before that, or if their place is not known."""
         items = self._store.items
         return None if items is None else self._rally(items)
 
     @property
     def has_written(self) -> bool:
-        """Whether this companion has ever written some, to whichever vehicle."""
+        """Whether this companion has ever written rally points, to any vehicle."""
         return bool(self._own.written)
 
     @property
     def outcome(self) -> Outcome:
-        """What has become of the last `read` or `write`."""
+        """What became of the last `read` or `write`."""
         return self._store.outcome
 
     def locate(self) -> Outcome:
@@ -68,22 +68,22 @@ class RallyService:
         return self._store.locate()
 
     def read(self) -> None:
-        """Begins to ask for them."""
+        """Begins to read the points."""
         self._store.read("the autopilot does not tell its rally points")
 
     def write(self, points: Sequence[RallyPoint]) -> None:
-        """Begins to put some, or none, in the place of those that are there."""
+        """Begins to replace the stored points by others, or by none."""
         items = [self._item(point) for point in points]
         known = tuple(item for item in items if item is not None)
         purpose = f"the autopilot does not take {StoredRally(tuple(points))}"
         self._store.write(known if len(known) == len(items) else None, purpose)
 
     def is_as_written(self) -> bool:
-        """Whether what was read last is what was written last, wherever the frame is by now."""
+        """Whether the points read last are those written last, wherever the frame is by now."""
         return self._store.is_as_written()
 
     def is_own(self) -> bool:
-        """Whether what was read last was written by this companion, now or in another flight."""
+        """Whether this companion wrote the points that were read last, now or in another flight."""
         theirs = self.stored
         if theirs is None or theirs.flaw is not None or not theirs.points:
             return False
@@ -113,18 +113,18 @@ class RallyService:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Time has passed."""
+        """Passes time to the transfer."""
         self._store.step(moment)
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes what the autopilot says of its plans."""
+        """Takes the autopilot's messages about its plans."""
         if source(message)[1] == AUTOPILOT:
             self._store.take(moment, message)
 
     def due(self, moment: Moment) -> list[Message]:
-        """What has to be said now."""
+        """The messages to send now."""
         return self._store.due(moment)
 
     def release(self) -> None:
-        """Asks for nothing any longer."""
+        """Stops all requests."""
         self._store.forget()

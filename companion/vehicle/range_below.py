@@ -1,7 +1,9 @@
-"""How far below the vehicle the next thing is, by a range finder that looks down.
+"""Measures the distance down to what is below the vehicle, by a range finder that looks down.
 
-Source: common.xml, DISTANCE_SENSOR. Of two readings in a row the greater one counts: a single echo
-of dust, or of a leg, is none. Below its least distance a range finder knows no more than that.
+The greater of two successive readings counts, so a single echo of dust or of a leg has no effect.
+Below its minimum distance a range finder cannot measure; that minimum is then taken.
+
+Source: common.xml, DISTANCE_SENSOR.
 """
 
 from __future__ import annotations
@@ -12,9 +14,9 @@ from companion.mavlink.framing import Message, dialect
 
 DOWN = dialect.MAV_SENSOR_ROTATION_PITCH_270
 INVALID = 1
-"""DISTANCE_SENSOR.signal_quality of a reading that is none; 0 says nothing of that."""
+"""DISTANCE_SENSOR.signal_quality of an invalid reading; 0 means that the quality is not known."""
 FRESH_S = 0.5
-"""Older readings say nothing of now; a PX4 sends ten a second to a companion."""
+"""Older readings are not used; a PX4 sends ten a second to a companion."""
 
 
 class RangeBelow:
@@ -25,12 +27,12 @@ class RangeBelow:
         self._readings_m = (math.inf, math.inf)
 
     def take(self, now_s: float, message: Message, tilt_rad: float) -> None:
-        """Takes a DISTANCE_SENSOR, of whatever looks down.
+        """Takes a DISTANCE_SENSOR; sensors that look elsewhere are ignored.
 
         Args:
             now_s: when it was heard.
             message: the reading.
-            tilt_rad: of the vehicle's axis, along which it was measured.
+            tilt_rad: of the vehicle's axis, along which the sensor measures.
         """
         measured_cm = message.current_distance
         is_reading = measured_cm > 0 and message.signal_quality != INVALID
@@ -44,5 +46,5 @@ class RangeBelow:
         self._readings_m = (before_m, along_m * math.cos(tilt_rad))
 
     def at(self, now_s: float) -> float | None:
-        """Metres, inf where nothing is within its range; None while no fresh reading is known."""
+        """Metres down; inf if nothing is within range, None without a fresh reading."""
         return max(self._readings_m) if now_s - self._stamp_s <= FRESH_S else None

@@ -1,15 +1,17 @@
 """Places range scans (OBSTACLE_DISTANCE) by where the vehicle was when they were measured.
 
-At full speed and turning the far end of a scan moves by a metre in the time between two messages,
-and messages overtake each other. So a scan is placed by the pose at its own time, by the
-autopilot's clock. One that is much newer than all poses (AHEAD_S) waits. A scanner whose clock is
-not the autopilot's (further apart than MOST_APART_S) is taken to have measured when the last
-position was.
+At full speed and while turning, the far end of a scan moves by a metre in the time between two
+messages, and messages overtake each other. So a scan is placed by the vehicle's pose at the scan's
+own time, by the autopilot's clock.
 
-Source: common.xml. Distances are centimetres; max_distance + 1 means nothing is there, 65535 not
-known. increment_f replaces increment if it is not zero. Scans that are fixed to the vehicle
-(MAV_FRAME_BODY_FRD) lean with it. Those that are fixed to north (MAV_FRAME_GLOBAL) come from a
-program that has turned them, and are level. No others are understood.
+1. A scan that is newer than all poses by more than AHEAD_S waits.
+2. If the stamp and the poses are further apart than MOST_APART_S, the scanner has another clock.
+   Its scan is then placed by the last position.
+3. Scans fixed to the vehicle (MAV_FRAME_BODY_FRD) tilt with it. Scans fixed to north
+   (MAV_FRAME_GLOBAL) come from a program that has rotated them, and are level. Others are dropped.
+
+Source: common.xml. Distances are in centimetres; max_distance + 1 means that nothing is there,
+65535 that nothing is known. increment_f replaces increment unless it is zero.
 """
 
 from __future__ import annotations
@@ -25,13 +27,13 @@ from companion.motion.range_scan import RangeScan
 from companion.vehicle.poses import Pose, PoseHistory
 
 AHEAD_S = 0.05
-"""How far the motion between the last two poses is carried on."""
+"""How far the motion between the last two poses is extrapolated."""
 MOST_APART_S = 0.5
 
 LEAST_STEP_DEG = 0.01
-"""Between two beams; what says less, or more than a turn, is no scan."""
+"""Between two beams; a message with less, or with more than a turn, is not a valid scan."""
 LEAST_UPRIGHT = 0.5
-"""Cosine of the tilt of a vehicle beyond which its scans are not used: 60 degrees."""
+"""Cosine of the tilt above which scans are not used: 60 degrees."""
 
 _MOST_WAITING = 20  # one per tick of 50 ms
 _UNKNOWN_CM = 65535
@@ -39,10 +41,10 @@ _FRAMES = (dialect.MAV_FRAME_GLOBAL, dialect.MAV_FRAME_BODY_FRD)
 
 
 class Ranging:
-    """Scans that were heard, placed by the poses around them.
+    """Places scans by the poses around them.
 
     Args:
-        poses: of the vehicle, by its autopilot's time since boot.
+        poses: of the vehicle, by the autopilot's time since boot.
     """
 
     def __init__(self, poses: PoseHistory) -> None:
@@ -50,16 +52,16 @@ class Ranging:
         self._waiting: deque[Message] = deque(maxlen=_MOST_WAITING)
 
     def take_scan(self, message: Message) -> None:
-        """An OBSTACLE_DISTANCE."""
+        """Takes an OBSTACLE_DISTANCE."""
         self._waiting.append(message)
 
     def scans(self, now_s: float, accuracy_m: float, below_m: float | None) -> list[RangeScan]:
         """The scans that can be placed by now, in the mission's frame.
 
         Args:
-            now_s: the time of the companion, which they are stamped with.
+            now_s: the companion's time, used as their stamp.
             accuracy_m: of the position.
-            below_m: the distance to what is below the vehicle, as `height_error_m` takes it.
+            below_m: distance to what is below the vehicle, as `height_error_m` takes it.
         """
         found: list[RangeScan] = []
         for _ in range(len(self._waiting)):
@@ -74,12 +76,12 @@ class Ranging:
         return found
 
     def _is_ahead(self, boot_s: float) -> bool:
-        """Whether a time is one of those for which a pose is still to come."""
+        """Whether the pose for a time is still to come."""
         until_s = self._poses.complete_until_s
         return until_s is not None and AHEAD_S < boot_s - until_s < MOST_APART_S
 
     def _pose(self, boot_s: float) -> Pose | None:
-        """The pose at a time of the autopilot; of another clock, the newest one."""
+        """The pose at a time of the autopilot; for a time of another clock, the newest pose."""
         newest_s = self._poses.newest_s
         if newest_s is not None and abs(boot_s - newest_s) >= MOST_APART_S:
             boot_s = newest_s
@@ -87,12 +89,12 @@ class Ranging:
 
 
 def range_scan(message: Message, now_s: float, pose: Pose, height_off_m: float) -> RangeScan | None:
-    """An OBSTACLE_DISTANCE as a scan; None if it is not understood.
+    """Converts an OBSTACLE_DISTANCE to a scan; None if it is not understood.
 
     Args:
         now_s: when it was heard.
-        pose: of the vehicle, when it was measured.
-        height_off_m: what its height may be off by.
+        pose: of the vehicle when the scan was measured.
+        height_off_m: greatest error of its height.
     """
     step_deg = message.increment_f or message.increment
     is_turn = LEAST_STEP_DEG <= abs(step_deg) <= 360.0  # and so a number

@@ -1,7 +1,8 @@
-"""The socket at which other programs on board report events (`detections.py`).
+"""The socket on which other programs on board report events (`detections.py`).
 
-A door. By default a Unix datagram socket: it cannot be reached from another machine, and its file
-says who may write to it. Or a UDP port of this machine, which any of its programs may send to.
+A door. By default it is a Unix datagram socket: no other machine can reach it, and the permissions
+of its file determine who may write. It may also be a UDP port of this machine, to which any local
+program can send.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ _UDP = re.compile(r"(?://)?(?P<host>[^:/]*):(?P<port>\d+)")
 
 
 def place_of(address: str) -> Path | tuple[str, int]:
-    """The path, or the host and the port, of an address.
+    """The path, or host and port, of an address.
 
     >>> place_of("unix:/run/events"), place_of("udpin::14600")
     (PosixPath('/run/events'), ('127.0.0.1', 14600))
@@ -41,14 +42,14 @@ def place_of(address: str) -> Path | tuple[str, int]:
 
 
 class ReportPort:
-    """A socket that is bound; its file is taken away when it is closed.
+    """A bound socket; its file is removed when it is closed.
 
     Args:
         address: `unix:PATH` or `udpin:HOST:PORT`.
 
     Raises:
         LinkError: it cannot be bound.
-        AddressError: it is no such address.
+        AddressError: the address has neither form.
     """
 
     def __init__(self, address: str) -> None:
@@ -65,7 +66,9 @@ class ReportPort:
         self._socket.setblocking(False)
 
     def receive(self) -> list[bytes]:
-        """What was reported since, `MOST` datagrams at most; the next tick has the rest."""
+        """What was reported since the last call, at most `MOST` datagrams; the next call has the
+        rest.
+        """
         datagrams: list[bytes] = []
         for _ in range(MOST):
             try:
@@ -82,7 +85,7 @@ class ReportPort:
                 self._path.unlink()
 
     def _bound_to_path(self, path: Path) -> socket.socket:
-        """A socket with a file; one that a program which was killed has left is replaced."""
+        """A socket with a file; replaces the file of a program that was killed."""
         unix = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         if path.exists() and stat.S_ISSOCK(path.stat().st_mode) and not _is_heard(path):
             path.unlink()
@@ -94,7 +97,7 @@ class ReportPort:
 
 @contextmanager
 def reports_at(address: str | None) -> Iterator[ReportPort | None]:
-    """The port at an address while the context lasts; none without an address."""
+    """Opens the port at an address while the context lasts; None without an address."""
     if address is None:
         yield None
         return
@@ -103,7 +106,7 @@ def reports_at(address: str | None) -> Iterator[ReportPort | None]:
 
 
 def _is_heard(path: Path) -> bool:
-    """Whether somebody listens at a socket's file."""
+    """Whether a program listens at a socket's file."""
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(str(path))

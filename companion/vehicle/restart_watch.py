@@ -1,14 +1,13 @@
-"""How often an autopilot has restarted, by the time since its boot that one of its streams tells.
+"""Counts how often an autopilot has restarted, by the time since boot in one of its messages.
 
-A restart in the air stops the motors: the vehicle falls, and lies somewhere, disarmed and on the
-ground as one that has landed. The clock alone tells the two apart.
+A restart in the air stops the motors. The vehicle falls, and then lies disarmed on the ground like
+one that has landed. Only the clock tells the two apart.
 
 Rules:
-1. Stamps go on from each other, within STEP_S; one that does not is a stray, or follows on a gap.
-2. SURE of them in a row that go on from each other are the clock. One that lies behind the clock
-   before it is that of another boot.
-3. Until that is decided, and while nothing is heard of the clock, it is not certain which boot it
-   is.
+1. Each stamp follows the one before within STEP_S. One that does not is a stray, or follows a gap.
+2. SURE stamps in a row that follow each other are the clock. If they lie behind the earlier clock,
+   the autopilot has restarted.
+3. Until that is decided, and while the clock is not heard, the number of restarts is uncertain.
 """
 
 from __future__ import annotations
@@ -18,9 +17,9 @@ import math
 from companion.vehicle.heard_time import QUIET_S
 
 STEP_S = 1.0
-"""Between two stamps in a row: a PX4 sends its attitude at 50 Hz."""
+"""Greatest difference of successive stamps: a PX4 sends its attitude at 50 Hz."""
 SURE = 5
-"""Stamps: one that is damaged, forged or late is no restart."""
+"""Stamps, so that a damaged, forged or late one is not taken for a restart."""
 
 
 class RestartWatch:
@@ -36,7 +35,7 @@ class RestartWatch:
     (1, True, False)
 
     Attributes:
-        restarts: how often the clock has begun anew.
+        restarts: how often the clock has started anew.
     """
 
     def __init__(self) -> None:
@@ -65,5 +64,5 @@ class RestartWatch:
             self._clock_s, self._others = boot_s, 0
 
     def is_certain(self, now_s: float) -> bool:
-        """Whether it is known that `restarts` is right by now."""
+        """Whether `restarts` is certain to be up to date."""
         return not self._others and now_s - self._heard_s <= QUIET_S

@@ -1,8 +1,7 @@
-"""When the clocks of a run are read, and what they show: when it begins, arms and ends.
+"""Records what the clocks of a run show: when it begins, when the vehicle arms, and when it ends.
 
-When the vehicle is armed PX4 begins a log, so that is when its clock and ours are held beside each
-other, and when the log is marked with the run. A mission that lands on its way arms again, and so
-has another log.
+PX4 begins a log when the vehicle is armed. So then its clock is compared with ours, and the log is
+marked with the run. A mission that lands on its way arms again, and so has another log.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ class ClockReading(NamedTuple):
         occasion: why they were read.
         time_s: since the run began.
         clock_s: the machine's monotonic clock; None in lockstep.
-        autopilot: when the autopilot's clock showed 0, since the run began; None before it has
-            said so.
+        autopilot: when the autopilot's clock showed 0, counted from the start of the run; None
+            before it has answered.
     """
 
     occasion: str
@@ -35,11 +34,11 @@ class RunClocks:
     """The clocks of one run.
 
     Args:
-        wire: whose answers tell the autopilot our time.
+        wire: answers the autopilot's questions for our time.
         telemetry: has the autopilot's clock.
 
     Attributes:
-        has_armed: the vehicle was heard to be armed in this step, and not before.
+        has_armed: the vehicle was first heard to be armed in this step.
     """
 
     def __init__(self, wire: Wire, telemetry: Telemetry) -> None:
@@ -47,17 +46,18 @@ class RunClocks:
         self.has_armed = self._is_armed = self._has_begun = self._is_due = False
 
     def follow(self, is_armed: bool) -> None:
-        """A step has begun."""
+        """Begins a step."""
         self.has_armed, self._is_armed = is_armed and not self._is_armed, is_armed
         self._is_due = is_armed and (self._is_due or self.has_armed)
 
     def due(self, now_s: float, start_s: float, has_ended: bool) -> list[ClockReading]:
-        """What is to be recorded of this step; of an armed vehicle when its clock is known.
+        """The readings to record in this step; that of arming waits until the autopilot's clock is
+        known.
 
         Args:
             now_s: the flight's time.
             start_s: when the run began.
-            has_ended: whether this is its last step.
+            has_ended: whether this is the run's last step.
         """
         begins, self._has_begun = not self._has_begun, True
         if not (begins or self._is_due or has_ended):

@@ -1,8 +1,8 @@
-"""The stream of setpoints: what was asked for last, as the gate lets it out, as a message.
+"""The stream of setpoints: passes the last requested setpoint through the gate, as a message.
 
-Nothing here repeats a setpoint by itself: one leaves in a tick, and its lease ends where nobody
-renews it (`gate.py`). What the gate lets out is written in the autopilot's own measure: positions
-in its frame, velocities as its estimate shows them (`velocity_bias.py`).
+Nothing here repeats a setpoint by itself: a tick sends one at most, and its lease ends unless it is
+renewed (`gate.py`). What passes the gate is converted to the autopilot's own measure: positions to
+its local frame, velocities by the error of its estimate (`velocity_bias.py`).
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class SetpointStream:
         envelope: limits of the gate.
 
     Attributes:
-        refusal: why a hold was sent in place of the setpoint; None while it was not.
+        refusal: why the last message was a hold in place of the setpoint; None if it was not.
     """
 
     def __init__(self, telemetry: Telemetry, envelope: Envelope) -> None:
@@ -44,35 +44,35 @@ class SetpointStream:
     def fly(
         self, setpoint: Setpoint, now_s: float, is_for_task: bool, is_landing: bool = False
     ) -> None:
-        """Asks for a setpoint, for the time of its lease."""
+        """Requests a setpoint, for the time of its lease."""
         self._request = Request(setpoint, now_s, is_for_task, is_landing)
 
     def end(self) -> None:
-        """Nothing is asked for any longer."""
+        """Drops the request."""
         self._request = self._verdict = None
 
     def set_speed_limit(self, speed_mps: float) -> None:
-        """The gate admits no faster setpoint from now on."""
+        """Sets the gate's speed limit."""
         if speed_mps != self._envelope.speed_mps:
             self._envelope = replace(self._envelope, speed_mps=speed_mps)
 
     def keep_within(self, fence: KeptFence) -> None:
-        """The gate admits no setpoint outside a fence from now on."""
+        """Lets the gate refuse setpoints outside a fence from now on."""
         envelope = self._envelope
         keep_out = (*envelope.keep_out, *fence.keep_out)
         self._envelope = replace(envelope, within=fence.within, keep_out=keep_out)
 
     def set_violated(self, is_violated: bool) -> None:
-        """Whether the gate admits no setpoint of the task's plan from now on."""
+        """Sets whether the gate refuses setpoints of the task's plan."""
         self._is_violated = is_violated
 
     def due(self, now_s: float, system: int, is_entering: bool) -> list[Message]:
-        """The setpoint that the gate lets out, as a message; at most one.
+        """The setpoint that passes the gate, as a message; at most one.
 
         Args:
             now_s: the time.
             system: id of the vehicle.
-            is_entering: OFFBOARD is about to be asked for.
+            is_entering: OFFBOARD is about to be requested.
         """
         self.refusal = None
         if self._request is None:
@@ -108,7 +108,8 @@ class SetpointStream:
         ]
 
     def _velocity_bias(self, now_s: float) -> Ned:
-        """What the autopilot's velocity is off by in flight; on the ground it moves nothing."""
+        """The error of the autopilot's velocity in flight; zero on the ground, where nothing
+        moves."""
         state = self._telemetry.state
         is_flying = state is not None and not state.is_landed
         return self._telemetry.velocity_bias.at(now_s) if is_flying else STILL

@@ -1,12 +1,12 @@
-"""Where something is that another program has seen, from where the vehicle was then.
+"""Converts what another program has seen to a position, by where the vehicle was at that time.
 
-A detector sees in a picture, and says so later. It reports what it saw ahead and to the right of
-the vehicle, with the time of the picture by the machine's monotonic clock (`time.monotonic_ns()` in
-Python); without a time it was seen now. So the vehicle's poses of the last HISTORY_S are kept. A
-detector that knows where on the earth something is says that instead.
+A detector evaluates a picture, and reports later. It reports how far ahead and to the right of the
+vehicle something is, with the time of the picture by the machine's monotonic clock
+(`time.monotonic_ns()` in Python); without a time, it was seen now. So the vehicle's poses of the
+last HISTORY_S are kept. A detector that knows latitude and longitude reports these instead.
 
-Directions are those of a level vehicle. How high something lies is not asked: at what height a
-place is flown to is the mission's.
+Directions are those of a level vehicle. The height of the thing is not reported: the mission
+determines at what height a place is flown to.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from companion.vehicle.poses import Pose, PoseHistory
 
 HISTORY_S = 10.0
 AHEAD_S = 0.1
-"""By which a picture may be newer than the newest pose."""
+"""A picture may be newer than the newest pose by this much."""
 SILENT_S = 1.0
-"""Without a pose for longer it is not known where the vehicle is."""
+"""If there was no pose for longer, the vehicle's position is unknown."""
 FAR_M = 200.0
-"""What is seen further away is no longer where it seems to be: a degree is 3.5 m there."""
+"""Beyond this distance a sighting is too inaccurate: one degree is 3.5 m there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ class SeenFromVehicle:
     """Something ahead and to the right of the vehicle.
 
     Attributes:
-        monotonic_ns: when, by the machine's clock; None for now.
+        monotonic_ns: when it was seen, by the machine's clock; None for now.
     """
 
     forward_m: float
@@ -43,7 +43,7 @@ class SeenFromVehicle:
 
 @dataclass(frozen=True, slots=True)
 class SeenOnEarth:
-    """Something at a latitude and a longitude."""
+    """Something at a latitude and a longitude, degrees."""
 
     lat_deg: float
     lon_deg: float
@@ -53,7 +53,7 @@ Sighting = SeenFromVehicle | SeenOnEarth
 
 
 def sighting_of(report: dict[str, object]) -> Sighting | Refusal:
-    """What a report says of a position, or why it says none.
+    """The position in a report, or why it contains none.
 
     >>> sighting_of({"forward_m": 4, "right_m": -1.5})
     SeenFromVehicle(forward_m=4.0, right_m=-1.5, monotonic_ns=None)
@@ -81,13 +81,13 @@ def sighting_of(report: dict[str, object]) -> Sighting | Refusal:
 
 
 class Sightings:
-    """The poses of one flight, and what was seen from them."""
+    """The poses of one flight, to place what was seen."""
 
     def __init__(self) -> None:
         self._poses = PoseHistory(HISTORY_S)
 
     def follow(self, state: VehicleState | None) -> None:
-        """Keeps the present pose; once a tick."""
+        """Stores the present pose; once a tick."""
         newest_s = self._poses.newest_s
         if state is None or (newest_s is not None and state.position_s <= newest_s):
             return
@@ -102,7 +102,7 @@ class Sightings:
             sighting: what was seen.
             now_s: the flight's time.
             zero_s: what the machine's clock showed when the flight's showed 0; None in lockstep.
-            zero: where the mission's frame lies on the earth, if that is known.
+            zero: where the mission's frame is on the earth, if known.
         """
         match sighting:
             case SeenOnEarth(lat_deg=latitude, lon_deg=longitude):
@@ -124,7 +124,7 @@ class Sightings:
                 return (north, east + forward_m * sin + right_m * cos)
 
     def _pose(self, seen_s: float, now_s: float) -> Pose | Refusal:
-        """Where the vehicle was at a time."""
+        """The vehicle's pose at a time, or why it is not known."""
         oldest_s, newest_s = self._poses.oldest_s, self._poses.newest_s
         pose = self._poses.at(seen_s)
         if oldest_s is None or newest_s is None or pose is None or now_s - newest_s > SILENT_S:

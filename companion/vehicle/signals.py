@@ -1,4 +1,4 @@
-"""The numbers on the wire that a mission's events are made of."""
+"""Extracts from MAVLink messages the numbers that the mission's events use."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from companion.mavlink.framing import Message
 from companion.mission.signals import Signal
 
 NOT_KNOWN = {("BATTERY_STATUS", "battery_remaining"): -1, ("SYS_STATUS", "battery_remaining"): -1}
-"""Values that mean "not known"; they are never handed on as numbers."""
+"""Values that mean "not known"; they are never passed on as numbers."""
 
 MOST_TOLD = 20
-"""Of a flight: who speaks in the names of many systems fills no log."""
+"""In a flight, so that a sender that uses many system ids does not fill the log."""
 
 SignalReading = tuple[Signal, float]
 """A signal and its value."""
@@ -24,7 +24,7 @@ class SignalReader:
     """Finds signals in messages.
 
     Args:
-        signals: what to look for.
+        signals: those to look for.
     """
 
     def __init__(self, signals: Iterable[Signal]) -> None:
@@ -34,7 +34,7 @@ class SignalReader:
 
     @property
     def messages(self) -> frozenset[str]:
-        """The names of the messages in which there are any."""
+        """The names of the messages that contain signals."""
         return frozenset(self._signals)
 
     def read(self, message: Message) -> list[SignalReading]:
@@ -50,13 +50,13 @@ class SignalReader:
 
 
 class OtherSystems:
-    """Tells once of each signal of the mission that another system than the vehicle says.
+    """Reports signals of the mission that come from a system other than the vehicle's, once each.
 
-    It is passed over: a payload has the system id of its vehicle. One that has not is a mistake
-    which nobody would see otherwise: its event just never comes.
+    Such a signal is ignored, as a payload has the system id of its vehicle. A payload with another
+    id is a mistake that would go unnoticed otherwise: its event never becomes true.
 
     Args:
-        reader: of the signals that are asked for.
+        reader: of the mission's signals.
     """
 
     def __init__(self, reader: SignalReader) -> None:
@@ -64,11 +64,11 @@ class OtherSystems:
         self._told: set[tuple[Signal, int]] = set()
 
     def news(self, vehicle: int, messages: Iterable[Message]) -> list[FlightEvent]:
-        """Which of these were not told before.
+        """The reports that are new.
 
         Args:
-            vehicle: the system id of our own.
-            messages: of anybody.
+            vehicle: system id of our vehicle.
+            messages: from any system.
         """
         found: list[FlightEvent] = []
         for message in messages:

@@ -1,7 +1,7 @@
-"""What the acting side knows of what an autopilot stores for a mission: a fence, rally points.
+"""The acting side's interface to what an autopilot stores for a mission: a fence, rally points.
 
-It is read and written on the ground alone, disarmed. `plan_store.py` and the services that use it
-fulfil the port over MAVLink.
+It is read and written only on the ground, disarmed. `plan_store.py`, and the services that use it,
+implement the port over MAVLink.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from companion.vehicle.outcome import Outcome
 
 
 class AutopilotStore(Protocol):
-    """One kind of what an autopilot stores."""
+    """One kind of items that an autopilot stores."""
 
     @property
     def outcome(self) -> Outcome:
-        """What has become of the last `read` or `write`."""
+        """What became of the last `read` or `write`."""
 
     def locate(self) -> Outcome:
         """Ask where the autopilot's frame lies on the earth; call it every tick while RUNNING."""
 
     def read(self) -> None:
-        """Begin to ask for what is there."""
+        """Begin to read the stored items."""
 
     def is_own(self) -> bool:
-        """Whether what was read last was written by this companion, now or in another flight."""
+        """Whether this companion wrote the items that were read last, now or in another flight."""
 
     def is_as_written(self) -> bool:
-        """Whether what was read last is what was written last, wherever the frame is by now."""
+        """Whether the items read last are those written last, wherever the frame is by now."""
 
 
 class AutopilotFence(AutopilotStore, Protocol):
@@ -40,24 +40,25 @@ class AutopilotFence(AutopilotStore, Protocol):
 
     @property
     def stored(self) -> StoredFence | None:
-        """What was read last; None before, and where it is not known where it lies."""
+        """The fence that was read last; None before that, or if its place is not known."""
 
     @property
     def home(self) -> NorthEast | None:
-        """The autopilot's home in the mission's frame; None where that is not known."""
+        """The autopilot's home in the mission's frame; None if not known."""
 
     @property
     def objections(self) -> Sequence[str]:
-        """What the autopilot has said, since the last `write`, of areas that it leaves out."""
+        """What the autopilot has said since the last `write` about areas that it does not
+        enforce."""
 
     def write(self, areas: Sequence[FenceArea]) -> None:
-        """Begin to put a fence in the place of the one that is there."""
+        """Begin to replace the stored fence."""
 
     def is_vouched_for(self) -> bool:
-        """Whether what was read last is known to be in force."""
+        """Whether the fence that was read last is known to be in force."""
 
     def vouch(self) -> None:
-        """What was written last was read back, and nothing was said against it."""
+        """Note that the fence written last was read back, and that nothing was said against it."""
 
 
 class AutopilotRally(AutopilotStore, Protocol):
@@ -65,11 +66,11 @@ class AutopilotRally(AutopilotStore, Protocol):
 
     @property
     def stored(self) -> StoredRally | None:
-        """Those that were read last; None before, and where it is not known where they lie."""
+        """The points that were read last; None before that, or if their place is not known."""
 
     @property
     def has_written(self) -> bool:
-        """Whether this companion has ever written some, to whichever vehicle."""
+        """Whether this companion has ever written rally points, to any vehicle."""
 
     def write(self, points: Sequence[RallyPoint]) -> None:
-        """Begin to put some, or none, in the place of those that are there."""
+        """Begin to replace the stored points by others, or by none."""

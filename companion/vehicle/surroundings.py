@@ -1,10 +1,11 @@
-"""The surroundings as range scans show them: what is new in them, and where the vehicle is in them.
+"""Corrects the map by range scans, and the mission's frame by the walls of the map.
 
-Walls that the map tells are the measure: a scan that does not lie on them is off by what position
-and heading are, and the mission's frame is moved by a part of that. So a vehicle that sees told
-walls keeps its distance from them, whatever its GPS says. Where the position is exact the walls may
-be off instead; then nothing is moved. Scans that come at once, as after a pause of the process,
-were all placed before the first of them has moved the frame, and are moved along with it.
+The walls of the mission's map are the reference. If a scan does not match them, position and
+heading are wrong by the difference, and the mission's frame is moved by a part of it. So a vehicle
+that sees these walls keeps its distance from them, whatever its GPS says. If the position is exact,
+the walls may be wrong instead, and the frame is not moved. Scans that arrive together, as after a
+pause of the process, were all placed before the first of them moved the frame; they are moved along
+with it.
 """
 
 from __future__ import annotations
@@ -21,30 +22,30 @@ from companion.motion.wall_alignment import GREATEST_TURN_RAD, WallAlignment
 from companion.vehicle.telemetry import Telemetry
 
 SHARE = 0.3
-"""Of what a scan is off by, so much moves the frame: one scan may be wrong."""
+"""The frame is moved by this fraction of a scan's error, as one scan may be wrong."""
 
 
 class Surroundings:
-    """The map of a mission, corrected by scans, and the frame corrected by the map.
+    """The map of a mission, corrected by scans, and the frame, corrected by the map.
 
     Args:
         prior: the map of the mission.
-        telemetry: of the vehicle; its frame is moved.
+        telemetry: of the vehicle; this class moves its frame.
     """
 
     def __init__(self, prior: OccupancyGrid, telemetry: Telemetry) -> None:
         self._map = SensedMap(prior)
         self._walls = WallAlignment(prior)
         self._telemetry = telemetry
-        self._turn_rad = 0.0  # by what the heading was off last
+        self._turn_rad = 0.0  # the last known error of the heading
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The map as it is known now; another object exactly when a cell has changed."""
+        """The map as it is known now; a new object exactly when a cell has changed."""
         return self._map.grid
 
     def take(self, scans: Iterable[RangeScan]) -> bool:
-        """Takes scans in, in order; true if a cell has become occupied or free."""
+        """Takes scans in order; returns whether a cell has become occupied or free."""
         placed_by = self._telemetry.frame.origin
         changes = [
             self._map.integrate(self._aligned(self._moved(scan, placed_by))) for scan in scans
@@ -52,7 +53,7 @@ class Surroundings:
         return any(changes)
 
     def _moved(self, scan: RangeScan, placed_by: Ned | None) -> RangeScan:
-        """A scan by the frame as it is, which it was placed in where that had this origin."""
+        """A scan in the present frame; `placed_by` is the frame's origin when it was placed."""
         origin = self._telemetry.frame.origin
         if origin is None or placed_by is None or origin == placed_by:
             return scan

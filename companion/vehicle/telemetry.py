@@ -1,8 +1,8 @@
-"""What the autopilot was last heard to say, as a VehicleState.
+"""Keeps what the autopilot was last heard to say, as a VehicleState.
 
-Positions are shifted to the mission's frame (mission_frame.py); the autopilot's begins elsewhere.
-Numbers that are not finite, and values that mean "not known", are never taken over; nor is a
-message that a newer one of its kind has overtaken on the way.
+1. Positions are converted to the mission's frame (mission_frame.py).
+2. Numbers that are not finite, and values that mean "not known", are never used.
+3. A message is dropped if a newer one of its kind has overtaken it on the way.
 """
 
 from __future__ import annotations
@@ -29,24 +29,24 @@ from companion.vehicle.restart_watch import RestartWatch
 from companion.vehicle.velocity_bias import STILL, VelocityBias
 
 KNOWN_MODES = {mode.value: mode for mode in Mode}
-MOST_TILT_RAD = math.radians(60.0)  # beyond, no weight is carried
+MOST_TILT_RAD = math.radians(60.0)  # beyond, the thrust does not carry the weight
 
 
 class Telemetry:
-    """The newest value of everything that makes up the state.
+    """The newest values of all parts of the state.
 
     Args:
-        laid: where missions' frames were laid before; None where that is not remembered.
+        laid: where missions' frames were laid before; None if that is not remembered.
 
     Attributes:
         frame: of the mission.
-        origins: where the autopilot's local frame lies on the earth.
-        clock: of the autopilot.
-        boots: how often it has restarted.
-        velocity_bias: what its velocity is off by.
+        origins: where the autopilot's local frame is on the earth.
+        clock: the autopilot's.
+        boots: how often the autopilot has restarted.
+        velocity_bias: the error of the autopilot's velocity.
         heartbeat_s: when the newest heartbeat was heard.
         accuracy_m: as in VehicleState.
-        words: in which the autopilot speaks.
+        words: what the autopilot says in words.
     """
 
     def __init__(self, laid: LaidFrames | None = None) -> None:
@@ -74,14 +74,14 @@ class Telemetry:
 
     @property
     def state(self) -> VehicleState | None:
-        """The state in the mission's frame; None until every part of it was heard."""
+        """The state in the mission's frame; None until all parts of it were heard."""
         if self._state is None:
             self._state = self._put_together()
         return self._state
 
     @property
     def missing(self) -> str:
-        """What a mission that is to begin still waits to hear of its vehicle, in words."""
+        """What still has to be heard of the vehicle before a mission can begin, in words."""
         if self.mode is None:
             return "no HEARTBEAT of an autopilot"
         if self._position is None:
@@ -134,40 +134,41 @@ class Telemetry:
         )
 
     def below_m(self, now_s: float) -> float | None:
-        """The distance to what is below the vehicle, as far as that is known (`range_below.py`)."""
+        """Distance down to what is below the vehicle; None if not known (`range_below.py`)."""
         return self._range_below.at(now_s)
 
     def stand_at(self, place: Ned) -> None:
-        """The vehicle stands at a place, before its first sortie: the frame is laid so."""
+        """Lays the frame so that the vehicle stands at a place, before its first sortie."""
         self.frame.lay(place)
         if self._laid is not None:
             self._laid.note(self.frame, self._system, self._measured_s)
         self._state = None
 
     def move(self, by: NorthEast, most_m: float) -> None:
-        """The vehicle is so much further than its position says: the frame is moved.
+        """Moves the frame: the vehicle is that much further than its position says.
 
         Args:
             by: north and east.
-            most_m: that the frame may be moved by in all.
+            most_m: greatest distance by which the frame may be moved in all.
         """
         self.frame.move(by, most_m)
         self._state = None
 
     def anchor_at(self, anchor: GlobalOrigin | None) -> None:
-        """The mission that begins lies there on the earth; None where the vehicle stands."""
+        """Begins a mission with this origin; None if the mission begins where the vehicle
+        stands."""
         self.frame.anchor_at(anchor)
         self._state = None
 
     @property
     def origin(self) -> GlobalOrigin | None:
-        """Where the autopilot's local frame lies on the earth; None where frames are not known."""
+        """Where the autopilot's local frame is on the earth; None while frames are not known."""
         is_known = self.frame.is_known and self.origins.residual_m is not None
         return self.frame.reference if is_known else None
 
     @property
     def location(self) -> FrameLocation | None:
-        """Where the frames lie on the earth; None where that is not known."""
+        """Where the frames are on the earth; None if not known."""
         frame, residual_m = self.frame, self.origins.residual_m
         if frame.reference is None or (zero := frame.zero) is None or residual_m is None:
             return None
@@ -175,18 +176,19 @@ class Telemetry:
 
     @property
     def is_flown(self) -> bool:
-        """Whether it is heard that the vehicle is armed or in the air."""
+        """Whether the vehicle was heard to be armed or in the air."""
         return self.is_armed or self._is_landed is False
 
     @property
     def ground_amsl_m(self) -> float | None:
-        """How high the vehicle stands above the sea, disarmed; None while that is not known."""
+        """Altitude above mean sea level at which the vehicle stands disarmed; None if not known."""
         is_standing = self._is_landed is True and not self.is_armed
         return self.origins.altitude_m if is_standing else None
 
     @property
     def frame_doubt(self) -> Refusal | None:
-        """Why the position in the mission's frame is not known or not certain; None if it is."""
+        """Why the position in the mission's frame is unknown or uncertain; None if it is
+        certain."""
         watch = self.origins
         is_wanting = self.frame.anchor is not None and watch.origin is None
         if self._position is None or not (watch.is_doubted or is_wanting):
@@ -197,16 +199,16 @@ class Telemetry:
         return Refusal(f"the autopilot's LOCAL_POSITION_NED and GLOBAL_POSITION_INT {about}")
 
     def is_news(self, now_s: float, message: Message) -> bool:
-        """Whether no newer message of its kind has overtaken one of the autopilot; once for each.
+        """Whether no newer message of its kind has overtaken a message; call it once for each.
 
-        Words say something of their own, whenever they come.
+        Messages with words always count as news.
         """
         kind = message.get_type()
         is_overtaken = self._order.is_overtaken(now_s, kind, message.get_seq())
         return not is_overtaken or kind in SPOKEN
 
     def take(self, now_s: float, message: Message) -> None:
-        """Takes over a message of the autopilot that is news."""
+        """Takes a message of the autopilot that is news."""
         handler = _HANDLERS.get(message.get_type())
         if handler is not None:
             handler(self, now_s, message)
@@ -286,12 +288,12 @@ class Telemetry:
         self.words.take(now_s, message)
 
     def questions(self, now_s: float, autopilot: tuple[int, int], is_ours: bool) -> list[Message]:
-        """What to ask the autopilot now: its words, and where its frame lies.
+        """What to ask the autopilot now: its words, and where its frame is.
 
         Args:
             now_s: the time.
-            autopilot: its address.
-            is_ours: the vehicle was to arm, or to do anything else.
+            autopilot: system and component id.
+            is_ours: a goal was pursued, so the companion may ask where the frame is.
         """
         is_flown = self.is_armed or self._is_landed is not True
         is_needed = self.frame_doubt is not None
@@ -300,7 +302,7 @@ class Telemetry:
 
 
 def heartbeat_of(message: Message) -> Heartbeat:
-    """What a HEARTBEAT of the autopilot says."""
+    """The content of the autopilot's HEARTBEAT."""
     return Heartbeat(
         KNOWN_MODES.get(mode_name(message.custom_mode) or "", Mode.OTHER),
         bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED),
@@ -333,4 +335,4 @@ _HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
 }
 
 TELEMETRY = frozenset(_HANDLERS)
-"""Messages that make up the state, its ages, and words."""
+"""Messages that contain the state, its ages, or words."""

@@ -1,21 +1,20 @@
-"""The autopilot's questions for the time, answered: so its log knows our clock.
+"""Answers the autopilot's questions for the time, so that its log relates its clock to ours.
 
-PX4 asks by TIMESYNC ten times a second on a link to a companion (`tc1` = 0). It reckons from the
-answers by how much its clock is ahead of ours, writes that into its log (`timesync_status`), and
-reads time stamps of ours with it. The clock that answers is one, and never steps back: the
-machine's monotonic clock (CLOCK_MONOTONIC), which other programs on board read as well; in lockstep
-the time of the flight.
+On a link to a companion PX4 asks by TIMESYNC ten times a second (`tc1` = 0). From the answers it
+computes the offset between the clocks, writes it into its log (`timesync_status`), and reads our
+time stamps with it. The answers come from one clock that never steps back: the machine's monotonic
+clock (CLOCK_MONOTONIC), which other programs on board read as well; in lockstep, the time of the
+flight.
 
 Rules:
-1. The vehicle's own autopilot is answered. What another component, or the autopilot of another
-   system, asks is not ours to answer.
-2. PX4 takes no answer that has been 10 ms or more on its way. So a question is answered when it
-   arrives (`driving.py`), not in the next tick. One question gets one answer.
-3. One answer in LEAST_S, whatever arrives: a flood is not answered by a flood.
+1. Only the vehicle's own autopilot is answered, not other components or other systems' autopilots.
+2. PX4 rejects an answer that takes 10 ms or more. So a question is answered when it arrives
+   (`driving.py`), not in the next tick. Each question gets one answer.
+3. At most one answer in LEAST_S, whatever arrives, so that a flood does not cause another.
 4. An answer commands nothing. It is given in every phase, whoever flies.
 
-Source: https://mavlink.io/en/services/timesync.html; PX4 v1.16 as it was seen. Our own questions
-are those of `boot_clock.py`; answers to them are not looked at here.
+Source: https://mavlink.io/en/services/timesync.html; PX4 v1.16 as observed. Our own questions, and
+the answers to them, belong to `boot_clock.py`.
 """
 
 from __future__ import annotations
@@ -26,16 +25,16 @@ from collections import deque
 from companion.mavlink.framing import Message, dialect, source
 
 LEAST_S = 0.02
-"""Five times as often as PX4 asks."""
+"""Allows five times the rate at which PX4 asks."""
 KEPT = 8
-"""Questions that are known again: more than are answered within a tick, in which each is met once
-when it arrives, and once more with all that has arrived."""
+"""Questions remembered as answered: more than are answered within a tick. Each question is seen
+once when it arrives, and again with all messages of the tick."""
 NANO = 1_000_000_000
 TIMESYNC = frozenset({dialect.MAVLINK_MSG_ID_TIMESYNC})
 
 
 class TimeAnswers:
-    """Answers to the autopilot of one vehicle.
+    """Answers the autopilot of one vehicle.
 
     >>> answers = TimeAnswers()
     >>> question = dialect.MAVLink_timesync_message(0, 77)  # its sender is not known: 0, 0
@@ -54,7 +53,7 @@ class TimeAnswers:
         self._next_s = -math.inf
 
     def answer(self, now_s: float, autopilot: tuple[int, int], message: Message) -> Message | None:
-        """The answer to a TIMESYNC; None if there is nothing to answer.
+        """The answer to a TIMESYNC; None if none is due.
 
         Args:
             now_s: the flight's time.

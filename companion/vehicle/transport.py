@@ -1,6 +1,6 @@
-"""What carries bytes to and from a vehicle, a class for each kind: UDP, and streams.
+"""Carries bytes to and from a vehicle, with a class for each kind of link: UDP, and streams.
 
-A door: sockets, serial ports and the wall clock. What is done with the datagrams is for `link.py`.
+A door: it opens sockets and serial ports, and reads the wall clock. `link.py` uses the datagrams.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from companion.vehicle.endpoints import Endpoint, SerialPort, TcpServer, UdpPeer
 
 RECEIVE_BUFFER = 1 << 20
 LEAST_IN_BUFFER = 256
-"""Bytes that a datagram takes in the receive buffer at least, with what the system keeps of it."""
+"""Bytes that a datagram occupies in the receive buffer at least, with the system's overhead."""
 READ_AT_ONCE = 1 << 14
-"""Bytes of a stream in a step: more than a line of 921,600 baud brings in a tenth of a second."""
+"""Bytes of a stream in a step: more than a line of 921,600 baud carries in a tenth of a second."""
 TRY_AGAIN_S = 1.0
 _LISTENING = {
     errno.EADDRINUSE: "\n    another program has the port; only one can, and QGroundControl needs "
@@ -34,32 +34,34 @@ _LISTENING = {
     errno.EACCES: "\n    ports below 1024 are the system's: choose a higher one",
     errno.EADDRNOTAVAIL: "\n    this machine has no such address; 0.0.0.0 stands for all it has",
 }
-"""What to do where a port cannot be had, by the number of the error."""
+"""Advice for a port that cannot be opened, by error number."""
 
 
 class Transport(Protocol):
     """Carries datagrams.
 
     Attributes:
-        peer: who is sent to, if that is known without having heard anybody.
+        peer: the address to send to, if it is known before anybody was heard.
     """
 
     peer: Address | None
 
     def receive(self) -> Iterator[tuple[bytes, Address]]:
-        """What has arrived, with its sender; bounded, and never waited for."""
+        """What has arrived, with its senders; bounded, and without waiting."""
 
     def discard(self) -> None:
         """Drops all that has arrived so far."""
 
     def send(self, datagram: bytes, address: Address) -> None:
-        """Sends as a whole, or not at all; never waits."""
+        """Sends a whole datagram, or nothing; never waits."""
 
     def wait(self, timeout_s: float) -> bool:
-        """Waits until something has arrived, at most so many wall-clock seconds; whether it has."""
+        """Waits until something arrives, at most `timeout_s` of wall-clock time; returns whether it
+        has.
+        """
 
     def news(self) -> list[FlightEvent]:
-        """What has become of the line since it was asked last."""
+        """What became of the line since the last call."""
 
     def close(self) -> None:
         """Frees the port."""
@@ -69,8 +71,8 @@ def open_transport(endpoint: Endpoint) -> Transport:
     """The transport to an endpoint.
 
     Raises:
-        LinkError: a port cannot be bound, or a host is not known. A server or a serial port that
-            is not there is tried again while the link lasts.
+        LinkError: a port cannot be bound, or a host is not known. For a server or a serial port
+            that is not there there is no error: the transport keeps trying to open it.
     """
     if isinstance(endpoint, UdpPort | UdpPeer):
         return Udp(endpoint)
@@ -78,7 +80,7 @@ def open_transport(endpoint: Endpoint) -> Transport:
 
 
 def check_port(endpoint: Endpoint) -> None:
-    """Refuses a UDP port that another program has.
+    """Raises an error if another program has a UDP port.
 
     Raises:
         LinkError: it cannot be bound.
@@ -110,12 +112,12 @@ class Udp:
 
     @property
     def address(self) -> Address:
-        """Of the socket itself."""
+        """That of the socket itself."""
         host, port = self._socket.getsockname()
         return host, port
 
     def receive(self) -> Iterator[tuple[bytes, Address]]:
-        """The datagrams that have arrived, cut off behind the longest that is taken."""
+        """The datagrams that have arrived; those longer than the limit are cut off behind it."""
         for _ in range(READS):
             try:
                 yield self._socket.recvfrom(LONGEST + 1)
@@ -125,7 +127,7 @@ class Udp:
                 continue
 
     def discard(self) -> None:
-        """More than a step takes in, too."""
+        """Drops all that has arrived, even more than a step takes."""
         for _ in range(RECEIVE_BUFFER // LEAST_IN_BUFFER):
             try:
                 self._socket.recv(1)
@@ -135,18 +137,18 @@ class Udp:
                 continue
 
     def send(self, datagram: bytes, address: Address) -> None:
-        """What the network does not take is lost, as on a radio."""
+        """Sends a datagram; what the network does not take is lost, as on a radio."""
         try:
             self._socket.sendto(datagram, address)
         except OSError:
             return
 
     def wait(self, timeout_s: float) -> bool:
-        """As of a transport."""
+        """Waits as `Transport.wait` does."""
         return bool(select.select([self._socket], [], [], max(0.0, timeout_s))[0])
 
     def news(self) -> list[FlightEvent]:
-        """A socket has none."""
+        """None: a UDP socket has no news."""
         return []
 
     def close(self) -> None:
@@ -155,10 +157,10 @@ class Udp:
 
 
 class Stream:
-    """A serial port, or a TCP connection; opened again once a second where it is not there.
+    """A serial port, or a TCP connection; while it is not there, it is opened again once a second.
 
-    A datagram is a frame. One that the line has no room for is lost; of one that was begun the
-    rest goes first.
+    A datagram is one frame. A frame for which the line has no room is lost; the rest of a frame
+    that has been begun is sent first.
     """
 
     def __init__(self, endpoint: TcpServer | SerialPort) -> None:
@@ -179,14 +181,14 @@ class Stream:
             yield frame, self.peer
 
     def discard(self) -> None:
-        """The system keeps less than this of a line."""
+        """Drops all that has arrived; the system buffers less of a line than this reads."""
         for _ in range(RECEIVE_BUFFER // READ_AT_ONCE):
             if not self._read():
                 break
         self._frames = StreamFrames()
 
     def send(self, datagram: bytes, address: Address) -> None:
-        """As of a transport."""
+        """Sends as `Transport.send` does."""
         if not self._flush():
             return
         self._unsent = datagram
@@ -194,14 +196,14 @@ class Stream:
             self._unsent = b""
 
     def wait(self, timeout_s: float) -> bool:
-        """As of a transport."""
+        """Waits as `Transport.wait` does."""
         if self._line is None:
             time.sleep(max(0.0, timeout_s))
             return False
         return bool(select.select([self._line], [], [], max(0.0, timeout_s))[0])
 
     def news(self) -> list[FlightEvent]:
-        """That the line is broken, once; and that it is there again."""
+        """Reports once that the line is broken, and once that it is there again."""
         news, self._news = self._news, []
         return news
 
@@ -227,7 +229,7 @@ class Stream:
             return b""
 
     def _flush(self) -> bool:
-        """Writes what is left of a frame; whether nothing is left."""
+        """Writes what is left of a frame; returns whether the line is ready for another."""
         try:
             while self._unsent and self._line is not None:
                 self._unsent = self._unsent[os.write(self._line.fileno(), self._unsent) :]
@@ -244,7 +246,7 @@ class Stream:
         return self._line
 
     def _open(self) -> socket.socket | serial.Serial:
-        """A line that never waits.
+        """Opens the line without waiting.
 
         Raises:
             OSError: it cannot be opened.
@@ -274,7 +276,7 @@ def address_of(host: str) -> str:
     """The IP address of a host.
 
     Raises:
-        LinkError: nobody knows it.
+        LinkError: the name cannot be resolved.
     """
     try:
         return socket.gethostbyname(host)

@@ -1,20 +1,21 @@
-"""What the autopilot's velocity is off by, against the change of its position.
+"""Estimates the error of the autopilot's velocity, from the change of its position.
 
-An estimator's velocity may be off for seconds while fixes hold its position. The autopilot flies by
-both: with a velocity that is off by b it stands b / MPC_XY_P beside its setpoint, or b / MPC_Z_P
+An estimator's velocity may be wrong for seconds while fixes hold its position. The autopilot
+controls by both: with a velocity error b it stands b / MPC_XY_P beside its setpoint, or b / MPC_Z_P
 above it (a PX4 with noisy inertial sensors: 0.4 m, and up to 1.5 m; 0.15 m). The change of the
-position tells what the velocity should be. So setpoints are sent in the autopilot's own measure,
-what is off added to their velocity, as their positions are sent in its own frame.
+position tells the true velocity. So setpoints are sent in the autopilot's own measure: the error is
+added to their velocity, as their positions are converted to its frame.
 
-Both are smoothed alike, so that nothing is off where they agree, however the vehicle is flown:
+Position and velocity are smoothed alike, so that the error is zero where they agree, however the
+vehicle is flown:
 
     b = lowpass(v) - d/dt lowpass(p)
 
 Rules:
-1. What is off by less than IGNORED_MPS is taken for rounding, and no more than MOST_MPS is added.
-2. A position that jumps is taken as a new one: the estimator has set it elsewhere.
-3. Nothing is known before SMOOTH_S of reports in a row, and after a gap, or a report older than
-   FRESH_S, it begins anew.
+1. An error below IGNORED_MPS counts as rounding; at most MOST_MPS is added.
+2. A jump of the position is not motion: the estimator has moved it.
+3. Nothing is known before SMOOTH_S of successive reports. After a gap, or a report older than
+   FRESH_S, estimation starts anew.
 """
 
 from __future__ import annotations
@@ -24,13 +25,14 @@ import math
 from companion.geometry import Ned
 
 SMOOTH_S = 0.5
-"""Time constant. On logs of a PX4, 0.3 to 1 s explained four fifths of what it stood beside."""
+"""Time constant. On logs of a PX4, 0.3 to 1 s explained four fifths of its distance from the
+setpoint."""
 IGNORED_MPS = 0.05
 MOST_MPS = 0.6
 JUMP_M = 0.3
-"""A change of the position, beside what the velocity makes of it, from one report to the next."""
+"""A change of the position between two reports, beyond what the velocity accounts for."""
 FRESH_S = 0.5
-"""Age of a report, and the time between two."""
+"""Greatest age of a report, and greatest time between two."""
 STILL = (0.0, 0.0, 0.0)
 
 
@@ -43,13 +45,13 @@ class VelocityBias:
         self._smooth = self._before
 
     def take(self, now_s: float, measured_s: float, position: Ned, velocity: Ned) -> None:
-        """Takes a report, all numbers of which are finite.
+        """Takes a report; all its numbers are finite.
 
         Args:
             now_s: when it was heard.
-            measured_s: its time by the autopilot's clock.
-            position: by its estimate, north, east, down.
-            velocity: the same.
+            measured_s: when it was measured, by the autopilot's clock.
+            position: by the autopilot's estimate: north, east, down; m.
+            velocity: likewise; m/s.
         """
         since_s, before = measured_s - self._measured_s, self._before
         if since_s == 0.0:

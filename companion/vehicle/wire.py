@@ -1,13 +1,13 @@
-"""Decodes what arrives for component 191, and packs what it says: bytes to messages and back.
+"""Decodes what arrives for component 191 and packs what it sends: bytes to messages and back.
 
-The one place that decodes what comes in; the vehicle's side (`offboard.py`) and the ground
-stations' side (`ground/component.py`) both read the messages that it hands out.
+This is the only place that decodes incoming messages. Both the vehicle's side (`offboard.py`) and
+the ground stations' side (`ground/component.py`) read them.
 
-1. The system id is learned from the first autopilot heard. What came before is dropped, and nothing
-   is sent before.
-2. Only messages that somebody has asked for are decoded, and of continual ones only the newest.
-3. There is one sequence of numbers, whoever of the two speaks.
-4. The autopilot's questions for the time are answered at once, by `answers`, and once.
+1. The system id is that of the first autopilot heard. Earlier messages are dropped, and nothing is
+   sent before.
+2. Only messages that somebody has asked for are decoded; of continual ones, only the newest.
+3. There is one sequence of numbers, whichever of the two sides sends.
+4. The autopilot's questions for the time are answered at once, by `answers`, and only once.
 
 Source: https://mavlink.io/en/services/heartbeat.html. No I/O: `link.py` moves the bytes.
 """
@@ -20,16 +20,16 @@ from companion.vehicle.time_answers import TIMESYNC, TimeAnswers
 COMPONENT = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 _TIMESYNC_BYTE = bytes(TIMESYNC)
-"""Its id; most datagrams have no such byte, and so no such message."""
+"""Its id, as a byte: a datagram without this byte contains no such message."""
 
 
 class Wire:
-    """The ear and the voice of component 191.
+    """The receiver and sender of component 191.
 
     Attributes:
-        time: answers the autopilot's questions for it.
+        time: answers the autopilot's questions for the time.
         wanted: ids of the messages that are decoded.
-        continual: of these, those of which only the newest of a tick is.
+        continual: of these, the messages of which only the newest of a tick is decoded.
     """
 
     def __init__(self) -> None:
@@ -51,19 +51,19 @@ class Wire:
         continual: frozenset[str],
         telling: frozenset[str] = frozenset(),
     ) -> None:
-        """What to decode from now on, by names of messages.
+        """Sets what to decode from now on, by names of messages.
 
         Args:
-            wanted: all that somebody reads; heartbeats always.
+            wanted: all that somebody reads; heartbeats are always included.
             continual: those of which only the newest of a tick counts.
-            telling: those that may tell an event of the mission.
+            telling: those that may contain an event of the mission.
         """
         self.wanted = _ids(wanted | {"HEARTBEAT"})
         self.continual = _ids(continual)
         self._telling = _ids(telling)
 
     def parse(self, datagrams: list[bytes]) -> list[Message]:
-        """The messages of a tick, in order, from whomever and for whomever."""
+        """The messages of a tick, in order, from and for any component."""
         frames = choose(datagrams, self.wanted, self.continual)
         messages = [message_of(frame) for frame in frames]
         if self.system:
@@ -75,18 +75,18 @@ class Wire:
         return []
 
     def peek(self, datagrams: list[bytes]) -> list[Message]:
-        """The messages that may tell an event; all are parsed when they are taken."""
+        """The messages that may contain an event; `parse` returns them again."""
         frames = choose(datagrams, self._telling, frozenset())
         return [message_of(frame) for frame in frames]
 
     def answers(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
-        """What leaves at once in answer to what arrives, without a step; nothing twice."""
+        """What to send at once in answer to what arrives, without a step; nothing twice."""
         asking = [datagram for datagram in datagrams if _TIMESYNC_BYTE in datagram]
         frames = choose(asking, TIMESYNC, frozenset())
         return self.answer(now_s, [message_of(frame) for frame in frames])
 
     def answer(self, now_s: float, messages: list[Message]) -> list[bytes]:
-        """The same to messages that are decoded already."""
+        """The same for messages that are decoded already."""
         if not self.system:
             return []
         autopilot, leaving = (self.system, AUTOPILOT), []
@@ -98,12 +98,12 @@ class Wire:
         return leaving
 
     def take_answered(self) -> list[bytes]:
-        """What has left so since the last call; the record of the flight has it, too."""
+        """What was sent at once since the last call; it also goes into the record of the flight."""
         answered, self._answered = self._answered, []
         return answered
 
     def pack(self, messages: list[Message]) -> list[bytes]:
-        """A datagram for each message; none before the system is known."""
+        """A datagram for each message; none before the system id is known."""
         return [self._codec.pack(m) for m in messages] if self.system else []
 
 
@@ -112,7 +112,7 @@ def _ids(names: frozenset[str]) -> frozenset[int]:
 
 
 def is_autopilot(message: Message) -> bool:
-    """Whether a message is the HEARTBEAT of an autopilot, which a decoded frame vouches for."""
+    """Whether a message is the HEARTBEAT of an autopilot; a decoded frame has a valid checksum."""
     return bool(
         message.get_type() == "HEARTBEAT"
         and message.get_srcComponent() == AUTOPILOT
