@@ -1,24 +1,24 @@
-"""The sender's side of the command protocol: a command is repeated until its final answer. No I/O.
+"""The sender's side of the command protocol: repeats a command until its final answer. No I/O.
 
 Rules (https://mavlink.io/en/services/command.html):
-1. A command is sent again every 0.5 s until it is answered, with `confirmation` counted up.
-2. No answer at all for 5 s is a failure.
-3. IN_PROGRESS lengthens the wait: 10 s from the last one. The command is not sent again: it may
-   take effect twice.
-4. TEMPORARILY_REJECTED is tried again after 1 s, at most ten times. After IN_PROGRESS it answers a
-   repetition of ours that was under way, and changes nothing.
+1. A command is repeated every 0.5 s until it is answered, with `confirmation` counted up.
+2. No answer at all within 5 s is a failure.
+3. IN_PROGRESS extends the wait to 10 s from the last one. The command is not repeated then, as it
+   might take effect twice.
+4. After TEMPORARILY_REJECTED the command is tried again after 1 s, at most ten times. If it comes
+   after IN_PROGRESS, it answers an earlier repetition of ours, and changes nothing.
 5. ACCEPTED is success. Every other result is final and a failure.
-6. A sender that says how long it waits for the final answer waits as long, whatever is heard or not
-   heard before: that time stands in place of the 5 s, the 10 s and the ten times.
-7. Who is interrupted leaves a command, and may come back to it: meanwhile it is not sent, its time
-   passes, and its answer counts.
-8. While a component is at work on an abandoned command, by IN_PROGRESS, another one with the same
-   number is not sent to it, and its time does not pass: it might take effect twice, and the answer
-   to the first would be taken for its own.
+6. If the sender gives a time for the final answer, that time replaces the 5 s, the 10 s and the ten
+   tries: it is waited for whatever is heard meanwhile.
+7. A sender that is interrupted leaves its command, and may come back to it. Meanwhile the command
+   is not sent; its time passes, and its answer counts.
+8. While a component still works on an abandoned command (IN_PROGRESS), no other command with the
+   same number is sent to it, and that one's time does not pass. It might take effect twice, and the
+   answer to the first would be taken for its own.
 
-An answer belongs to the command that was sent last to its component with that number. A second
+An answer belongs to the command with that number that was sent to the component last. A second
 answer may follow (PX4 accepts DO_SET_MODE at once and refuses it 10 ms later), so an accepted
-command still listens: a later failure overrides.
+command still listens: a later failure replaces the success.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ class Exchange:
     """One command under way.
 
     Attributes:
-        timeout_s: how long the sender waits for the final answer; None for rules 2 to 4.
-        result: name of the final MAV_RESULT without its prefix, None while there is none,
-            "NO_ANSWER" for silence, "REFUSED" if it is not sent at all.
+        timeout_s: the sender's time for the final answer; None for rules 2 to 4.
+        result: name of the final MAV_RESULT without its prefix; None while there is none,
+            "NO_ANSWER" for silence, "REFUSED" if the command is not sent at all.
         refusal: why it is not sent.
-        is_left: nobody waits for it now.
+        is_left: nobody waits for it now (rule 7).
     """
 
     system: int
@@ -71,17 +71,17 @@ class Exchange:
 
     @property
     def addressee(self) -> tuple[int, int, int]:
-        """What an answer has in common with it."""
+        """The key by which an answer is assigned to the command."""
         return (self.system, self.component, self.command)
 
     @property
     def has_failed(self) -> bool:
-        """Whether the final answer is there and is not the wanted one."""
+        """Whether there is a final answer other than ACCEPTED."""
         return self.result not in (None, "ACCEPTED")
 
     @property
     def in_words(self) -> str:
-        """The final answer for people."""
+        """The final answer in words."""
         if self.refusal is not None:
             return self.refusal.reason
         if self.result == "NO_ANSWER":
@@ -111,12 +111,12 @@ class Exchange:
         return is_unlimited or self.rejections < MAX_REJECTIONS
 
     def _wait(self, deadline_s: float) -> None:
-        """Waits so long for the next answer, unless the sender has said how long."""
+        """Sets until when to wait for the next answer, unless the sender has given a time."""
         if self.timeout_s is None:
             self.deadline_s = deadline_s
 
     def postpone(self, now_s: float) -> None:
-        """Its time begins later: it is not sent for the first time yet."""
+        """Lets its time begin later, as it has not been sent for the first time yet."""
         patience_s = SILENCE_S if self.timeout_s is None else self.timeout_s
         self.deadline_s = now_s + patience_s
 
@@ -147,7 +147,7 @@ class Exchange:
 
 
 class CommandSender:
-    """All commands under way, by the ticket that `start` gave for each."""
+    """All commands under way, by the ticket that `start` returned for each."""
 
     def __init__(self) -> None:
         self._exchanges: dict[int, Exchange] = {}
@@ -165,7 +165,7 @@ class CommandSender:
         """Begins a command to (system, component) and returns its ticket.
 
         Args:
-            timeout_s: how long to wait for the final answer; None for the protocol's own times.
+            timeout_s: time for the final answer; None for the protocol's own times.
         """
         self._tickets += 1
         patience_s = SILENCE_S if timeout_s is None else timeout_s
@@ -185,34 +185,34 @@ class CommandSender:
         exchange.result, exchange.refusal = "REFUSED", refusal
 
     def forget(self, ticket: int) -> None:
-        """Ends a command: nothing more is sent, answers are ignored."""
+        """Drops a command: nothing more is sent, and answers are ignored."""
         self._exchanges.pop(ticket, None)
 
     def abandon(self, ticket: int) -> None:
-        """Ends a command as `forget` does, but that rule 8 holds while a component is at work."""
+        """Drops a command like `forget`, but applies rule 8 while its component works on it."""
         exchange = self._exchanges.pop(ticket, None)
         if exchange is not None and exchange.is_in_progress and exchange.result is None:
             exchange.is_left = True
             self._abandoned.append(exchange)
 
     def leave(self, ticket: int) -> None:
-        """Sends a command no more for now; its answer still counts."""
+        """Stops sending a command for now; its answer still counts."""
         self._exchanges[ticket].is_left = True
 
     def leave_all(self) -> None:
-        """Sends no command any more for now."""
+        """Stops sending all commands for now."""
         for exchange in self._exchanges.values():
             exchange.is_left = True
 
     def come_back(self, ticket: int) -> None:
-        """Waits again for a command that was left."""
+        """Resumes a command that was left."""
         self._exchanges[ticket].is_left = False
 
     def __getitem__(self, ticket: int) -> Exchange:
         return self._exchanges[ticket]
 
     def receive(self, now_s: float, ack: Message) -> None:
-        """Hands a COMMAND_ACK to the newest command that it answers."""
+        """Passes a COMMAND_ACK to the newest command that it answers."""
         answered = (*source(ack), ack.command)
         sent = [each for _, each in sorted(self._exchanges.items()) if each.confirmation]
         for exchange in reversed([*self._abandoned, *sent]):

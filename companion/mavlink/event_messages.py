@@ -1,7 +1,7 @@
-"""The messages of the events service, and of a component's metadata: pymavlink lacks them.
+"""Defines the messages of the events service, and of component metadata, which pymavlink lacks.
 
-A row of `DEFINITIONS` says what common.xml says of a message: its number, its name, its fields.
-`define` makes of it a class like those of pymavlink, so that they are packed and decoded alike.
+Each row of `DEFINITIONS` repeats a message of common.xml: its number, its name, its fields.
+`define` turns it into a class like pymavlink's own, so that it is packed and decoded like them.
 
 Source: common.xml, and https://mavlink.io/en/guide/serialization.html (order of the fields on the
 wire, CRC_EXTRA).
@@ -19,7 +19,7 @@ _CODES = {"uint8_t": "B", "uint16_t": "H", "uint32_t": "I", "char": "s"}
 
 
 class MessageField(NamedTuple):
-    """A field of a message; its length is 0 if it is no array."""
+    """A field of a message; its length is 0 unless it is an array."""
 
     type: str
     name: str
@@ -32,12 +32,12 @@ class MessageField(NamedTuple):
 
     @property
     def layout(self) -> str:
-        """As `struct` writes it."""
+        """The field in the notation of `struct`."""
         return f"{self.length or ''}{_CODES[self.type]}"
 
 
 class Definition(NamedTuple):
-    """A message of common.xml, its fields in the order there."""
+    """A message of common.xml, with its fields in the order given there."""
 
     number: int
     name: str
@@ -45,7 +45,7 @@ class Definition(NamedTuple):
 
     @property
     def on_the_wire(self) -> list[MessageField]:
-        """The fields in the order of the wire: the largest types first."""
+        """The fields in the order of the wire: largest types first."""
         return sorted(self.fields, key=lambda field: -field.size)
 
 
@@ -102,7 +102,7 @@ DEFINITIONS = (
 
 
 def add_to(dialect: Dialect) -> None:
-    """A dialect knows these messages from now on, under the names that it gives to all."""
+    """Adds these messages to a dialect, under the names that it uses for its own."""
     for definition in DEFINITIONS:
         kind = define(dialect, definition)
         dialect.mavlink_map[definition.number] = kind
@@ -164,7 +164,7 @@ def define(dialect: Dialect, definition: Definition) -> Any:
 
 
 def crc_extra(dialect: Dialect, definition: Definition) -> int:
-    """Returns the byte by which both ends know that they mean the same message."""
+    """Returns the byte by which both ends check that they mean the same message."""
     text = f"{definition.name} ".encode()
     for field in definition.on_the_wire:
         text += f"{field.type} {field.name} ".encode()

@@ -1,12 +1,12 @@
-"""The words of a component's events: its metadata file, and an EVENT in words by it.
+"""Turns a component's events into words, by the metadata file that the component holds.
 
-In goes the file that the component holds (JSON, plain or xz), out come definitions by the number
-of an event. The file was written by others: what is malformed in it is left out, what is too large
-is refused, and nothing of it raises but `MetadataError`.
+The input is that file (JSON, plain or xz); the output is a definition for each event number. The
+file comes from others: malformed parts are left out, too large ones are refused, and only
+`MetadataError` is raised.
 
-A message is a template: `{2:.1m}` is the second argument with a decimal place and a unit, `\\<` a
-character as such, `<param>`, `<a>` and `<profile>` are tags. Text for developers is left out, and
-so is a tag that is not known, with what it holds. Left out: descriptions and translations.
+A message is a template: `{2:.1m}` is the second argument with one decimal place and a unit, `\\<`
+is a literal character, `<param>`, `<a>` and `<profile>` are tags. Text for developers is left out,
+and so are unknown tags with their content. Descriptions and translations are not used.
 
 Source: https://mavlink.io/en/services/events.html, and the description of libevents.
 """
@@ -23,13 +23,13 @@ from typing import Any
 from companion.errors import printable
 
 MOST_FILE_BYTES = 256 * 1024
-"""Of the file as it is sent; that of PX4 v1.16 has 16 KiB."""
+"""Of the file as it is sent; PX4 v1.16's has 16 KiB."""
 MOST_BYTES = 1024 * 1024
-"""Of the JSON; that of PX4 v1.16 has 160 KiB."""
+"""Of the JSON; PX4 v1.16's has 160 KiB."""
 MOST_MEMORY = 96 * 1024 * 1024
-"""For unpacking; xz asks for 65 MiB at its best level, and touches what it unpacks."""
+"""For unpacking: xz requests 65 MiB at its best level, but uses only what it unpacks."""
 MOST_ARGUMENTS = 40
-"""Bytes of them in an EVENT."""
+"""Bytes of the arguments in an EVENT."""
 MOST_TEMPLATE = 500
 MOST_TEXT = 200
 _XZ = b"\xfd7zXZ\0"
@@ -66,7 +66,7 @@ class Choices:
     """An enum of the metadata.
 
     Attributes:
-        separator: between the bits that are set; None if it is no set of bits.
+        separator: put between the bits that are set; None if the value is not a set of bits.
         words: by value.
     """
 
@@ -74,7 +74,7 @@ class Choices:
     words: dict[int, str]
 
     def in_words(self, value: int) -> str:
-        """A value; what has no word is told as a number."""
+        """The words for a value; a value without a word is given as a number."""
         if self.separator is None:
             return self._word(value)
         bits = [1 << bit for bit in range(64) if value >> bit & 1]
@@ -86,14 +86,14 @@ class Choices:
 
 @dataclass(frozen=True, slots=True)
 class EventDefinition:
-    """What the metadata says of an event.
+    """The metadata of an event.
 
     Attributes:
-        name: as the component calls it.
+        name: the component's name for it.
         group: "default", "arming_check", "health", "calibration" or another one.
-        type: "" for most; "summary" ends and begins a report.
+        type: "" for most; "summary" begins and ends a report.
         template: of its message.
-        layout: of its arguments, as `struct` writes it.
+        layout: of its arguments, in the notation of `struct`.
         choices: of each argument; None for a number.
     """
 
@@ -105,7 +105,7 @@ class EventDefinition:
     choices: tuple[Choices | None, ...]
 
     def arguments(self, raw: bytes) -> Arguments:
-        """The arguments, from those of an EVENT; what is too short is filled up with zeros."""
+        """The arguments, from the bytes in an EVENT; missing bytes count as zeros."""
         return struct.unpack_from(self.layout, raw.ljust(struct.calcsize(self.layout), b"\0"))
 
     def in_words(self, raw: bytes) -> str:
@@ -144,11 +144,11 @@ class EventDefinition:
 
 @dataclass(frozen=True, slots=True)
 class EventMetadata:
-    """All that a component says of its events.
+    """The metadata of all events of a component.
 
     Attributes:
         events: definitions by number.
-        mode_groups: by the custom mode of a heartbeat, the bit that arming checks have for it.
+        mode_groups: custom mode of a heartbeat -> the bit that arming checks use for it.
     """
 
     events: dict[int, EventDefinition]
@@ -156,10 +156,10 @@ class EventMetadata:
 
 
 def events_file(general: bytes) -> str:
-    """The URI of the metadata of events, by the general metadata file; on the vehicle if it can be.
+    """The URI of the events' metadata, from the general metadata file; on the vehicle if possible.
 
     Raises:
-        MetadataError: it says nothing of that.
+        MetadataError: the file names none.
     """
     for entry in _items(_load(general).get("metadataTypes")):
         of_type = _mapping(entry)
@@ -206,7 +206,7 @@ def read_events(content: bytes) -> EventMetadata:
 def _definition(
     component: dict[str, Any], group: str, event: dict[str, Any], enums: dict[str, Any]
 ) -> EventDefinition | None:
-    """The definition of an event; None if it cannot be understood."""
+    """The definition of an event; None if it is not understood."""
     name, template, kind = event.get("name"), event.get("message"), event.get("type", "")
     if not (isinstance(name, str) and isinstance(template, str) and isinstance(kind, str)):
         return None
@@ -227,7 +227,7 @@ def _definition(
 
 
 def _choices(enum: dict[str, Any]) -> tuple[str, Choices] | None:
-    """The code of an enum's type, and its words; None if it cannot be understood."""
+    """The code of an enum's type, and the enum; None if it is not understood."""
     code = _CODES.get(str(enum.get("type")), "f")
     separator = enum.get("separator", "|")
     if code == "f" or not isinstance(separator, str):

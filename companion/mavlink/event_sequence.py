@@ -1,12 +1,13 @@
-"""The events of one component in their order, each once; those that were lost are asked for.
+"""Puts the events of one component in order, each once, and requests those that were lost.
 
 Rules:
-1. The first event that is heard, or the first number that is told, is where it begins: what was
-   before is not asked for.
-2. An event waits until those before it have come. What is missing is asked for every ASK_S, at most
-   TRIES times, and then passed over; so is what the component says that it no longer has.
-3. A number that is far from the one expected, or a reset that is told, is a component that has
-   begun anew.
+1. The sequence begins with the first event or sequence number heard. Earlier events are not
+   requested.
+2. An event waits until all events before it have come. Missing events are requested every ASK_S, at
+   most TRIES times, and then skipped. Events that the component reports as no longer stored are
+   skipped too.
+3. A number far from the expected one, or a reported reset, means that the component has started
+   anew.
 
 Source: https://mavlink.io/en/services/events.html.
 """
@@ -18,7 +19,7 @@ from typing import Generic, TypeVar
 
 ROUND = 65536
 FAR = 64
-"""More events than a component keeps: PX4 has 20."""
+"""More events than a component stores: PX4 stores 20."""
 ASK_S = 0.5
 TRIES = 6
 
@@ -26,7 +27,7 @@ T = TypeVar("T")
 
 
 class EventSequence(Generic[T]):
-    """The events of one component.
+    """The events of one component, in order.
 
     >>> events = EventSequence[str]()
     >>> for number, event in ((7, "a"), (10, "d"), (8, "b"), (8, "b")):
@@ -40,15 +41,15 @@ class EventSequence(Generic[T]):
 
     def __init__(self) -> None:
         self._next: int | None = None
-        self._missing_to = 0  # how many are known of from the next on
-        self._waiting: dict[int, T | None] = {}  # None: passed over
+        self._missing_to = 0  # number of events known to exist from the next one on
+        self._waiting: dict[int, T | None] = {}  # None: skipped
         self._ready: list[T | None] = []
         self._ask_s = -math.inf
         self._tries = 0
 
     @property
     def has_begun(self) -> bool:
-        """Whether the component has told of events at all."""
+        """Whether the component has sent anything about events."""
         return self._next is not None
 
     def take(self, number: int, event: T) -> None:
@@ -63,7 +64,7 @@ class EventSequence(Generic[T]):
             self._advance()
 
     def take_newest(self, number: int, is_reset: bool) -> None:
-        """Takes the number of the newest event, as it is told now and then."""
+        """Takes the number of the newest event, which the component sends now and then."""
         ahead = self._ahead(number) + 1
         if self._next is None or is_reset or abs(ahead) > FAR:
             self._begin((number + 1) % ROUND)
@@ -71,18 +72,18 @@ class EventSequence(Generic[T]):
             self._missing_to = max(self._missing_to, ahead)
 
     def pass_over(self, number: int) -> None:
-        """An event is no longer to be had."""
+        """Skips an event that cannot be had any more."""
         if 0 <= self._ahead(number) < self._missing_to:
             self._waiting.setdefault(number, None)
             self._advance()
 
     def ready(self) -> list[T | None]:
-        """The events that have come since the last time, in order; None for one passed over."""
+        """The events that are in order since the last call; None for a skipped one."""
         ready, self._ready = self._ready, []
         return ready
 
     def due(self, now_s: float) -> tuple[int, int] | None:
-        """The numbers, first and last, to ask for now; None for nothing."""
+        """The first and last number to request now; None for nothing."""
         if self._next is None or not self._missing_to or now_s < self._ask_s + ASK_S:
             return None
         last = self._missing_to - 1
@@ -100,7 +101,7 @@ class EventSequence(Generic[T]):
         return first, (first + last) % ROUND
 
     def _ahead(self, number: int) -> int:
-        """How far a number is from the next one expected; negative for older ones."""
+        """How far a number is ahead of the next one expected; negative for older ones."""
         if self._next is None:
             return FAR
         return (number - self._next + ROUND // 2) % ROUND - ROUND // 2

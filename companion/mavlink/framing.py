@@ -1,8 +1,8 @@
-"""MAVLink 2 frames: messages to bytes and back, for one component on one link.
+"""MAVLink 2 frames: converts messages to bytes and back, for one component on one link.
 
-One datagram is one parse: what a damaged datagram leaves behind never swallows the frames of the
-next one. Damaged frames, unknown messages and frames with an incompatibility flag that is not
-understood are dropped without a count; they never raise.
+1. Each datagram is parsed on its own, so a damaged one never swallows frames of the next one.
+2. Damaged frames, unknown messages, and frames with an unknown incompatibility flag are dropped and
+   not counted; they never raise.
 
 Source: https://mavlink.io/en/guide/serialization.html. Signatures are skipped here; `signing.py`
 checks them before.
@@ -41,10 +41,10 @@ event_messages.add_to(dialect)
 
 _SIZES = [bytes([size]) for size in range(256)]
 _HEADER = "<2x3BHB"
-"""After the size: flags, sequence number, sender, and the message's id in two parts."""
+"""Behind the size: flags, sequence number, sender, and the message id in two parts."""
 _HEADER_SIZE = struct.calcsize(_HEADER)
 _LEAST_SIZE = _HEADER_SIZE + 1
-"""With the payload's first byte. Only zeros after it are left out at the end of a frame."""
+"""With the first byte of the payload; only zeros behind it are cut off at the end of a frame."""
 _CHECKSUM = struct.Struct("<H")
 _MAGIC_1, _MAGIC_2 = 0xFE, 0xFD
 _SHORTEST = 8
@@ -56,7 +56,7 @@ checksum = dialect.mcrf4xx
 Message = Any
 """A pymavlink message; it never leaves the packages that speak MAVLink."""
 Fields = tuple[Any, ...]
-"""A message's fields in the order of its definition; extensions at its end may be left out."""
+"""A message's fields in the order of its definition; extensions at the end may be left out."""
 
 
 class MavlinkCodec:
@@ -81,12 +81,13 @@ class MavlinkCodec:
         self.sequence = 0
 
     def pack(self, message: Message) -> bytes:
-        """Returns the frame of a message, from this component, with the next sequence number."""
+        """Returns the frame of a message from this component, with the next sequence number."""
         kind: Any = type(message)
         return self.frame(kind, _layout(kind).fields(message))
 
     def frame(self, kind: Any, fields: Fields) -> bytes:
-        """Does as `pack`, from a message's class and fields: half the time, for frequent ones."""
+        """Like `pack`, but from a message's class and fields; twice as fast, for frequent
+        messages."""
         layout = _layout(kind)
         if missing := layout.length - len(fields):
             fields += layout.extensions[-missing:]
@@ -112,14 +113,14 @@ class _Layout(NamedTuple):
 
     Attributes:
         length: number of fields.
-        fields: those of a message, strings as bytes.
-        extensions: what the last fields are if they are not given.
-        values: from fields to the order of the wire, arrays laid out.
-        pack: what follows the size, from the header's values and those.
-        number: the message's id, its lower 16 bits and the rest.
-        size: bytes of a payload, zeros at its end included.
-        unpack: a payload of that size to values.
-        fields_of: from these values to fields, arrays as lists.
+        fields: extracts the fields of a message, strings as bytes.
+        extensions: defaults of the last fields, for those that are not given.
+        values: converts fields to the order of the wire, with arrays unrolled.
+        pack: packs what follows the size, from the header's values and those of the message.
+        number: the message id: its lower 16 bits, and the rest.
+        size: bytes of a payload, including zeros at its end.
+        unpack: converts a payload of that size to values.
+        fields_of: converts these values to fields, with arrays as lists.
     """
 
     length: int
@@ -153,7 +154,7 @@ def _layout(kind: Any) -> _Layout:
 
 
 def _attribute(name: str, type_: str) -> str:
-    """Where a message has a field, strings as bytes."""
+    """The attribute in which a message has a field, strings as bytes."""
     return f"_{name}_raw" if type_ == "char" else name
 
 
@@ -221,7 +222,9 @@ def message_id(frame: bytes) -> int:
 
 
 def is_intact(frame: bytes) -> bool:
-    """Whether the checksum of a frame is right; that of an unknown message cannot be."""
+    """Whether the checksum of a frame is right; False for unknown messages, which cannot be
+    checked.
+    """
     kind = dialect.mavlink_map.get(message_id(frame))
     if kind is None:
         return False
@@ -236,10 +239,10 @@ def source(message: Message) -> tuple[int, int]:
 
 
 def split_frames(datagram: bytes) -> list[bytes]:
-    """Returns the frames of a datagram, by their headers; what is no frame is left out.
+    """Returns the frames of a datagram, by their headers; other bytes are skipped.
 
-    A frame with an incompatibility flag that is not understood is none. It is skipped as a whole,
-    so that nothing inside it is taken for a frame.
+    A frame with an unknown incompatibility flag is skipped as a whole, so that nothing inside it is
+    taken for a frame.
     """
     at, size = 0, len(datagram)
     if size >= 12 and datagram[0] == _MAGIC_2 and datagram[1] + 12 == size and not datagram[2]:
@@ -258,7 +261,7 @@ def split_frames(datagram: bytes) -> list[bytes]:
 
 
 def frame_size(data: bytes, at: int) -> int | None:
-    """Returns the size of a frame by its first three bytes; None if no frame begins there."""
+    """Returns the size of a frame from its first three bytes; None if no frame begins there."""
     if data[at] == _MAGIC_2:
         is_signed = data[at + 2] & dialect.MAVLINK_IFLAG_SIGNED
         return 12 + data[at + 1] + (dialect.MAVLINK_SIGNATURE_BLOCK_LEN if is_signed else 0)
@@ -268,20 +271,20 @@ def frame_size(data: bytes, at: int) -> int | None:
 def choose(
     datagrams: list[bytes], wanted: Container[int], continual: Container[int]
 ) -> list[bytes]:
-    """Returns the intact frames that are worth decoding, in order; that takes the longest of all.
+    """Returns, in order, the intact frames that are worth decoding; decoding is the slowest step.
 
     Args:
         datagrams: of one link, as they arrived together.
         wanted: ids of the messages that somebody reads.
-        continual: ids of those of which only the newest counts, as of positions that come more
-            often than they are looked at; MAVLink 1 frames are all kept.
+        continual: ids of messages of which only the newest counts, such as positions that come more
+            often than they are used; MAVLink 1 frames are all kept.
     """
     chosen: list[bytes] = []
     newest: dict[bytes, int] = {}
     for frame in chain.from_iterable(map(split_frames, datagrams)):
         number = message_id(frame)
         if number not in wanted or not is_intact(frame):
-            continue  # it takes the place of no other
+            continue  # it must not replace an intact one
         if number in continual and frame[0] == _MAGIC_2:
             sender_and_message = frame[5:10]
             other = newest.get(sender_and_message)

@@ -1,6 +1,6 @@
-"""MAVLink FTP of a component without files: each request is refused at once with FileNotFound.
+"""MAVLink FTP for a component without files: refuses each request at once with FileNotFound.
 
-Clients try FTP first for parameters and metadata, and wait for seconds where nobody answers.
+Clients try FTP first for parameters and metadata, and wait for seconds if nobody answers.
 
 Source: https://mavlink.io/en/services/ftp.html.
 """
@@ -12,7 +12,7 @@ from companion.mavlink.ftp_frames import FtpRefusal, Nak, nak, read_request
 
 
 def refusal(message: Message) -> Message | None:
-    """Returns the answer to a FILE_TRANSFER_PROTOCOL message; None to what is no request."""
+    """Returns the answer to a FILE_TRANSFER_PROTOCOL message; None if it is not a request."""
     request = read_request(bytes(message.payload))
     if request is None:
         return None

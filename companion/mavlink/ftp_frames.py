@@ -1,7 +1,7 @@
-"""Requests and replies of MAVLink FTP in the payload of FILE_TRANSFER_PROTOCOL.
+"""Packs and reads requests and replies of MAVLink FTP, the payload of FILE_TRANSFER_PROTOCOL.
 
-Twelve bytes of header, then up to 239 of data, padded with zeros to 251. Nothing here keeps
-state. Source: https://mavlink.io/en/services/ftp.html.
+A payload is a header of twelve bytes and up to 239 bytes of data, padded with zeros to 251. Nothing
+here keeps state. Source: https://mavlink.io/en/services/ftp.html.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ class Nak(IntEnum):
 
 
 class FtpRefusal(Exception):
-    """A request that cannot be done.
+    """A request is refused.
 
     Args:
         nak: the protocol's reason.
-        errno: the system's reason; goes with FAIL_ERRNO alone.
+        errno: the system's reason; only with FAIL_ERRNO.
     """
 
     def __init__(self, nak: Nak, errno: int = 0) -> None:
@@ -72,8 +72,8 @@ class FtpRequest:
     """A client's request.
 
     Attributes:
-        size: of the data; in reads and bursts, how many bytes are wanted.
-        data: as many bytes as the size says, at most 239.
+        size: of the data; for reads and bursts, the number of bytes requested.
+        data: as many bytes as `size` says, at most 239.
     """
 
     sequence: int
@@ -84,7 +84,7 @@ class FtpRequest:
     data: bytes
 
     def texts(self) -> tuple[str, ...]:
-        """Returns the data as texts that end in NUL or with the data.
+        """Returns the data as texts, separated by NUL; a final NUL is optional.
 
         Raises:
             FtpRefusal: it is not UTF-8.
@@ -113,9 +113,9 @@ class FtpReply:
 
     Attributes:
         sequence: that of the request + 1.
-        opcode: of the request that it answers.
-        is_ack: the request was done.
-        data: what was asked for; of a NAK its reason.
+        opcode: that of the request.
+        is_ack: whether the request was done.
+        data: the answer; for a NAK, its reason.
     """
 
     sequence: int
@@ -157,12 +157,12 @@ def ack(
     """Returns the payload of a positive reply (ACK).
 
     Args:
-        request: what it answers.
+        request: the request that it answers.
         data: at most 239 bytes.
-        session: if it is not the request's.
-        offset: of the data in the file, if it is not the request's.
-        nth: counts the replies of a burst from 0.
-        ends_burst: nothing more comes by itself.
+        session: if it differs from the request's.
+        offset: of the data in the file, if it differs from the request's.
+        nth: number of the reply in a burst, from 0.
+        ends_burst: no further replies follow without a request.
     """
     header = _HEADER.pack(
         (request.sequence + 1 + nth) % 65536,
@@ -194,7 +194,7 @@ def nak(request: FtpRequest, refusal: FtpRefusal) -> bytes:
 
 
 def crc32(content: bytes) -> int:
-    """Returns the protocol's checksum: the usual polynomial, from 0, without the last inversion.
+    """Returns the protocol's checksum: the usual polynomial, from 0, without the final inversion.
 
     >>> hex(crc32(b"123456789"))
     '0x2dfd2d88'

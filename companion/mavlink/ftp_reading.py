@@ -1,16 +1,16 @@
 """Reads one file over MAVLink FTP. No I/O: time and payloads in, payloads out.
 
 Rules:
-1. The file is opened, read in parts of 239 bytes, and closed. Its size is told when it is opened;
-   a file that is larger than expected is not read.
-2. At most AT_ONCE parts are under way, so the pace is that of the answers.
-3. A part that is not answered within ANSWER_S is asked for again. An open or a close is repeated
-   with its number, so that a server that has done it answers as before.
-4. A refusal, or TRIES without anything new, ends the reading. A server with one session refuses
-   while that is taken, and closes it when nobody asks for a while.
+1. The file is opened, read in parts of 239 bytes, and closed. The server reports its size when it
+   is opened; a file larger than the limit is not read.
+2. At most AT_ONCE parts are under way, so the answers determine the pace.
+3. A part that is not answered within ANSWER_S is requested again. An open or a close is repeated
+   with the same number, so that a server that has already done it answers as before.
+4. A refusal, or TRIES without anything new, ends the reading. A server with a single session
+   refuses while the session is in use, and closes it after a while without requests.
 
-Left out: bursts (BURST_READ_FILE), whose pace is the sender's.
-Source: https://mavlink.io/en/services/ftp.html.
+Left out: bursts (BURST_READ_FILE), in which the server determines the pace. Source:
+https://mavlink.io/en/services/ftp.html.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _START = 0
 
 
 class ReadingState(Enum):
-    """How far a file is read."""
+    """The states of reading a file."""
 
     OPENING = "opening"
     READING = "reading"
@@ -45,18 +45,18 @@ class ReadingState(Enum):
 
 
 class FileReading:
-    """One file of a server.
+    """Reads one file of a server.
 
     Args:
-        path: as the server calls it.
+        path: the server's name of it.
         most_bytes: a larger file is not read.
         sequence: number of its first request; a server may take an old one for a repetition.
 
     Attributes:
-        state: how far it is.
-        content: of the file, once it was read whole.
-        why_not: why it was not, in the end.
-        sequence: of the newest request.
+        state: the present state.
+        content: of the file, once it was read completely.
+        why_not: why it could not be read.
+        sequence: number of the newest request.
     """
 
     def __init__(self, path: str, most_bytes: int, sequence: int) -> None:
@@ -85,7 +85,7 @@ class FileReading:
         return []
 
     def take(self, payload: bytes) -> None:
-        """Takes a payload that the server has sent."""
+        """Takes a payload from the server."""
         reply = read_reply(payload)
         if reply is None:
             return
@@ -127,7 +127,7 @@ class FileReading:
                 self._close()
 
     def _missing(self) -> Iterator[int]:
-        """Offsets of the parts to ask for now."""
+        """Offsets of the parts to request now."""
         for at in range(_START, self._size, DATA_BYTES):
             if len(self._asked_s) >= AT_ONCE:
                 return
@@ -140,7 +140,7 @@ class FileReading:
         return self._request(Opcode.READ_FILE, DATA_BYTES, at, b"")
 
     def _once(self, now_s: float, opcode: Opcode, data: bytes) -> list[bytes]:
-        """A request that is under way alone."""
+        """A request that is not combined with others."""
         if self._asked_s:
             return []
         self._asked_s[_START] = now_s
@@ -151,7 +151,7 @@ class FileReading:
         return ask(FtpRequest(number, self._session, opcode, size, offset, data))
 
     def _look_for_late(self, now_s: float) -> None:
-        """What was not answered in time may be asked again."""
+        """Lets what was not answered in time be requested again."""
         late = [at for at, asked_s in self._asked_s.items() if now_s - asked_s >= ANSWER_S]
         for at in late:
             del self._asked_s[at]

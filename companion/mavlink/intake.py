@@ -1,17 +1,17 @@
-"""How much of what arrives at a port is taken in, so that no flood holds up a loop.
+"""Limits how much of what arrives at a port is taken in, so that a flood does not delay the loop.
 
-Any program can send to a port, and more than a step of a loop can read. The rules:
+Any program can send to a port, and send more than a step of a loop can read. The rules:
 
 1. A datagram longer than `LONGEST` is refused.
-2. What a sender may have taken in a step is counted in frames; 64 bytes count as a frame at least,
-   so that bytes are bounded as well. All work that follows is bounded by it: each frame is decoded
-   a few times at most.
-3. The known peer has a share of its own, which nobody else can use up. Each other sender has a
-   share, and all of them together have one more.
-4. The datagram that exceeds a share is the last that is taken; what follows is dropped unread.
-   What is refused or dropped is counted.
+2. The share of a sender in a step is counted in frames; each 64 bytes count as one frame at least,
+   so that bytes are bounded as well. This bounds all later work: each frame is decoded only a few
+   times.
+3. The known peer has its own share, which nobody else can use up. Each other sender has a share,
+   and all others together have one more.
+4. The datagram that exceeds a share is the last one taken; later ones are dropped unread. Refused
+   and dropped datagrams are counted.
 
-It is counted and never timed: the same datagrams are taken whatever else the machine does. No I/O.
+Limits are counts, never times: the same datagrams are taken whatever else the machine does. No I/O.
 """
 
 from __future__ import annotations
@@ -21,9 +21,10 @@ from companion.mavlink.framing import split_frames
 LONGEST = 2048
 """Bytes of a datagram: seven of the longest frames, and more than an Ethernet packet holds."""
 READS = 2048
-"""Datagrams that are read from a port at once, a few milliseconds: a flood may never end."""
+"""Datagrams that are read from a port at once, which takes a few milliseconds: a flood may never
+end."""
 PEER_FRAMES = 512
-"""Two seconds of what PX4 sends to a companion, as after a loop that was held up."""
+"""What PX4 sends to a companion in two seconds, as after a delay of the loop."""
 SENDER_FRAMES = 128
 STRANGERS_FRAMES = 256
 _BYTES_PER_FRAME = 64
@@ -33,10 +34,10 @@ Address = tuple[str, int]
 
 
 class Intake:
-    """Takes in datagrams of one port, in steps.
+    """Takes in the datagrams of one port, in steps.
 
     Attributes:
-        dropped: datagrams that were not taken since the beginning.
+        dropped: datagrams that were not taken so far.
 
     >>> intake = Intake()
     >>> intake.takes(("10.0.0.7", 14550), bytes(2048), peer=None)
@@ -51,17 +52,17 @@ class Intake:
         self.begin_step()
 
     def begin_step(self) -> None:
-        """From now on every sender has its whole share again."""
+        """Gives every sender its whole share again."""
         self._left: dict[Address, int] = {}
         self._left_for_strangers = STRANGERS_FRAMES
 
     def takes(self, sender: Address, datagram: bytes, peer: Address | None) -> bool:
-        """Whether a datagram is taken in; it counts.
+        """Whether a datagram is taken in; counts it.
 
         Args:
             sender: where it came from.
-            datagram: what came, or more than its first `LONGEST` bytes.
-            peer: the sender that the loop cannot do without, if it is known.
+            datagram: its bytes, or more than the first `LONGEST` of them.
+            peer: the sender that the loop depends on, if it is known.
         """
         is_peer = sender == peer
         left = self._left.get(sender, PEER_FRAMES if is_peer else SENDER_FRAMES)
@@ -76,9 +77,9 @@ class Intake:
         return True
 
     def news(self) -> int:
-        """How many were dropped so far, when twice as many as were told last; else 0.
+        """How many were dropped so far, if that is twice as many as last reported; otherwise 0.
 
-        Twice as many: a flood is told at once, and in a line now and then while it lasts.
+        So a flood is reported at once, and then now and again while it lasts.
         """
         if not is_news(self.dropped, self._told):
             return 0
@@ -87,5 +88,5 @@ class Intake:
 
 
 def is_news(count: int, told: int) -> bool:
-    """Whether a count that only grows is told again: when it has doubled since."""
+    """Whether a growing count is worth reporting: it has doubled since the last report."""
     return count >= max(1, 2 * told)

@@ -1,9 +1,11 @@
 """Files of message signing: the key, and beside it the newest time stamps that were accepted.
 
-A key file has 64 hexadecimal digits, and nobody but its owner may read it. Each program keeps the
-time stamps in a file of its own, `KEY.PROGRAM.stamps`. They are written by a thread, as a whole and
-in place of the file before, so that no loop waits for a disk. A door of the composition roots;
-`signing.py` has the rules.
+1. A key file contains 64 hexadecimal digits, and only its owner may read it.
+2. Each program keeps its own time stamps, in `KEY.PROGRAM.stamps`.
+3. A thread writes the time stamps and replaces the file as a whole, so that no loop waits for a
+   disk.
+
+A door of the composition roots; `signing.py` has the rules of signing.
 """
 
 from __future__ import annotations
@@ -37,10 +39,10 @@ log = logging.getLogger(__name__)
 
 
 def make_key(path: Path, passphrase: str | None) -> None:
-    """Makes a key file; its key is random, or QGroundControl's of a passphrase.
+    """Makes a key file, with a random key or the one that QGroundControl makes of a passphrase.
 
     Raises:
-        RequestError: there is such a file already.
+        RequestError: the file exists already.
         CompanionError: it cannot be written.
     """
     key = (
@@ -59,10 +61,10 @@ def make_key(path: Path, passphrase: str | None) -> None:
 
 
 def read_key(path: Path) -> SigningKey:
-    """The key of a file.
+    """The key in a file.
 
     Raises:
-        RequestError: it cannot be read, others can read it, or it has no key.
+        RequestError: the file cannot be read, others can read it, or it contains no key.
     """
     try:
         with path.open(encoding="ascii") as file:
@@ -89,11 +91,11 @@ def read_key(path: Path) -> SigningKey:
 def signing_by(
     path: Path | None, program: str, may_be_unsigned: MayBeUnsigned
 ) -> Iterator[Signing | None]:
-    """Signing with the key of a file, as long as the context lasts; None without a file.
+    """Signs with the key of a file while the context lasts; None without a file.
 
     Args:
         path: the key file.
-        program: who signs; each has time stamps of its own.
+        program: who signs; each program has its own time stamps.
         may_be_unsigned: which frames need no signature.
 
     Raises:
@@ -119,10 +121,10 @@ class StampFile:
         self._writer.start()
 
     def read(self) -> dict[Stream, int]:
-        """The time stamps of the last run; none if there was none.
+        """The time stamps of the previous run; none if there was none.
 
         Raises:
-            CompanionError: the file is there and cannot be read.
+            CompanionError: the file exists and cannot be read.
         """
         try:
             return _stamps_of(self._path.read_text(encoding="ascii"))
@@ -135,13 +137,13 @@ class StampFile:
             ) from error
 
     def write_soon(self, stamps: Stamps) -> None:
-        """Has the stamps written by the thread, instead of those that still wait."""
+        """Lets the thread write the stamps, instead of any that still wait."""
         with self._news:
             self._next = stamps
             self._news.notify()
 
     def close(self) -> None:
-        """Writes what still waits, and ends the thread."""
+        """Writes the stamps that still wait, and ends the thread."""
         with self._news:
             self._is_closing = True
             self._news.notify()
@@ -152,13 +154,13 @@ class StampFile:
         while (stamps := self._taken()) is not None:
             try:
                 _replace(self._path, _text_of(stamps))
-            except OSError as error:  # a full disk ends no flight
+            except OSError as error:  # a full disk must not end a flight
                 if not has_failed:
                     log.warning("cannot write %s: %s", self._path, error.strerror)
                 has_failed = True
 
     def _taken(self) -> Stamps | None:
-        """The next stamps to write; None at the end."""
+        """Waits for the next stamps to write; None at the end."""
         with self._news:
             self._news.wait_for(lambda: self._next is not None or self._is_closing)
             stamps, self._next = self._next, None
@@ -171,10 +173,10 @@ def _text_of(stamps: Stamps) -> str:
 
 
 def _stamps_of(text: str) -> dict[Stream, int]:
-    """The stamps of a file.
+    """The stamps in the text of a file.
 
     Raises:
-        TypeError, ValueError: it has something else.
+        TypeError, ValueError: it contains something else.
     """
     stamps = {}
     for name, stamp in dict(json.loads(text)).items():
@@ -186,7 +188,7 @@ def _stamps_of(text: str) -> dict[Stream, int]:
 
 
 def _replace(path: Path, text: str) -> None:
-    """Writes a file in place of the one before, and to the disk."""
+    """Replaces a file as a whole, and flushes it to the disk."""
     partial = path.with_name(path.name + ".part")
     with os.fdopen(os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, OWNER_ONLY), "w") as f:
         f.write(text)

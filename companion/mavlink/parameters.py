@@ -3,10 +3,10 @@
 PX4 copies the four bytes of an integer into PARAM_VALUE.param_value (capability
 MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_BYTEWISE); the type field says how to read them back.
 
-Source: https://mavlink.io/en/services/parameter.html#parameter-encoding. Left out: the 64 bit
-types, which do not fit into the field. Integers whose bytes are a signalling NaN (2139095041 to
-2143289343 and -8388607 to -4194305) may change their value on the way, because a processor turns
-such a float into a quiet NaN; no PX4 parameter has such a value.
+Source: https://mavlink.io/en/services/parameter.html#parameter-encoding. Left out: the 64-bit
+types, which do not fit into the field. Integers whose bytes form a signalling NaN (2139095041 to
+2143289343 and -8388607 to -4194305) may be changed on the way, because processors turn such a float
+into a quiet NaN. No PX4 parameter has such a value.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def encode(value: float, param_type: int) -> float:
         param_type: MAV_PARAM_TYPE, at most 32 bit.
 
     Raises:
-        ValueError: a type that does not fit, or a value that does not fit the type.
+        ValueError: the type does not fit into the field, or the value does not fit the type.
 
     >>> decode(encode(5, INT32), INT32)
     5
@@ -46,17 +46,17 @@ def encode(value: float, param_type: int) -> float:
 
 
 def decode(param_value: float, param_type: int) -> float | int:
-    """Returns the value that a float of the wire carries; the inverse of `encode`.
+    """Returns the value that a float on the wire carries; the inverse of `encode`.
 
     Raises:
-        ValueError: a type that does not fit into the field.
+        ValueError: the type does not fit into the field.
     """
     value: float | int = struct.unpack(_layout(param_type), struct.pack("<f", param_value))[0]
     return value
 
 
 def value_message(name: str, value: float, param_type: int, count: int, index: int) -> Message:
-    """Returns PARAM_VALUE of one of `count` parameters.
+    """Returns the PARAM_VALUE of one of `count` parameters.
 
     Raises:
         ValueError: as `encode`.
@@ -67,7 +67,7 @@ def value_message(name: str, value: float, param_type: int, count: int, index: i
 
 
 def asked_for(request: Message, names: Sequence[str]) -> str | None:
-    """Returns the name that a PARAM_REQUEST_READ means, by index or by name; None if unknown."""
+    """Returns the name that a PARAM_REQUEST_READ requests, by index or by name; None if unknown."""
     index = request.param_index
     if index >= 0:
         return names[index] if index < len(names) else None

@@ -1,18 +1,18 @@
-"""The MAVLink commands that a mission's skills may send, and to whom.
+"""Lists the MAVLink commands that a mission's skills may send, and to whom.
 
-A skill acts on payloads. The vehicle itself is flown by setpoints and by the companion's own
-goals, so no mission may move, arm, disarm, terminate, reboot, calibrate or switch it, whoever is
-addressed: a frame with such a command is one router away from the autopilot. The rules, of which
-the first that matches decides:
+A skill commands payloads. The vehicle itself is flown by setpoints and by the companion's own
+goals. So no mission may move, arm, disarm, terminate, reboot, calibrate or switch it, whoever is
+addressed: a frame with such a command is only one router away from the autopilot. The first rule
+that matches decides:
 
-1. Component 0 stands for all components, the autopilot among them: refused.
-2. The autopilot (component 1) takes what drives its own outputs: gripper, actuators, gimbals.
-3. Any other component takes the commands of cameras, gimbals, grippers, winches, lights and
-   storage, requests for its messages, and the user commands.
-4. Everything else is refused, commands of later dialects included.
+1. Component 0 stands for all components, including the autopilot: refused.
+2. The autopilot (component 1) accepts commands for its own outputs: gripper, actuators, gimbals.
+3. Any other component accepts commands for cameras, gimbals, grippers, winches, lights and storage,
+   requests for its messages, and the user commands.
+4. Everything else is refused, including commands of later dialects.
 
-The same rules are asked when a mission is read and when a command is about to be sent.
-Source: https://mavlink.io/en/messages/common.html#mav_commands.
+The rules are applied when a mission is read, and again before a command is sent. Source:
+https://mavlink.io/en/messages/common.html#mav_commands.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ AUTOPILOT_OUTPUTS = frozenset(
         "MAV_CMD_DO_SET_ACTUATOR",
     }
 )
-"""What the autopilot takes from a skill (rule 2)."""
+"""The commands that the autopilot accepts from a skill (rule 2)."""
 
 PAYLOAD_COMMANDS = AUTOPILOT_OUTPUTS | {
     "MAV_CMD_CAMERA_STOP_TRACKING",
@@ -87,11 +87,11 @@ PAYLOAD_COMMANDS = AUTOPILOT_OUTPUTS | {
     "MAV_CMD_VIDEO_STOP_CAPTURE",
     "MAV_CMD_VIDEO_STOP_STREAMING",
 }
-"""What any other component takes (rule 3)."""
+"""The commands that any other component accepts (rule 3)."""
 
 
 def why_not_sent(component: int, command: int) -> str | None:
-    """Returns why a skill may not send a command to a component, None if it may.
+    """Returns why a skill may not send a command to a component; None if it may.
 
     >>> why_not_sent(25, dialect.MAV_CMD_DO_GRIPPER)
     >>> why_not_sent(25, dialect.MAV_CMD_COMPONENT_ARM_DISARM)

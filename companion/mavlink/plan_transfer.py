@@ -1,18 +1,20 @@
-"""The mission protocol, the client's side: reads and writes a plan of an autopilot. No I/O.
+"""The client's side of the mission protocol: reads or writes a plan of an autopilot. No I/O.
 
 A plan is a list of items of one MAV_MISSION_TYPE: a mission, a fence or rally points. A transfer is
-a state machine: messages and time in, messages out. It is bounded, and no answer can make it raise.
+a state machine: messages and time in, messages out. Its duration is bounded, and no answer raises
+an exception.
 
-1. The client asks (MISSION_REQUEST_LIST, or MISSION_COUNT), and again every ASK_AGAIN_S until it is
-   answered.
-2. Reading: items are asked for one after the other with MISSION_REQUEST_INT, each again every
-   ITEM_AGAIN_S. The last one is acknowledged.
-3. Writing: the autopilot asks for the items, and again where one is lost. Where its acknowledgement
-   is lost the item that it has asked for last is sent again; so PX4 acknowledges again.
-4. An autopilot that is busy with somebody else answers MISSION_ACK with an error: it is asked anew,
-   from the beginning. So it is where it gives up a transfer. One that is busy with this very
-   upload, as where MISSION_COUNT came twice, asks for the rest of it: what it has asked for counts.
-5. SILENT_S without an answer of this transfer, or LONGEST_S in all, is a failure. So is a refusal.
+1. The client sends MISSION_REQUEST_LIST or MISSION_COUNT, and repeats it every ASK_AGAIN_S until it
+   is answered.
+2. Reading: the client requests one item after the other with MISSION_REQUEST_INT, and repeats each
+   request every ITEM_AGAIN_S. It acknowledges the last item.
+3. Writing: the autopilot requests the items, again if one is lost. If the autopilot's
+   acknowledgement is lost, the client repeats the item that was requested last; PX4 then
+   acknowledges again.
+4. An autopilot that is busy with somebody else, or gives up a transfer, answers MISSION_ACK with an
+   error. The client then starts over. An autopilot that is busy with this very upload, as when
+   MISSION_COUNT came twice, requests the remaining items; its earlier requests count.
+5. SILENT_S without an answer in this transfer, LONGEST_S in all, or a refusal is a failure.
 
     asking       answered                    -> reading, or writing
     reading      the last item has come      -> done;  an error -> asking
@@ -38,22 +40,22 @@ ITEM_AGAIN_S = 0.25
 SILENT_S = 10.0
 LONGEST_S = 60.0
 MOST_ITEMS = 500
-"""No plan that is longer is read."""
+"""A longer plan is not read."""
 
 TRANSFER_MESSAGES = frozenset(
     {"MISSION_COUNT", "MISSION_ITEM_INT", "MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"}
 )
-"""What an autopilot says in a transfer."""
+"""The messages of an autopilot in a transfer."""
 
 _ACCEPTED = dialect.MAV_MISSION_ACCEPTED
 _BUSY = (dialect.MAV_MISSION_ERROR, dialect.MAV_MISSION_OPERATION_CANCELLED)
-"""Results after which it is asked anew; PX4 says ERROR where it is busy."""
+"""Results after which the client starts over; PX4 sends ERROR when it is busy."""
 
 _PLAIN_FRAMES = {
     dialect.MAV_FRAME_GLOBAL_INT: dialect.MAV_FRAME_GLOBAL,
     dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT: dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
 }
-"""PX4 tells frames with integers by numbers of their own, however they were written."""
+"""PX4 returns the frame numbers for integers, whichever were written."""
 
 Address = tuple[int, int]
 """System and component."""
@@ -61,15 +63,15 @@ Address = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class PlanItem:
-    """One item of a plan, as it goes over the wire.
+    """One item of a plan, as it is transferred.
 
     Attributes:
         command: MAV_CMD number.
-        frame: MAV_FRAME number, of those that are the same the one without `_INT`.
+        frame: MAV_FRAME number; of equivalent ones, the one without `_INT`.
         first: param1; the other three are 0.
         x: latitude in 1e-7 degrees.
         y: longitude in 1e-7 degrees.
-        altitude_m: by the frame above home or above the sea.
+        altitude_m: above home or above the sea, by the frame.
     """
 
     command: int
@@ -81,7 +83,7 @@ class PlanItem:
 
 
 class TransferState(Enum):
-    """How far a transfer has come."""
+    """The states of a transfer."""
 
     ASKING = "asking"
     READING = "reading"
@@ -91,19 +93,19 @@ class TransferState(Enum):
 
 
 class PlanTransfer:
-    """One plan that is read or written.
+    """Reads or writes one plan.
 
     Args:
         now_s: when it begins.
-        target: of the autopilot.
-        own: our address; what is for others is passed over.
+        target: address of the autopilot.
+        own: our address; messages to others are ignored.
         kind: MAV_MISSION_TYPE.
         items: to write; None to read.
 
     Attributes:
-        state: how far it has come.
-        failure: why it has failed; None if it has not.
-        items: those that were read so far, or are written.
+        state: the present state.
+        failure: why it has failed; None unless it has.
+        items: those read so far, or those to write.
     """
 
     def __init__(
@@ -122,16 +124,16 @@ class PlanTransfer:
         self._start_s = self._heard_s = now_s
         self._next_s = -math.inf
         self._count = len(self.items)
-        self._asked: set[int] = set()  # writing: the items that were asked for
+        self._asked: set[int] = set()  # writing: the items that were requested
         self._newest = 0
 
     @property
     def is_under_way(self) -> bool:
-        """Whether it has neither ended nor failed."""
+        """Whether it is neither done nor failed."""
         return self.state not in (TransferState.DONE, TransferState.FAILED)
 
     def take(self, now_s: float, message: Message) -> list[Message]:
-        """Takes one of TRANSFER_MESSAGES of the autopilot; what answers it leaves at once."""
+        """Takes one of the autopilot's TRANSFER_MESSAGES; returns the answers to send at once."""
         is_ours = (message.target_system, message.target_component) == self._own
         if not (is_ours and message.mission_type == self._kind and self.is_under_way):
             return []
@@ -147,7 +149,7 @@ class PlanTransfer:
         return []
 
     def due(self, now_s: float) -> list[Message]:
-        """What has to be said now, where no answer has come."""
+        """The messages to send now because no answer has come."""
         if not self.is_under_way or self._is_out_of_time(now_s) or now_s < self._next_s:
             return []
         self._next_s = now_s + (
@@ -196,7 +198,7 @@ class PlanTransfer:
         return self._go_on(now_s)
 
     def _go_on(self, now_s: float) -> list[Message]:
-        """Asks for the next item, or acknowledges the last one."""
+        """Requests the next item, or acknowledges the last one."""
         if len(self.items) < self._count:
             return [self._request(now_s)]
         self.state = TransferState.DONE
@@ -258,7 +260,7 @@ class PlanTransfer:
 
 
 def _result_name(result: int) -> str:
-    """A MAV_MISSION_RESULT for people.
+    """A MAV_MISSION_RESULT in words.
 
     >>> _result_name(4), _result_name(99)
     ('no space', '99')

@@ -1,6 +1,6 @@
-"""PX4's flight modes as HEARTBEAT.custom_mode and MAV_CMD_DO_SET_MODE carry them.
+"""Converts PX4's flight modes from and to HEARTBEAT.custom_mode and MAV_CMD_DO_SET_MODE.
 
-custom_mode holds the main mode in bits 16-23 and the sub mode in bits 24-31; DO_SET_MODE carries
+custom_mode contains the main mode in bits 16-23 and the sub mode in bits 24-31; DO_SET_MODE has
 them in param2 and param3. Source: PX4, src/modules/commander/px4_custom_mode.h.
 """
 
@@ -36,10 +36,10 @@ def custom_mode(name: str) -> int:
 
 
 def mode_name(custom: int) -> str | None:
-    """Returns the name of a HEARTBEAT.custom_mode; None for one that is not in the table."""
+    """Returns the name of a HEARTBEAT.custom_mode; None if it is not in the table."""
     return mode_from(custom >> 16 & 0xFF, custom >> 24 & 0xFF)
 
 
 def mode_from(main: int, sub: int) -> str | None:
-    """Returns the name of a main and sub mode; None for a pair that is not in the table."""
+    """Returns the name of a main and sub mode; None if the pair is not in the table."""
     return _NAMES.get((main, sub))

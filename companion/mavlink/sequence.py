@@ -1,8 +1,8 @@
-"""Messages that a newer one of their kind has overtaken, found by their sequence numbers.
+"""Detects messages that a newer one of their kind has overtaken, by their sequence numbers.
 
-UDP may deliver datagrams in another order, and an old position or mode is no news. Every MAVLink
-message of a component on a link carries a sequence number, which begins again after 255. The
-numbers of all messages are counted on from one to the next, so that also messages that come once a
+UDP may reorder datagrams, and an old position or mode must not replace a newer one. Every MAVLink
+message of a component on a link carries a sequence number, which wraps around after 255. The
+numbers of all messages are unwrapped to one growing count. So even messages that come once a
 second, with hundreds of others in between, can be compared.
 """
 
@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 
 ROUND = 256
-SILENCE_S = 0.25  # after a longer pause the next message is taken for a new one
+SILENCE_S = 0.25  # after a longer pause the next message counts as newer
 
 
 class SequenceTracker:
-    """The order in which one component has sent what comes in on one link.
+    """The order in which one component sent its messages on one link.
 
     >>> order = SequenceTracker()
     >>> [order.is_overtaken(0.0, "HEARTBEAT", number) for number in (254, 0, 255, 0)]
@@ -28,7 +28,7 @@ class SequenceTracker:
         self._of_kind: dict[str, int] = {}
 
     def is_overtaken(self, now_s: float, kind: str, number: int) -> bool:
-        """Takes a message and returns whether a newer one of its kind has come before it.
+        """Takes a message; returns whether a newer one of its kind has come before it.
 
         Args:
             now_s: when it arrived.

@@ -1,22 +1,23 @@
-"""Message signing: frames with a key, so that nobody without it commands the vehicle.
+"""Signs and verifies frames with a key, so that nobody without the key commands the vehicle.
 
-A layer between the link and those who read messages: bytes in, the frames that may be read out. The
+It is a layer between the link and those who read messages: bytes in, accepted frames out. The
 rules:
 
-1. The signature is verified first. Only a frame whose signature is right changes anything here.
-2. A stream is what a component sends on one of its links. Its time stamps increase strictly, on
-   whichever of our links they come; a stream that is new may be a minute behind our own time stamp.
-3. Our own time stamp is the clock's, and never less than any that was accepted. It grows with each
-   frame that is signed. A frame of ours that is sent back to us is an old one of its stream.
-4. The newest time stamp of each stream is kept from run to run. After a start each counts as later
-   by `KEPT_EVERY_S`, so that nothing that came before the end is accepted again.
-5. Of unsigned frames few are accepted (`MayBeUnsigned`), and of MAVLink 1 none.
-6. Streams are bounded. One more than `STREAMS` takes the place of one that is a minute old, which
-   changes nothing for that one but that it has to catch up; if there is none, it is refused.
+1. The signature is verified first. Only a frame with a right signature changes any state here.
+2. A stream is what a component sends on one of its links. Its time stamps increase strictly,
+   whichever of our links they arrive on. A new stream may be up to a minute behind our own time
+   stamp.
+3. Our own time stamp is the clock's, but never less than any accepted one. It grows with each frame
+   that is signed. A frame of ours that is sent back to us counts as old in its stream.
+4. The newest time stamp of each stream is kept from run to run. After a start `KEPT_EVERY_S` is
+   added to each, so that nothing sent before the end of the previous run is accepted again.
+5. Only a few kinds of unsigned frames are accepted (`MayBeUnsigned`), and no MAVLink 1 frames.
+6. The number of streams is bounded. A stream beyond `STREAMS` replaces one that is a minute old,
+   which then only has to catch up. If there is none, the new stream is refused.
 
 Source: https://mavlink.io/en/guide/message_signing.html and PX4's list of what may be unsigned,
-https://docs.px4.io/main/en/mavlink/message_signing. Left out: SETUP_SIGNING, by which a key goes
-over the link that it is to protect. No I/O: `key_file.py` has the files.
+https://docs.px4.io/main/en/mavlink/message_signing. Left out: SETUP_SIGNING, which sends a key over
+the link that it is to protect. No I/O: `key_file.py` handles the files.
 """
 
 from __future__ import annotations
@@ -38,7 +39,8 @@ UNITS_PER_S = 100_000
 EPOCH_UNIX_S = 1_420_070_400  # 2015-01-01, where time stamps begin
 BEHIND = 60 * UNITS_PER_S
 LATEST = 1 << 47
-"""In the year 2059. Whoever takes over a stamp at the end of the range can sign nothing more."""
+"""In the year 2059. A component that accepts a stamp at the end of the range cannot sign any
+more."""
 KEPT_EVERY_S = 2
 KEPT_EVERY = KEPT_EVERY_S * UNITS_PER_S
 STREAMS = 256
@@ -57,7 +59,7 @@ HARMLESS = frozenset(
         dialect.MAVLINK_MSG_ID_COLLISION,
     }
 )
-"""What PX4 accepts unsigned."""
+"""Messages that PX4 accepts unsigned."""
 REQUESTS = frozenset(
     {
         dialect.MAVLINK_MSG_ID_COMMAND_LONG,
@@ -70,10 +72,10 @@ REQUESTS = frozenset(
         dialect.MAVLINK_MSG_ID_SETUP_SIGNING,
     }
 )
-"""What somebody wants of the companion; never unsigned."""
+"""Requests to the companion; never accepted unsigned."""
 
 Stream = tuple[int, int, int]
-"""System and component that send, and their link's id."""
+"""System id and component id of the sender, and the id of its link."""
 Stamps = Mapping[Stream, int]
 """The newest time stamp of each stream."""
 MayBeUnsigned = Callable[[bytes], bool]
@@ -81,17 +83,17 @@ MayBeUnsigned = Callable[[bytes], bool]
 
 
 def harmless(frame: bytes) -> bool:
-    """Accepts what PX4 accepts."""
+    """Accepts unsigned what PX4 accepts."""
     return message_id(frame) in HARMLESS
 
 
 def of_signed_vehicle(frame: bytes) -> bool:
-    """Accepts the same, but no HEARTBEAT of an autopilot: it says who has the authority."""
+    """Accepts the same, but no HEARTBEAT of an autopilot: it decides who has control."""
     return harmless(frame) and (message_id(frame), frame[6]) != (_HEARTBEAT, _AUTOPILOT)
 
 
 def of_unsigned_vehicle(frame: bytes) -> bool:
-    """Accepts all but what asks the companion for something, and what the companion says."""
+    """Accepts everything except requests to the companion, and messages in the companion's name."""
     return message_id(frame) not in REQUESTS and frame[6] != _COMPANION
 
 
@@ -129,12 +131,12 @@ class SigningKey:
 
 
 class Refused(NamedTuple):
-    """How many frames were refused, and why.
+    """How many frames were refused, by reason.
 
     Attributes:
         unsigned: without a signature, or MAVLink 1.
-        forged: with a signature that is wrong: damaged, or made with another key.
-        old: with a right signature and a time stamp that is too old.
+        forged: with a wrong signature: damaged, or made with another key.
+        old: with a right signature, but a time stamp that is too old.
     """
 
     unsigned: int = 0
@@ -146,7 +148,7 @@ class Refused(NamedTuple):
 
 
 class Signing:
-    """Signs what leaves, and lets in what is signed.
+    """Signs outgoing frames, and accepts incoming ones that are signed.
 
     >>> key = SigningKey.from_passphrase("correct horse")
     >>> ours, theirs = Signing(key, 1.7e9), Signing(key, 1.7e9)
@@ -158,12 +160,12 @@ class Signing:
     Args:
         key: the secret.
         start_unix_s: the clock at the start, seconds since 1970.
-        may_be_unsigned: which frames need no signature.
-        heard: the streams of the last run.
-        keep: told of all streams when they have to be kept; it may not block.
+        may_be_unsigned: decides which frames need no signature.
+        heard: the streams of the previous run.
+        keep: called with all streams when they have to be stored; it may not block.
 
     Attributes:
-        refused: frames that were refused so far.
+        refused: frames refused so far.
     """
 
     def __init__(
@@ -185,28 +187,28 @@ class Signing:
         self._start = self._stamp = max([clock, *self._streams.values()])
 
     def receive(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
-        """Returns the frames that are accepted, a datagram for each, in order.
+        """Returns the accepted frames, in order, each as a datagram.
 
         Args:
-            now_s: time since the start; an earlier one than before changes nothing.
+            now_s: time since the start; a time before an earlier one has no effect.
             datagrams: as they arrived.
         """
         self._advance(now_s)
         return [f for d in datagrams for f in split_frames(d) if self._accepts(f)]
 
     def send(self, now_s: float, frames: list[bytes], link: int = 0) -> list[bytes]:
-        """Returns MAVLink 2 frames with signatures; those that have one stay as they are.
+        """Returns MAVLink 2 frames with signatures; frames that are signed already are not changed.
 
         Args:
             now_s: as for `receive`.
-            frames: one in a datagram.
-            link: id of our link on which they leave.
+            frames: one in each datagram.
+            link: id of our link on which they are sent.
         """
         self._advance(now_s)
         return [frame if frame[2] & _SIGNED else self._sign(frame, link) for frame in frames]
 
     def news(self) -> Refused | None:
-        """What was refused so far, when it is twice as much as was told last."""
+        """What was refused so far, if it has doubled since it was last reported."""
         if not is_news(count := sum(self.refused), self._told):
             return None
         self._told = count
@@ -225,13 +227,13 @@ class Signing:
         return signed + self._signature(signed)
 
     def _accepts(self, frame: bytes) -> bool:
-        """Whether a frame may be read; what is refused is counted."""
+        """Whether a frame is accepted; counts it if not."""
         refused = self._judge(frame)
         self.refused = Refused(*map(add, self.refused, refused))
         return not any(refused)
 
     def _judge(self, frame: bytes) -> Refused:
-        """Why a frame is refused, as a count of one; of none if it is accepted."""
+        """Why a frame is refused, as a count of one; all counts are 0 if it is accepted."""
         if frame[0] != _MAGIC_2:
             return Refused(unsigned=1)
         if not frame[2] & _SIGNED:
@@ -254,7 +256,7 @@ class Signing:
         return last < stamp < LATEST and (stream in self._streams or self._has_room())
 
     def _has_room(self) -> bool:
-        """Whether a stream may be added; one that is old enough makes room for it."""
+        """Whether a stream can be added; removes one that is old enough if necessary."""
         if len(self._streams) < STREAMS:
             return True
         oldest = min(self._streams, key=self._streams.__getitem__)
@@ -264,7 +266,9 @@ class Signing:
         return is_old
 
     def _learn(self, stream: Stream, stamp: int) -> None:
-        """Takes over a time stamp; one that a later start would take for new is kept."""
+        """Takes over a time stamp; stores all streams if a later start would accept this stamp
+        again.
+        """
         self._streams[stream] = stamp
         self._stamp = max(self._stamp, stamp)
         if stamp - self._kept.get(stream, -KEPT_EVERY) >= KEPT_EVERY:
@@ -274,9 +278,10 @@ class Signing:
 
 @cache
 def _checksum_of_flag(size: int) -> int:
-    """What the flag of signed frames changes in a checksum: a CRC is linear.
+    """The change of the checksum caused by the flag of signed frames: a CRC is linear.
 
-    So a frame can be signed whose message, and with it the last byte of its checksum, is unknown.
+    So a frame can be signed even if its message is unknown, and with it the last byte of its
+    checksum.
 
     Args:
         size: of the payload.

@@ -1,7 +1,8 @@
-"""A text of any length as STATUSTEXT messages of 50 bytes.
+"""Splits a text of any length into STATUSTEXT messages of 50 bytes.
 
-Its chunks have a common id and are numbered from 0; one of less than 50 bytes ends the text. A text
-that fits into one message has id 0 (https://mavlink.io/en/messages/common.html#STATUSTEXT).
+The chunks of a text have a common id and are numbered from 0; a chunk of less than 50 bytes ends
+the text. A text that fits into one message has id 0
+(https://mavlink.io/en/messages/common.html#STATUSTEXT).
 """
 
 from __future__ import annotations
@@ -16,8 +17,8 @@ def chunks(severity: int, text: str, number: int) -> list[Message]:
 
     Args:
         severity: MAV_SEVERITY.
-        text: any; what ends in the middle of a character is put together by the receiver.
-        number: counts the texts of a component, from 1; only long ones carry it.
+        text: any; a character may be split between chunks, the receiver joins it.
+        number: counts the texts of a component, from 1; only long texts carry it.
 
     >>> [m.chunk_seq for m in chunks(6, "x" * 100, 7)]
     [0, 1, 2]

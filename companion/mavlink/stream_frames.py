@@ -1,8 +1,7 @@
-"""Finds the frames in a stream of bytes, as of a serial line, which knows no datagrams.
+"""Finds the frames in a stream of bytes without datagrams, such as a serial line.
 
-A frame counts if its checksum is right, so that the stream is followed again right behind damaged
-bytes, and at any byte from which it is heard. Messages that are not known have no checksum that
-could be told; they are left out. No I/O.
+A frame counts only if its checksum is right. So reading resumes directly behind damaged bytes, and
+can begin at any byte. Unknown messages are left out, as their checksum cannot be verified. No I/O.
 """
 
 from __future__ import annotations
