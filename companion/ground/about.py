@@ -1,6 +1,6 @@
 """Messages in which the companion describes itself: HEARTBEAT, versions, capabilities.
 
-PROTOCOL_VERSION is not in the dialect that pymavlink's packages bring, so its layout stands here
+The dialect that comes with pymavlink lacks PROTOCOL_VERSION, so its layout is defined here
 (https://mavlink.io/en/messages/common.html#PROTOCOL_VERSION).
 """
 
@@ -28,7 +28,7 @@ MAV_STATES = {
 
 
 def heartbeat(status: SystemStatus) -> Message:
-    """Returns the HEARTBEAT of an onboard controller that is no autopilot."""
+    """Returns the HEARTBEAT of an onboard controller that is not an autopilot."""
     return dialect.MAVLink_heartbeat_message(
         type=dialect.MAV_TYPE_ONBOARD_CONTROLLER,
         autopilot=dialect.MAV_AUTOPILOT_INVALID,
@@ -40,7 +40,7 @@ def heartbeat(status: SystemStatus) -> Message:
 
 
 class ProtocolVersion:
-    """The message PROTOCOL_VERSION, with what packing it takes."""
+    """The message PROTOCOL_VERSION, with the attributes that packing needs."""
 
     id = 300
     msgname = "PROTOCOL_VERSION"
@@ -58,12 +58,14 @@ class ProtocolVersion:
 
 
 def protocol_version() -> Message:
-    """Returns PROTOCOL_VERSION: MAVLink 2 alone."""
+    """Returns PROTOCOL_VERSION: MAVLink 2 only."""
     return ProtocolVersion()
 
 
 def autopilot_version() -> Message:
-    """Returns AUTOPILOT_VERSION with the capabilities; the versions of an autopilot are 0."""
+    """Returns AUTOPILOT_VERSION with the capabilities; the versions, which are an autopilot's, are
+    0.
+    """
     none = [0] * 8
     return dialect.MAVLink_autopilot_version_message(
         CAPABILITIES, 0, 0, 0, 0, none, none, none, 0, 0, 0

@@ -1,8 +1,8 @@
-"""The check of an uploaded mission, in a child process that nobody waits for.
+"""Checks an uploaded mission in a child process that nobody waits for.
 
-A door: it starts processes and reads what they print. The flight process never parses what came
-from a stranger; it reads the JSON that its own child has printed, up to a size. A child checks one
-mission and ends. Loading everything takes it a second or two, so one is kept ready.
+A door: it starts processes and reads their output. The flight process never parses what came from a
+stranger; it only reads the JSON that its own child has printed, up to a size. A child checks one
+mission and ends. Loading all modules takes it a second or two, so one child is kept ready.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MAX_OUTPUT_BYTES = 1 << 20  # of a child
 MAX_TEXT = 2000  # characters of a result that are handed on
 MAX_NOTICES = 20
 CHILD = "companion.cli.check_child"
-"""The program of a child; it says what is asked of it, and what bounds it."""
+"""The module that a child runs; its docstring describes the input and the limits."""
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NO_COLOR": "1"}
 
 
@@ -35,7 +35,7 @@ class CheckResult:
     Attributes:
         is_good: whether the mission can be flown.
         text: the plan, or what is wrong and where.
-        notices: what is allowed, and hardly meant.
+        notices: what is allowed, but probably not intended.
     """
 
     is_good: bool
@@ -50,17 +50,18 @@ class MissionCheck(Protocol):
         """Returns the result once there is one; does not wait."""
 
     def kill(self) -> None:
-        """Ends it; the result follows."""
+        """Ends the check; the result follows."""
 
 
 class CheckChildren:
-    """Child processes that check a mission each; one of them is ready before it is needed.
+    """Child processes that check one mission each; one is kept ready.
 
-    A child that has died meanwhile is replaced.
+    If the one that is ready has died, it is replaced.
 
     Args:
-        installed: the functions of packages that a mission may call. A check loads none.
-        hears_reports: whether what other programs report is heard; else it is noticed.
+        installed: functions of packages that a mission may call. A check loads none of them.
+        hears_reports: whether reports of other programs are heard; if not, missions that need them
+            get a notice.
     """
 
     def __init__(
@@ -71,10 +72,10 @@ class CheckChildren:
         self._hears_reports = hears_reports
 
     def begin(self, folder: Path, mission: str) -> MissionCheck:
-        """Has a mission checked; `Uploads` calls it.
+        """Begins the check of a mission; `Uploads` calls it.
 
         Args:
-            folder: all files; nothing else is read.
+            folder: has all files; nothing else is read.
             mission: path in the folder.
         """
         child = self._spare if self._spare.is_running else CheckChild()
@@ -83,19 +84,19 @@ class CheckChildren:
         return child
 
     def close(self) -> None:
-        """Ends the one that is ready."""
+        """Ends the child that is kept ready."""
         self._spare.close()
 
 
 def begin_check(folder: Path, mission: str) -> MissionCheck:
-    """Has a mission checked by a child process that is started for it."""
+    """Begins the check of a mission in a child process started for it."""
     child = CheckChild()
     child.order(folder, mission)
     return child
 
 
 class CheckChild:
-    """A child process that checks one mission; the interface is `MissionCheck`."""
+    """A child process that checks one mission; implements `MissionCheck`."""
 
     def __init__(self) -> None:
         self._child = subprocess.Popen(
@@ -124,14 +125,14 @@ class CheckChild:
         installed: Sequence[dict[str, Any]] = (),
         hears_reports: bool = True,
     ) -> None:
-        """Says what is to be checked, once. One that has just died says so by its result."""
+        """Tells the child what to check, once. If it has just died, its result will say so."""
         with suppress(BrokenPipeError):
             order = json.dumps([str(folder), mission, [*installed], hears_reports])
             self._orders.write(order.encode() + b"\n")
         self._orders.close()
 
     def poll(self) -> CheckResult | None:
-        """Reads what it has printed, and returns the result once it has ended."""
+        """Reads the child's output; returns the result once the child has ended."""
         code = self._child.poll()
         while part := self._answers.read(MAX_OUTPUT_BYTES):
             self._printed += part
@@ -149,7 +150,7 @@ class CheckChild:
         self._child.kill()
 
     def close(self) -> None:
-        """Ends one that nobody needs any more."""
+        """Ends a child that is not needed any more."""
         self.kill()
         self._child.wait()
         self._orders.close()
@@ -157,11 +158,11 @@ class CheckChild:
 
 
 def result_of(code: int, printed: bytes) -> CheckResult:
-    r"""Returns what a child has found out.
+    r"""Returns the result that a child has printed.
 
     Args:
-        code: how it ended; negative is a signal.
-        printed: on its standard output: lines of JSON.
+        code: its exit code; negative for a signal.
+        printed: its standard output: lines of JSON.
 
     >>> result_of(0, b'{"doing": "reading it"}\n{"ok": true, "plan": "move(A, B)"}\n')
     CheckResult(is_good=True, text='move(A, B)', notices=())

@@ -1,6 +1,6 @@
 """Component 191 towards ground stations: heartbeat, commands, texts, parameters and FTP.
 
-Messages in, messages out, no I/O and no state that one ground station could block for another.
+Messages in, messages out. No I/O, and no state by which one ground station could block another.
 Rules:
 
 1. HEARTBEAT once a second, and at once when the status changes:
@@ -9,14 +9,15 @@ Rules:
     ACTIVE      a sortie is flown, from arming to the landing
     CRITICAL    the last sortie failed, or the pilot or a failsafe has control
 
-2. Every command to this component is answered in the tick in which it comes: ACCEPTED, DENIED (it
-   makes no sense), TEMPORARILY_REJECTED (not now; a STATUSTEXT says why) or UNSUPPORTED. What an
-   event of the mission waits for is accepted. What is sent to component 0 is the autopilot's to
-   answer.
-3. A command says what shall be, so one that comes again because its answer was lost gets the same
-   answer and changes nothing.
-4. The end of a run is also told to programs: NAMED_VALUE_INT `exit_code`, after its last text.
-5. Answers go to who has asked, by the target of the message. PARAM_VALUE has none.
+2. Every command to this component is answered in the tick in which it arrives: ACCEPTED, DENIED (it
+   makes no sense), TEMPORARILY_REJECTED (not now; a STATUSTEXT says why) or UNSUPPORTED. A command
+   that an event of the mission waits for is accepted. Commands to component 0 are left to the
+   autopilot.
+3. A command names a desired state. So a command that is repeated because its answer was lost gets
+   the same answer, and changes nothing.
+4. The end of a run is also reported to programs: NAMED_VALUE_INT `exit_code`, after its last text.
+5. Answers are addressed to the sender of the request, by the target of the message. PARAM_VALUE has
+   no target.
 
 Sources: https://mavlink.io/en/services/ command, heartbeat, parameter, ping. Left out: message
 intervals and missions (UNSUPPORTED). TIMESYNC is answered by `vehicle/time_answers.py`.
@@ -53,7 +54,7 @@ REQUESTED: dict[int, Callable[[], Message]] = {
     dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION: about.autopilot_version,
     about.ProtocolVersion.id: about.protocol_version,
 }
-"""Message id -> what MAV_CMD_REQUEST_MESSAGE gets; HEARTBEAT besides."""
+"""Message id -> the answer to MAV_CMD_REQUEST_MESSAGE; HEARTBEAT can be requested too."""
 
 log = logging.getLogger(__name__)
 
@@ -62,9 +63,9 @@ class Component:
     """The companion as ground stations see it.
 
     Args:
-        operations: does what operators ask for.
-        uploads: missions from outside; without it FTP is refused.
-        page: the monitor page; without it CMP_MONITOR stays 0.
+        operations: does what operators request.
+        uploads: missions from outside; if None, FTP is refused.
+        page: the monitor page; if None, CMP_MONITOR stays 0.
 
     Attributes:
         parameters: the companion's own.
@@ -96,12 +97,12 @@ class Component:
     def receive(
         self, now_s: float, system: int, messages: list[Message]
     ) -> list[tuple[Signal, float]]:
-        """Takes what arrived; returns the commands that the mission's events wait for.
+        """Takes what has arrived; returns the commands that the mission's events wait for.
 
         Args:
             now_s: time of the tick.
             system: the vehicle's system id, which is our own.
-            messages: all that were heard; others than ground stations' are not looked at.
+            messages: everything that was heard; only messages of ground stations are read.
         """
         self._now_s, self._system = now_s, system
         self._events = []
@@ -112,29 +113,29 @@ class Component:
         return self._events
 
     def foresee(self, messages: list[Message]) -> list[tuple[Signal, float]]:
-        """The same of messages that are not taken yet; nothing is done or answered."""
+        """Like `receive`, for messages that have not been taken yet; does and answers nothing."""
         commands = [m for m in messages if m.get_type() in COMMANDS and self._is_for_us(m)]
         return [reading for m in commands for reading in self._awaited(m.command)]
 
     def tell(self, now_s: float, event: FlightEvent) -> None:
-        """Puts an event that is news for people into the queue of texts."""
+        """Queues the text of an event that is meant for people."""
         if event.is_told:
             self._texts.tell(now_s, severity(event), event.text)
         if isinstance(event, RunEnded):
             self._ending.append(_exit_code(now_s, event.exit_code))
 
     def mark(self, name: str) -> None:
-        """Says which run this is, as the vehicle was armed, or that it is not recorded.
+        """Sends the name of the run when the vehicle is armed, or that it is not recorded.
 
-        PX4 writes the texts of its own system into the log that it has begun with arming. A flight
-        sends as much without a record, so that a link that loses takes the same from both.
+        PX4 writes the texts of its own system into the log that it begins on arming. A flight
+        without a record sends as much, so that a lossy link treats both alike.
         """
         self._texts.mark(f"run {name}" if name else "run is not recorded")
 
     def transmit(self, now_s: float, is_last: bool = False) -> list[Message]:
-        """Returns the messages that leave now; at the end of a run all that are left."""
+        """Returns the messages to send now; at the end of a run, all that are left."""
         if not self._system:
-            return []  # nobody is there, and what is sent would be lost
+            return []  # no vehicle was heard yet, so whatever is sent would be lost
         if self.parameters[MONITOR] and not self._is_page_served:
             self._out.append(self.parameters.put(MONITOR, False))
             self._texts.tell(now_s, WARNING, "monitor page has ended by itself")
@@ -149,7 +150,8 @@ class Component:
         return messages + self._texts.rest() + ending
 
     def _is_for_us(self, message: Message) -> bool:
-        """Whether a message is addressed to us; or to all, for services that all offer."""
+        """Whether a message is addressed to us; or to all, for services that all components
+        offer."""
         system, component = message.target_system, message.target_component
         if message.get_type() in self.FOR_ALL:
             return system in (EVERYBODY, self._system) and component in (EVERYBODY, COMPONENT)
@@ -174,13 +176,13 @@ class Component:
         return action(self, parameters)
 
     def _awaited(self, command: int) -> list[tuple[Signal, float]]:
-        """The reading of a command that the mission's events wait for; none of any other."""
+        """The reading of a command that the mission's events wait for; [] for other commands."""
         entry = dialect.enums["MAV_CMD"].get(command)
         is_awaited = entry is not None and entry.name in self._operations.awaited
         return [(Signal(COMMAND, "", entry.name), 1.0)] if is_awaited else []
 
     def _result(self, refusal: Refusal | None) -> int:
-        """Returns the MAV_RESULT of a request; a refusal is also told as a text."""
+        """Returns the MAV_RESULT of a request; also sends a refusal as a text."""
         if refusal is None:
             return ACCEPTED
         self._tell_refusal(refusal.reason)
@@ -243,7 +245,7 @@ class Component:
         return self._page is not None and self._page.is_served
 
     def _switch_page(self, value: float) -> float:
-        """Serves or ends the page, if that can be done; returns whether it is served then."""
+        """Starts or ends the page if possible; returns whether it is served then."""
         is_on = bool(value)
         if self._page is not None and is_on is not self._is_page_served:
             text = self._page.switch(is_on)
@@ -252,7 +254,8 @@ class Component:
         return self._is_page_served
 
     def _ping(self, message: Message) -> None:
-        """Answers pings from off board; those of the autopilot are for ground stations."""
+        """Answers pings from other systems; those of the autopilot are meant for ground
+        stations."""
         is_for_all = message.target_system == message.target_component == EVERYBODY
         if is_for_all and message.get_srcSystem() != self._system:
             pong = dialect.MAVLink_ping_message(message.time_usec, message.seq, *source(message))
@@ -278,7 +281,7 @@ class Component:
         dialect.MAV_CMD_REQUEST_PROTOCOL_VERSION: _request_protocol,
         dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: _request_capabilities,
     }
-    """Command -> what does it and says the MAV_RESULT."""
+    """Command -> the method that does it and returns the MAV_RESULT."""
     ALSO_WITH_EVENTS = frozenset(
         {
             dialect.MAV_CMD_MISSION_START,
@@ -286,7 +289,7 @@ class Component:
             dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH,
         }
     )
-    """Of these, those that do what they do also if an event waits for them."""
+    """Commands that are done even if an event waits for them."""
 
     SERVICES: ClassVar[dict[str, Callable[[Component, Message], None]]] = {
         **dict.fromkeys(COMMANDS, _command),
@@ -296,7 +299,7 @@ class Component:
         "PING": _ping,
         "FILE_TRANSFER_PROTOCOL": _ftp,
     }
-    """Message -> what answers it."""
+    """Message -> the method that answers it."""
     FOR_ALL = frozenset({"PARAM_REQUEST_LIST", "PARAM_REQUEST_READ", "PING"})
 
 

@@ -1,17 +1,17 @@
 """The MAVLink FTP server, without I/O: payloads of requests in, payloads of replies out.
 
-The files are behind the `Store`, the open ones are sessions (`ftp_sessions.py`). Rules:
-1. A reply has the request's sequence number + 1. What is no request gets no reply; any request
-   gets one, and never an exception.
-2. A repeated request is answered by the reply that was lost, if it changes something and is the
-   newest with its session number (for number 0, which MAVSDK always begins with, the client's
-   newest). Others are done again, which gives the same or newer. More is not remembered, because
-   a client that starts anew counts from 0 again.
-3. What is written becomes the file when its session is complete; until then the old file is there.
-4. A burst is at most sixteen replies, of which the last says so; the client asks for the next
-   one. So an answer has at most 4 KiB.
+A `Store` holds the files; open files are sessions (`ftp_sessions.py`). Rules:
+1. A reply has the request's sequence number + 1. Every request gets a reply and never raises an
+   exception; anything else gets none.
+2. A repeated request is answered with the earlier reply if it changes something and is the newest
+   with its session number (for number 0, with which MAVSDK always begins: the client's newest).
+   Other requests are done again, which gives the same or a newer result. More is not remembered,
+   because a client that starts anew counts from 0 again.
+3. A written file replaces the old one when its session is complete; until then the old one stays.
+4. A burst has at most sixteen replies, and the last one is marked; the client requests the next
+   burst. So an answer has at most 4 KiB.
 
-MAVSDK 4.1 asks with ListDirectoryWithTime (16) first and takes the refusal for "ask with 3".
+MAVSDK 4.1 first sends ListDirectoryWithTime (16); when that is refused it uses ListDirectory (3).
 Source: https://mavlink.io/en/services/ftp.html; clients' differences: MAVSDK 4.1, pymavlink.
 """
 
@@ -60,16 +60,16 @@ class Store(Protocol):
     """Files and folders below one root. Every method may raise `FtpRefusal`."""
 
     def entries(self, path: str) -> list[str]:
-        """Returns a folder's entries in the protocol's form: Dname, or Fname, a tab, the size."""
+        """Returns a folder's entries in the protocol's form: Dname; or Fname, a tab, the size."""
 
     def read(self, path: str) -> bytes:
         """Returns the content of a file."""
 
     def check_writable(self, path: str) -> None:
-        """Raises if no file can be written there."""
+        """Raises unless a file can be written there."""
 
     def write(self, path: str, content: bytes) -> None:
-        """Makes or replaces a file at once; it is never seen half."""
+        """Creates or replaces a file in one step; a partial file is never visible."""
 
     def remove(self, path: str) -> None:
         """Removes a file."""
@@ -81,7 +81,7 @@ class Store(Protocol):
         """Removes an empty folder."""
 
     def rename(self, old: str, new: str) -> None:
-        """Gives a file or folder another name; replaces nothing."""
+        """Renames a file or folder; replaces nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,13 +101,13 @@ class _Asked:
 
 
 class FtpServer:
-    """Answers requests of any number of clients.
+    """Answers the requests of any number of clients.
 
     Args:
         store: the files.
 
     Attributes:
-        stored: paths of the files that have got new content, in order; for the caller to clear.
+        stored: paths of the files with new content, in order; the caller clears it.
     """
 
     def __init__(self, store: Store) -> None:
@@ -117,7 +117,7 @@ class FtpServer:
         self._newest: dict[tuple[Client, int], tuple[float, bytes, list[bytes]]] = {}
 
     def receive(self, now_s: float, client: Client, payload: bytes) -> list[bytes]:
-        """Does what a client asks and returns the replies.
+        """Does what a client requests and returns the replies.
 
         Args:
             client: its system and component id.
@@ -284,7 +284,7 @@ class FtpServer:
 
 
 def _part(session: Session, offset: int, size: int) -> bytes:
-    """Returns `size` bytes of an open file, or as many as fit into a reply.
+    """Returns `size` bytes of an open file, at most as many as fit into a reply.
 
     Raises:
         FtpRefusal: the file ends before the offset.

@@ -1,15 +1,16 @@
-"""The life of a MAVLink FTP session: a file that a client has open, and how much has arrived.
+"""The sessions of MAVLink FTP: which file a client has open, and how much of it has arrived.
 
 An open file is a copy in memory: a reader sees the file as it was when it was opened, a writer
 changes nothing until it ends its session. Rules:
-1. The state of a session is a `SessionState`; it changes by the rows of `TRANSITIONS` alone. A
+1. The state of a session is a `SessionState`; it changes only by the rows of `TRANSITIONS`. A
    session in a final state is freed at once, and its number may be used again.
-2. A client gets the session number that it asks for (pymavlink and MAVProxy ignore replies with
-   another; MAVSDK always asks for 0 and takes what it gets), unless it has that one open already.
+2. A client gets the session number that it requests, unless it has that one open already.
+   (pymavlink and MAVProxy ignore replies with another number; MAVSDK always requests 0 and takes
+   what it gets.)
 3. A client has at most 4 sessions, all clients together 8.
-4. A session in which nothing has happened for 30 s ends, and what was written is dropped: half a
-   mission may be a mission, but not the one that was meant.
-5. A session that ends with a byte missing is dropped, and so is one that writes what is refused.
+4. A session without activity for 30 s ends, and what was written is dropped: half a mission may be
+   a valid mission, but not the intended one.
+5. A session that ends with a missing byte is dropped, and so is one whose write is refused.
 
 Source: https://mavlink.io/en/services/ftp.html.
 """
@@ -34,7 +35,7 @@ Client = tuple[int, int]
 
 
 class SessionState(Enum):
-    """The state of a session; the final ones are CLOSED, COMPLETE and DROPPED."""
+    """The states of a session; CLOSED, COMPLETE and DROPPED are final."""
 
     READING = "reading"
     WRITING = "writing"
@@ -44,7 +45,7 @@ class SessionState(Enum):
 
 
 class SessionEvent(Enum):
-    """What happens to a session, by the names of the protocol's requests."""
+    """What happens to a session, named after the protocol's requests."""
 
     OPENED_TO_READ = "OPEN_FILE_RO"
     OPENED_TO_WRITE = "CREATE_FILE or OPEN_FILE_WO"
@@ -89,8 +90,8 @@ class Session:
     """An open file.
 
     Attributes:
-        arrived: which bytes have been written or were there, as disjoint ranges in order.
-        used_s: when something happened last.
+        arrived: which bytes were written, or existed before, as disjoint ranges in order.
+        used_s: time of the last activity.
     """
 
     number: int
@@ -101,7 +102,7 @@ class Session:
     arrived: list[tuple[int, int]] = field(default_factory=list)
 
     def write(self, offset: int, data: bytes) -> None:
-        """Puts data at an offset; gaps are zero until something is written there.
+        """Writes data at an offset; gaps are zero until something is written there.
 
         Raises:
             FtpRefusal: the file is open for reading, would become too large, or has too many gaps.
@@ -119,12 +120,12 @@ class Session:
 
     @property
     def is_whole(self) -> bool:
-        """Whether no byte is missing between the first and the last."""
+        """Whether no byte is missing."""
         return self.arrived in ([], [(0, len(self.content))])
 
 
 def _joined(ranges: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Returns disjoint ranges in order, of ranges that may touch or overlap.
+    """Merges ranges that may touch or overlap into disjoint ranges in order.
 
     >>> _joined([(0, 4), (8, 9), (4, 6)])
     [(0, 6), (8, 9)]
@@ -156,7 +157,7 @@ class Sessions:
         """Opens a file for a client.
 
         Args:
-            number: the one the client would like.
+            number: the number that the client requests.
             content: of the file.
             event: how it is opened.
 
@@ -175,10 +176,10 @@ class Sessions:
         return session
 
     def find(self, now_s: float, client: Client, number: int) -> Session:
-        """Returns a client's session, which is in use again.
+        """Returns a client's session, and notes the activity.
 
         Raises:
-            FtpRefusal: there is none.
+            FtpRefusal: there is no such session.
         """
         session = self._sessions.get((client, number))
         if session is None:

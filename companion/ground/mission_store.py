@@ -1,17 +1,16 @@
-"""The folder of uploaded files, and what a client of MAVLink FTP may do in it.
+"""The folder of uploaded files, and what clients of MAVLink FTP may do in it.
 
 A door: it opens files, all below one folder. Rules:
-1. A path is a list of names between slashes, from the root whether or not it begins with one.
-   What a name may be is in `upload_names.py`. So `..`, NUL, backslash and hidden files are not
-   names.
-2. Each folder on the way is opened in the one before, and never through a symbolic link. So no
-   path leaves the root, whatever lies there and whoever changes it meanwhile.
-3. A file has at most 256 KiB; there are at most 64 files and 64 folders, and 4 MiB in all.
-4. A file is written beside its place, under a name that no client can use, and then renamed.
-5. `verdict.json` is ours; clients may read it.
+1. A path is a list of names between slashes, always from the root, with or without a slash in
+   front. `upload_names.py` defines valid names: `..`, NUL, backslash and hidden files are not.
+2. Each folder on the path is opened relative to the previous one, and never through a symbolic
+   link. So no path leaves the root, whatever is stored there and whoever changes it meanwhile.
+3. A file has at most 256 KiB. There are at most 64 files, 64 folders, and 4 MiB in all.
+4. A file is written under a name that no client can use, in its folder, and then renamed.
+5. Only the companion writes `verdict.json`; clients may read it.
 
-It does not wait for the disk (fsync): a tick would wait with it. After a power cut an upload may
-be missing; a mission that was accepted and not flown is checked again (`uploads.py`).
+Writing does not wait for the disk (fsync), as a tick would wait with it. After a power cut an
+upload may be missing; a mission that was accepted but not flown is checked again (`uploads.py`).
 """
 
 from __future__ import annotations
@@ -46,10 +45,10 @@ _NAKS = {
 
 
 def names_of(path: str) -> tuple[str, ...]:
-    """Returns the names that a path consists of; none for the root.
+    """Returns the names of a path; none for the root.
 
     Raises:
-        FtpRefusal: it cannot be a path of ours.
+        FtpRefusal: the path is not valid.
 
     >>> names_of("/maps/hall.yaml")
     ('maps', 'hall.yaml')
@@ -61,10 +60,10 @@ def names_of(path: str) -> tuple[str, ...]:
 
 
 class MissionStore:
-    """The files below a folder, for `FtpServer`.
+    """The files below a folder, as `FtpServer` uses them.
 
     Args:
-        root: made if missing.
+        root: created if missing.
     """
 
     def __init__(self, root: Path) -> None:
@@ -72,7 +71,7 @@ class MissionStore:
         self.root = root.resolve()
 
     def entries(self, path: str) -> list[str]:
-        """Returns a folder's entries in the protocol's form: Dname, or Fname, a tab, the size."""
+        """Returns a folder's entries in the protocol's form: Dname; or Fname, a tab, the size."""
         with self._open(names_of(path)) as folder:
             return sorted(
                 f"D{name}" if stat.S_ISDIR(status.st_mode) else f"F{name}\t{status.st_size}"
@@ -85,12 +84,12 @@ class MissionStore:
             return _content(folder, name)
 
     def check_writable(self, path: str) -> None:
-        """Raises if no file can be written there."""
+        """Raises unless a file can be written there."""
         with self._place(path) as (folder, name):
             self._check_new(folder, name, 0)
 
     def write(self, path: str, content: bytes) -> None:
-        """Makes or replaces a file at once."""
+        """Creates or replaces a file in one step."""
         with self._place(path) as (folder, name):
             self._check_new(folder, name, len(content))
             _replace(folder, name, content)
@@ -120,7 +119,7 @@ class MissionStore:
             os.rmdir(name, dir_fd=folder)
 
     def rename(self, old: str, new: str) -> None:
-        """Gives a file another name; replaces nothing."""
+        """Renames a file; replaces nothing."""
         with self._place(old) as (source, old_name), self._place(new) as (target, new_name):
             if stat.S_ISDIR(_status(source, old_name).st_mode):
                 raise FtpRefusal(Nak.FILE_PROTECTED)
@@ -131,9 +130,10 @@ class MissionStore:
             os.rename(old_name, new_name, src_dir_fd=source, dst_dir_fd=target)
 
     def copy_to(self, target: Path) -> None:
-        """Makes a folder with all files as they are now.
+        """Creates a folder with all files as they are now.
 
-        They are linked, which is quick; a file is only ever replaced, so the copy does not change.
+        They are hard links, which is quick. As files are only ever replaced, the copy does not
+        change.
         """
         target.mkdir(parents=True)
         for names, is_folder, _ in self._all(()):
@@ -143,7 +143,7 @@ class MissionStore:
                 os.link(self.root.joinpath(*names), target.joinpath(*names), follow_symlinks=False)
 
     def _check_new(self, folder: int, name: str, size: int) -> None:
-        """Raises if a file of some size may not be written."""
+        """Raises unless a file of this size may be written."""
         _check_file_name(name)
         if size > MAX_FILE_BYTES:
             raise FtpRefusal(Nak.FAIL_ERRNO, errno.EFBIG)
@@ -160,7 +160,9 @@ class MissionStore:
     def _all(
         self, names: tuple[str, ...]
     ) -> Iterator[tuple[tuple[str, ...], bool, os.stat_result]]:
-        """Yields all below a folder: names, whether it is a folder, status; folders first."""
+        """Yields everything below a folder: names, whether it is a folder, status; a folder before
+        its content.
+        """
         with self._open(names) as folder:
             listed = _listed(folder)
         for name, status in listed:
@@ -189,7 +191,7 @@ class MissionStore:
 
     @contextmanager
     def _place(self, path: str) -> Iterator[tuple[int, str]]:
-        """Opens the folder that a path leads to; yields it and the last name of the path."""
+        """Opens the folder of a path; yields it and the last name of the path."""
         names = names_of(path)
         if not names:
             raise FtpRefusal(Nak.FILE_PROTECTED)  # the root itself
@@ -198,7 +200,7 @@ class MissionStore:
 
 
 def _listed(folder: int) -> list[tuple[str, os.stat_result]]:
-    """Returns the files and folders in a folder that clients may know of."""
+    """Returns the files and folders in a folder that are visible to clients."""
     listed = [(name, _status(folder, name)) for name in os.listdir(folder) if NAME.fullmatch(name)]
     return [(n, s) for n, s in listed if stat.S_ISDIR(s.st_mode) or stat.S_ISREG(s.st_mode)]
 
@@ -233,7 +235,7 @@ def _content(folder: int, name: str) -> bytes:
 
 
 def _replace(folder: int, name: str, content: bytes) -> None:
-    """Writes a file beside its place and moves it there."""
+    """Writes a file under another name, and renames it into its place."""
     flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
     with os.fdopen(os.open(_TEMPORARY, flags, 0o600, dir_fd=folder), "wb") as stream:
         stream.write(content)

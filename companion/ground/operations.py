@@ -1,6 +1,6 @@
-"""What an operator may ask of the companion, and what the companion tells of itself.
+"""What operators may request of the companion, and what the companion reports about itself.
 
-The component (`component.py`) speaks MAVLink with ground stations; whoever flies fulfils
+The component (`component.py`) speaks MAVLink with ground stations; the code that flies implements
 `Operations`. Each request is answered at once: with None if it is done, or with a `Refusal`.
 Missions from outside come through the `UploadService`, which has the files and the checks; the
 monitor page is a `MonitorPage`.
@@ -28,14 +28,16 @@ class SystemStatus(Enum):
 
     @classmethod
     def of(cls, phase: Phase, has_failed: bool) -> SystemStatus:
-        """That of a phase of a sortie; after its end, of whether it has failed."""
+        """The status in a phase of a sortie; after its end, it depends on whether the sortie
+        failed.
+        """
         if phase is Phase.YIELDED or (phase is Phase.ENDED and has_failed):
             return cls.CRITICAL
         return cls.STANDBY if phase in (*ON_THE_GROUND, Phase.ENDED) else cls.ACTIVE
 
 
 class Operations(Protocol):
-    """What an operator can ask of the companion."""
+    """The requests that an operator can make."""
 
     @property
     def system_status(self) -> SystemStatus:
@@ -49,24 +51,24 @@ class Operations(Protocol):
         """Flies the mission, from the ground."""
 
     def pause(self) -> Refusal | None:
-        """Holds in the air, the task frozen."""
+        """Holds in the air; the task is frozen."""
 
     def resume(self) -> Refusal | None:
-        """Goes on after a pause, or with control that the pilot has handed over."""
+        """Resumes after a pause, or after the pilot has handed over control."""
 
     def return_home(self) -> Refusal | None:
-        """Leaves the task, flies home and lands; or does what the mission has for that."""
+        """Drops the task, flies home and lands; or does what the mission defines instead."""
 
 
 class MonitorPage(Protocol):
-    """The monitor page, in a process of its own. No call may block."""
+    """The monitor page, in its own process. No call may block."""
 
     @property
     def is_served(self) -> bool:
         """Whether the page is served; it may end by itself."""
 
     def switch(self, is_on: bool) -> str:
-        """Serves it or ends it, if it can; returns a line for people: its address, or why not."""
+        """Starts or ends it, if possible; returns a line for people: its address, or why not."""
 
 
 class UploadService(Protocol):
@@ -76,10 +78,10 @@ class UploadService(Protocol):
         """Returns the replies to a FILE_TRANSFER_PROTOCOL payload of a (system, component)."""
 
     def poll(self, now_s: float, is_flying: bool) -> Sequence[UploadVerdict]:
-        """Returns the new verdicts; what is accepted in flight waits for the landing."""
+        """Returns the new verdicts; a mission accepted in flight waits for the landing."""
 
     def take_active(self) -> Path | None:
-        """Makes the accepted mission the active one; called only while nothing is flown."""
+        """Makes the accepted mission the active one; to be called only while nothing is flown."""
 
     def started(self) -> None:
-        """The active mission is started, and need not be offered again."""
+        """Notes that the active mission is started, so that it is not offered again."""

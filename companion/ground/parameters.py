@@ -3,16 +3,18 @@
     name              unit   range         default
     CMP_BELIEF_RETRY  s      -1 to 3600    -1     after which a belief that a failure withdrew is
                                                   held again, if the mission does not say; -1 never
-    CMP_MONITOR              0 or 1        as started  whether the monitor page is served; one
-                                                  that cannot be, or has ended, is 0 again
-    CMP_SPEED_MAX     m/s    0.1 to 50     50     nothing is planned or flown faster, nor
-                                                  faster than the mission and its vehicle allow
-    CMP_TEXT_LEVEL           0 to 7        6      greatest MAV_SEVERITY that is told as STATUSTEXT
+    CMP_MONITOR              0 or 1        as started  whether the monitor page is served; 0 again
+                                                  if it cannot be, or has ended
+    CMP_SPEED_MAX     m/s    0.1 to 50     50     greatest speed of plans and flights; the limits of
+                                                  the mission and its vehicle apply as well
+    CMP_TEXT_LEVEL           0 to 7        6      greatest MAV_SEVERITY that is sent as STATUSTEXT
     CMP_TICK_HZ       Hz     read only     20     ticks, and setpoints, a second
 
-The list is complete, also when it is asked of all components: QGroundControl complains of an
-incomplete one. What cannot be done is answered with PARAM_ERROR and the value as it is. A name that
-is not known is an error only if this component alone was asked. Nothing is kept after the end.
+1. The list is sent completely, also on requests to all components: QGroundControl complains about
+   incomplete lists.
+2. A request that cannot be done is answered with PARAM_ERROR and the present value. An unknown name
+   is an error only if this component alone was asked.
+3. No value is kept after the program ends.
 
 Source: https://mavlink.io/en/services/parameter.html.
 """
@@ -30,7 +32,9 @@ from companion.tick import TICK_S
 
 @dataclass(frozen=True, slots=True)
 class ParameterMetadata:
-    """Type (MAV_PARAM_TYPE), default and range of a parameter; one value alone is read only."""
+    """Type (MAV_PARAM_TYPE), default and range of a parameter; it is read only if the range is one
+    value.
+    """
 
     param_type: int
     default: float
@@ -62,10 +66,10 @@ NAMES = tuple(PARAMETERS)
 
 
 class CompanionParameters:
-    """The parameters' values, and the answers to who asks for them.
+    """The values of the parameters, and the answers to requests.
 
     Args:
-        effects: what is done with a value that was asked for, by name; it returns what it is then.
+        effects: by name, what to do with a requested value; returns the value that results.
 
     Attributes:
         version: counts the changes.
@@ -92,7 +96,9 @@ class CompanionParameters:
         return [self._value(name)]
 
     def write(self, request: Message) -> list[Message]:
-        """Does what PARAM_SET asks, if it may; returns the value from now on, and an error."""
+        """Does what PARAM_SET requests, if allowed; returns the resulting value, and possibly an
+        error.
+        """
         parameter = PARAMETERS.get(request.param_id)
         if parameter is None:
             return [_error(request, "DOES_NOT_EXIST")]
@@ -108,7 +114,7 @@ class CompanionParameters:
         return [answer] if after == value else [answer, _error(request, "VALUE_OUT_OF_RANGE")]
 
     def put(self, name: str, value: float) -> Message:
-        """Sets a value without being asked; returns the PARAM_VALUE that tells it."""
+        """Sets a value without a request; returns the PARAM_VALUE that announces it."""
         self._values[name] = value
         self.version += 1
         return self._value(name)
@@ -119,7 +125,7 @@ class CompanionParameters:
 
 
 def _value_of(request: Message, parameter: ParameterMetadata) -> float | None:
-    """Returns the number in a PARAM_SET; None if it is of another type, or no number."""
+    """Returns the number in a PARAM_SET; None if it has another type, or is not finite."""
     if request.param_type != parameter.param_type:
         return None
     value = decode(request.param_value, request.param_type)

@@ -1,12 +1,13 @@
-"""The ground station of `companion upload` and `companion watch`, by MAVSDK.
+"""The ground station of `companion upload` and `companion watch`, built on MAVSDK.
 
 A door: MAVSDK opens the link, in threads of its own. The companion is component 191 of the
-vehicle's system. MAVSDK's FTP takes that as its target (`set_target_compid`). Its plugins for
-commands and texts address the autopilot alone or do not tell the sender, so these go through
-`mavlink_direct`, which has the target in the message and the sender in the answer.
+vehicle's system. MAVSDK's FTP accepts it as its target (`set_target_compid`). MAVSDK's plugins for
+commands and texts either address only the autopilot or do not say who sent a text. So these go
+through `mavlink_direct`, where messages name their target and answers their sender.
 
-A file is sent in pieces, each after the answer to the one before: in flight, at the companion's 20
-ticks a second, 4.7 KiB/s. So files that are there already, by their checksum, are not sent again.
+A file is sent in pieces, each after the answer to the previous one: in flight, at the companion's
+20 ticks a second, 4.7 KiB/s. So a file that is on board already, by its checksum, is not sent
+again.
 """
 
 from __future__ import annotations
@@ -36,7 +37,8 @@ VERDICT = "verdict.json"
 PAUSE_S = 0.5
 """Between two requests for the verdict."""
 OTHERS_S = 1.5
-"""After the first vehicle, for the heartbeat of a second: that comes once a second."""
+"""How long to wait, after the first vehicle, for the heartbeat of a second; one comes each
+second."""
 LOOK_AGAIN_S = 0.1
 
 ProgressCallback = Callable[[int, int], None]
@@ -55,16 +57,16 @@ class Heard(NamedTuple):
 
 @asynccontextmanager
 async def connected(url: str, number: int | None, timeout_s: float) -> AsyncIterator[Station]:
-    """Opens a station that hears a vehicle with a companion on board.
+    """Opens a station, and waits for a vehicle with a companion on board.
 
     Args:
-        url: of the link.
+        url: that of the link.
         number: the vehicle's system id; None if there is only one.
-        timeout_s: for the vehicle, and for its companion.
+        timeout_s: time for the vehicle to be heard, and again for its companion.
 
     Raises:
-        LinkError: the link cannot be opened, or several vehicles are heard and none is named.
-        LinkTimeout: no autopilot, or no companion, was heard in time.
+        LinkError: the link cannot be opened, or several vehicles are heard and `number` is None.
+        LinkTimeout: no autopilot or no companion was heard in time.
     """
     log_subscribe(lambda *_: True)  # its log goes to standard output otherwise
     kind = ComponentType.GROUND_STATION
@@ -82,7 +84,7 @@ async def connected(url: str, number: int | None, timeout_s: float) -> AsyncIter
 async def _vehicle(
     client: Mavsdk, url: str, number: int | None, timeout_s: float
 ) -> tuple[int, System]:
-    """The vehicle with a number, or the only one; its system id and MAVSDK's system."""
+    """The vehicle with a number, or the only one: its system id, and MAVSDK's system."""
     vehicles: dict[int, System] = {}
     end_s, is_one_heard = time.monotonic() + timeout_s, False
     while (now_s := time.monotonic()) < end_s:
@@ -111,14 +113,14 @@ async def _vehicle(
 
 
 class Station:
-    """One vehicle, seen from the ground.
+    """One vehicle, as seen from the ground.
 
     Args:
-        system: MAVSDK's, with an autopilot.
-        number: its system id.
+        system: MAVSDK's system, with an autopilot.
+        number: the vehicle's system id.
 
     Attributes:
-        system: its system id.
+        system: the vehicle's system id.
     """
 
     def __init__(self, system: Any, number: int) -> None:
@@ -127,10 +129,10 @@ class Station:
         self._direct = MavlinkDirectAsync(system)
 
     async def meet(self, timeout_s: float) -> None:
-        """Returns when the companion has been heard.
+        """Waits until the companion is heard.
 
         Raises:
-            LinkTimeout: it was not.
+            LinkTimeout: it was not heard.
         """
         try:
             async with asyncio.timeout(timeout_s):
@@ -147,7 +149,7 @@ class Station:
         await self._ftp.set_target_compid(COMPANION)
 
     async def messages(self, names: Iterable[str]) -> AsyncGenerator[Heard]:
-        """Yields messages of some names from any component of the vehicle, as they come."""
+        """Yields messages with these names, from any component of the vehicle, as they arrive."""
         queue: asyncio.Queue[Heard] = asyncio.Queue()
 
         async def pump(name: str) -> None:
@@ -173,10 +175,10 @@ class Station:
             return False
 
     async def put(self, local: Path, remote: PurePosixPath, progress: ProgressCallback) -> None:
-        """Sends a file; the folders on its way are made.
+        """Sends a file; creates the folders on its path.
 
         Raises:
-            LinkError: the companion does not take it.
+            LinkError: the companion refuses it.
             LinkTimeout: there was no answer.
         """
         log.debug("sending %s as %s", local, remote)
@@ -198,7 +200,7 @@ class Station:
                 raise LinkError(f"the companion does not take {remote}: {reason}") from error
 
     async def verdict(self) -> dict[str, Any] | None:
-        """Returns the verdict on the mission that was uploaded last; None if there was none."""
+        """Returns the verdict on the mission uploaded last; None if there is none."""
         with tempfile.TemporaryDirectory() as folder:
             try:
                 async for _ in self._ftp.download(f"/{VERDICT}", folder, False):
@@ -207,15 +209,15 @@ class Station:
             except FtpError as error:
                 _check_answered(error)
                 return None
-            except (OSError, ValueError):  # replaced while it was read
+            except (OSError, ValueError):  # it was replaced while we read it
                 return None
 
     async def new_verdict(self, after: int, checksum: int, timeout_s: float) -> dict[str, Any]:
         """Waits for the verdict on a file and returns it.
 
         Args:
-            after: number of the last verdict before it was sent.
-            checksum: of its content.
+            after: number of the last verdict before the file was sent.
+            checksum: of the file's content.
 
         Raises:
             LinkTimeout: it did not come in time.
@@ -248,6 +250,6 @@ class Station:
 
 
 def _check_answered(error: FtpError) -> None:
-    """Raises unless the failure is an answer."""
+    """Raises LinkTimeout unless the failure was an answer."""
     if error.result == FtpResult.TIMEOUT:
         raise LinkTimeout("the companion does not answer any more") from error

@@ -1,9 +1,9 @@
-"""Events as STATUSTEXT to ground stations, at a rate that a radio link can carry.
+"""Sends events to ground stations as STATUSTEXT, at a rate that a radio link can carry.
 
-Each event that people are told becomes one text; what is longer than a message goes in chunks with
-a common id. Texts of one moment (a failure, a belief, a plan) would be a burst, so they wait in a
-queue. A text that has waited too long is left out unless it is a warning or worse: what is read is
-news.
+Each event meant for people becomes one text; a text longer than a message is split into chunks with
+a common id. Several texts of one moment (a failure, a belief, a plan) would be a burst, so they
+wait in a queue. A text that has waited too long is dropped unless it is a warning or worse, so that
+people read only what is recent.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ MESSAGE_S = 0.1
 """Time between two messages: 650 bytes a second, a tenth of a radio of 57600 baud."""
 PATIENCE_S = 5.0
 LONGEST = 196
-"""Bytes of a text: four messages; plans may be longer, and stand in the run folder."""
+"""Bytes of a text: four messages. Plans may be longer; the run folder has them in full."""
 
 CRITICAL: int = dialect.MAV_SEVERITY_CRITICAL
 ERROR: int = dialect.MAV_SEVERITY_ERROR
@@ -97,7 +97,7 @@ def severity(event: FlightEvent) -> int:
         case PlanReplaced() | NoPlanFound() | LineTakenUp():
             return NOTICE
         case AutopilotSaid():
-            return DEBUG  # ground stations hear it of the autopilot itself
+            return DEBUG  # ground stations hear it from the autopilot itself
     return INFO
 
 
@@ -105,7 +105,7 @@ class StatusTextQueue:
     """The queue of texts.
 
     Attributes:
-        level: the greatest MAV_SEVERITY number that is sent; 7 is all.
+        level: the greatest MAV_SEVERITY number that is sent; 7 sends all.
     """
 
     def __init__(self) -> None:
@@ -115,12 +115,12 @@ class StatusTextQueue:
         self._next_s = 0.0
 
     def tell(self, now_s: float, severity: int, text: str) -> None:
-        """Puts a text into the queue, however long it is and however many lines it has."""
+        """Queues a text of any length and any number of lines."""
         if severity <= self.level:
             self._put(now_s, severity, text)
 
     def mark(self, text: str) -> None:
-        """Puts a text into the queue that logs are found by: at any level, and however late."""
+        """Queues a text by which logs are found: it is sent at any level, and however late."""
         self._put(math.inf, NOTICE, text)
 
     def _put(self, since_s: float, severity: int, text: str) -> None:
@@ -146,13 +146,13 @@ class StatusTextQueue:
         return [first]
 
     def rest(self) -> list[Message]:
-        """Returns all that is left, at the end of a run."""
+        """Returns all messages that are left, at the end of a run."""
         left = [m for _, _, messages in self._queue for m in messages]
         self._queue.clear()
         return left
 
     def _leave_out(self, now_s: float) -> None:
-        """Drops texts that have waited too long and of which nothing was sent yet."""
+        """Drops texts that have waited too long, unless a part of them was sent."""
         while self._queue:
             since_s, severity, messages = self._queue[0]
             is_begun = getattr(messages[0], "chunk_seq", 0) > 0

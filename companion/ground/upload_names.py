@@ -1,7 +1,7 @@
-"""What the files of an upload may be called, for both ends of the link.
+"""The names that uploaded files may have, for both ends of the link.
 
-A path is a list of names between slashes. What is sent is held against this before anything is, so
-that whoever sends it reads what is wrong: over the link there is but a number for it.
+A path is a list of names between slashes. The sender checks all names before it sends anything, so
+that its user reads what is wrong: an error over the link is only a number.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ ALLOWED = (
 
 
 def problem_of(path: str, endings: Sequence[str] = ENDINGS) -> str | None:
-    """What keeps a file from being uploaded under a path; None if nothing does.
+    """Why a file cannot be uploaded under a path; None if it can.
 
     >>> problem_of("my mission.yaml"), problem_of("Vine.YAML")
     ("its name has ' '", "its name ends in '.YAML'")

@@ -1,14 +1,14 @@
-"""The life of an uploaded mission as a table, and the verdict that ends its check.
+"""The states of an uploaded mission as a table, and the verdict that ends its check.
 
-Pure: `uploads.py` has the files, and asks this table for each next state. Rules:
-1. A mission that has arrived is queued. It arrives as a file does, in a session of MAVLink FTP
+Pure: `uploads.py` handles the files, and looks up each next state here. Rules:
+1. A mission that has arrived is queued. It arrives like any file, in a session of MAVLink FTP
    (`ftp_sessions.py`), and is stored when its last byte is there.
 2. One mission is checked at a time; the others wait in the order in which they were stored.
 3. A check that takes too long is ended, and its answer awaited.
-4. An accepted mission waits until nothing is flown: in flight, for the landing. Of several only the
-   newest waits.
-5. The active mission is the one that MAV_CMD_MISSION_START flies.
-6. A mission that was accepted and not started is found again after a restart, and queued as if it
+4. An accepted mission waits until nothing is flown; in flight, for the landing. Only the newest
+   accepted mission waits.
+5. MAV_CMD_MISSION_START flies the active mission.
+6. A mission that was accepted but not started is found again after a restart, and queued as if it
    had just been stored.
 """
 
@@ -22,11 +22,11 @@ from companion.flight_events.hosting import UploadChecked, UploadNews
 from companion.transitions import StateTransition, TransitionTable
 
 FORMAT_VERSION = 1
-"""Of verdict.json."""
+"""That of verdict.json."""
 
 
 class UploadState(Enum):
-    """The state of an uploaded mission; the final ones are REFUSED, STARTED and REPLACED."""
+    """The states of an uploaded mission; REFUSED, STARTED and REPLACED are final."""
 
     QUEUED = "queued"
     CHECKING = "checking"
@@ -39,7 +39,7 @@ class UploadState(Enum):
 
 
 class UploadTrigger(Enum):
-    """What leads an uploaded mission from one state to the next."""
+    """What moves an uploaded mission from one state to the next."""
 
     STORED = "stored"
     FOUND = "found after a restart"
@@ -79,7 +79,7 @@ TRANSITIONS = TransitionTable(
 """The life of an uploaded mission."""
 
 IN_CHECK = (UploadState.CHECKING, UploadState.OVERDUE)
-"""States with a check under way."""
+"""The states with a check under way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +90,9 @@ class UploadVerdict:
         number: counts the verdicts.
         mission: its path, as it was uploaded.
         crc32: of its content, as CalcFileCRC32 gives it.
-        text: one line for people: that it is accepted, or what is wrong and where.
-        details: the plan, or all that was said about what is wrong.
-        notices: what is allowed, and hardly meant.
+        text: one line for people: the mission is accepted, or what is wrong and where.
+        details: the plan, or everything that was said about the error.
+        notices: what is allowed, but probably not intended.
     """
 
     number: int
@@ -105,7 +105,7 @@ class UploadVerdict:
 
     @property
     def news(self) -> tuple[UploadNews, ...]:
-        """What operators are told."""
+        """The events for operators."""
         noticed = (f"notice: {each}" for each in self.notices)
         is_refused = not self.is_accepted
         return tuple(UploadChecked(text, is_refused) for text in (self.text, *noticed))

@@ -1,20 +1,18 @@
-"""Missions that ground stations upload: queued, checked, accepted or refused, and handed out.
+"""Queues, checks, and accepts or refuses the missions that ground stations upload; hands them out.
 
 A mission (a YAML file that is neither a map nor a vehicle profile) is checked and planned as soon
-as it is complete, together with the files that are there by then; so these and PDDL go first. The
-states of a mission and what leads from one to another stand in `upload_states.py`. Rules about the
-files:
-1. Checked is a copy (`checking/N`), in a child process; nobody waits for it.
-2. A mission that can be flown becomes `active/N`, with its files, in one step. One that cannot
-   changes nothing but the verdict.
-3. Each verdict is told once by `poll`, and stands in `verdict.json` for clients to read.
-4. A mission ends with a line break. One that does not was cut off: a client that gives up ends its
-   session as one that is done, and what is left of a mission may be another one.
-5. The accepted mission is handed out by `take_active`, for which the caller chooses the time: on
-   the ground.
-6. A mission that was accepted bears a mark until it is started. After a restart the newest one, if
-   it has its mark, is checked again: the program may be another one now, and the disk may have
-   lost a part.
+as it is complete, with the files that are there by then. So its maps, profiles and PDDL have to be
+sent first. `upload_states.py` has the states of a mission. Rules about the files:
+1. A copy (`checking/N`) is checked, in a child process; nobody waits for it.
+2. A mission that can be flown becomes `active/N`, with its files, in one step. A mission that
+   cannot be flown changes only the verdict.
+3. `poll` returns each verdict once; `verdict.json` has the newest one for clients to read.
+4. A mission file has to end with a line break; otherwise it was cut off. A client that gives up
+   ends its session like one that is done, and the beginning of a mission may be another valid
+   mission.
+5. `take_active` hands out the accepted mission; the caller chooses the time: on the ground.
+6. An accepted mission has a mark until it is started. After a restart the newest one, if it has its
+   mark, is checked again: the program may have been updated, and the disk may have lost a part.
 
 A door: it moves folders. An example of its use, by whoever has the link and the clock:
 
@@ -56,9 +54,9 @@ CHECK_S = 30.0
 CUT_OFF = "the last line has no line break, so a part may be missing; end it with one"
 NO_LINES = "it is not UTF-8 text whose lines end with LF (\\n); save it as that"
 _NO_MISSION = re.compile(rb"""^["']?(image|radius_m)["']?[ \t]*:""", re.MULTILINE)
-"""A key that maps have, or vehicle profiles, and missions only deeper inside."""
+"""A top-level key that only maps or vehicle profiles have."""
 MARK = ".not-flown"
-"""In the folder of an accepted mission that was not started: a file with the mission's path.
+"""A file in the folder of an accepted mission that was not started; it contains the mission's path.
 No client can use its name, and it is not copied."""
 
 log = logging.getLogger(__name__)
@@ -71,8 +69,8 @@ class _Upload:
     Attributes:
         number: of its verdict.
         mission: its path, as it was uploaded.
-        store: where its files lie while it is queued.
-        folder: of its copy: under check, then where it is taken from.
+        store: where its files are while it is queued.
+        folder: of its copy: while under check, and then where it is taken from.
         is_again: whether it was found after a restart.
     """
 
@@ -105,7 +103,7 @@ class Uploads:
     """The files of ground stations, and the missions among them.
 
     Args:
-        root: the folder for all of it; made if missing.
+        root: the folder for everything; created if missing.
         begin: starts the check of a mission in a folder.
     """
 
@@ -129,7 +127,7 @@ class Uploads:
         return self._server.receive(now_s, client, payload)
 
     def poll(self, now_s: float, is_flying: bool = False) -> list[UploadVerdict]:
-        """Goes on with the checks and returns the verdicts that are new. Does not wait."""
+        """Advances the checks and returns the new verdicts. Does not wait."""
         self._notice()
         verdicts: list[UploadVerdict] = []
         for upload in self._all_in(*IN_CHECK):
@@ -154,14 +152,14 @@ class Uploads:
         return None
 
     def started(self) -> None:
-        """The active mission is started: it is not found again after a restart."""
+        """Notes that the active mission is started, so that a restart does not find it again."""
         for upload in self._all_in(UploadState.ACTIVE):
             self._advance(upload, UploadTrigger.STARTED)
             with contextlib.suppress(OSError):  # then it is found once more
                 (upload.folder / MARK).unlink()
 
     def close(self) -> None:
-        """Ends a check that is under way."""
+        """Ends the check under way, if any."""
         for upload in self._all_in(*IN_CHECK):
             if upload.check is not None:
                 upload.check.kill()
@@ -183,7 +181,7 @@ class Uploads:
         self._uploads.append(_Upload(self._number, mission, store, folder, state, is_again))
 
     def _notice(self) -> None:
-        """Queues the missions among the files that are new; one that came twice is read once."""
+        """Queues the missions among the new files; a mission stored twice is queued once."""
         stored = dict.fromkeys("/".join(names_of(path)) for path in self._server.stored)
         self._server.stored.clear()
         queued = self._all_in(UploadState.QUEUED)
@@ -261,11 +259,12 @@ class Uploads:
         log.debug("check %d: %s", verdict.number, verdict.text)
         try:
             self._store.publish(verdict.as_json())
-        except FtpRefusal:  # the disk is full; it is told all the same
+        except FtpRefusal:  # the disk is full; `poll` returns the verdict even so
             return
 
     def _last_number(self) -> int:
-        """Returns the number of the last verdict before a restart; a new one has to be greater."""
+        """Returns the number of the last verdict before a restart, as a new one has to be
+        greater."""
         newest = max(self._numbers(), default=0)
         try:
             return max(newest, int(json.loads(self._store.read(VERDICT))["number"]))
@@ -273,7 +272,7 @@ class Uploads:
             return newest
 
     def _numbers(self) -> list[int]:
-        """Returns the numbers of the missions that were accepted and are still there."""
+        """Returns the numbers of accepted missions whose folders still exist."""
         return [int(f.name) for f in self._active.iterdir() if f.name.isdecimal()]
 
     def _find_not_started(self) -> None:

@@ -1,7 +1,7 @@
-"""The lines that `companion watch` prints of a flight. Pure: messages in, lines out.
+"""The lines that `companion watch` prints about a flight. Pure: messages in, lines out.
 
-- Each STATUSTEXT of the companion is a line; long ones come in chunks and are joined.
-- The status line has the mode, the battery and the height, from the autopilot.
+- Each STATUSTEXT of the companion is a line; the chunks of long ones are joined.
+- The status line shows mode, battery and height, from the autopilot.
 - A NAMED_VALUE_INT `exit_code` of the companion ends the run that is watched, with this code.
 """
 
@@ -19,7 +19,7 @@ COMPANION = dialect.MAV_COMP_ID_ONBOARD_COMPUTER
 AUTOPILOT = dialect.MAV_COMP_ID_AUTOPILOT1
 EXIT_CODE = "exit_code"
 NAMES = ("HEARTBEAT", "STATUSTEXT", "SYS_STATUS", "GLOBAL_POSITION_INT", "NAMED_VALUE_INT")
-"""Names of the messages that are used here."""
+"""Names of the messages that are read here."""
 
 
 class WatchedFlight:
@@ -27,7 +27,7 @@ class WatchedFlight:
 
     Attributes:
         exit_code: of the run, once it has ended.
-        heard_s: when the companion's last heartbeat came.
+        heard_s: when the companion's last heartbeat arrived.
     """
 
     def __init__(self, now_s: float) -> None:
@@ -41,7 +41,7 @@ class WatchedFlight:
 
     @property
     def status(self) -> str:
-        """The vehicle in one line."""
+        """The state of the vehicle in one line."""
         battery = "?" if self._battery_percent < 0 else str(self._battery_percent)
         height = "?" if self._height_m is None else f"{self._height_m:.1f}"
         armed = "armed" if self._is_armed else "disarmed"
@@ -84,7 +84,7 @@ class StatusTextAssembler:
         self._chunks: list[str] = []
 
     def take(self, text: str, number: int, chunk: int) -> list[str]:
-        """Takes a chunk and returns the texts that are complete; a lost chunk is left out.
+        """Takes a chunk; returns the texts that are complete. A lost chunk is simply missing.
 
         >>> texts = StatusTextAssembler()
         >>> texts.take("a" * 50, 7, 0), texts.take("!", 7, 1)[0][-2:]

@@ -1,1 +1,1 @@
-"""What a companion flies next: its only mission, or those that operators start."""
+"""Decides what a companion flies next: its only mission, or missions that operators start."""

@@ -1,4 +1,4 @@
-"""What a companion that flies several sorties asks of the program that it lives in."""
+"""The interface to the program that hosts a companion which flies several sorties."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from companion.mission_run import Recorder
 
 
 class Host(Protocol):
-    """Keeps the files of a companion that flies several sorties, and does what takes long."""
+    """Keeps the files of a companion that flies several sorties, and does the slow work."""
 
     @property
     def uploads(self) -> UploadService | None:
@@ -32,14 +32,14 @@ class Host(Protocol):
         """Begins to prepare a mission, as `preparation.prepare` does. It may not block."""
 
     def begin_run(self, mission: Mission) -> Recorder:
-        """A recorder for one more run.
+        """Returns a recorder for another run.
 
         Raises:
-            OSError: there is none.
+            OSError: the recorder cannot be made.
         """
 
     def end_run(self, recorder: Recorder) -> None:
-        """A run has ended. It may not block."""
+        """Closes the record of a run that has ended. It may not block."""
 
     def tell(self, stamped: Stamped) -> None:
-        """News between two runs."""
+        """Reports an event between two runs."""

@@ -1,4 +1,4 @@
-"""The runs that operators start, one after the other, for as long as the program lives."""
+"""The runs that operators start, one after the other, for as long as the program runs."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from companion.vehicle.telemetry import Telemetry
 
 
 class HostedRuns:
-    """A `RunSource` of the newest mission, each time that MISSION_START asks for it.
+    """A `RunSource` that flies the newest mission each time MISSION_START requests it.
 
-    What was started is prepared while the companion goes on; its run begins in a step of its own,
-    after the answer has left.
+    A started mission is prepared while the companion continues to work. Its run begins in a step of
+    its own, after the answer to the command was sent.
 
     Args:
         host: makes and ends runs, and reads missions.
-        mission: what operators may start; None to wait for an upload.
-        first: a run that was cut off, and goes on before others are started.
+        mission: the mission that operators may start; None to wait for an upload.
+        first: a run that was cut off; it continues before others are started.
 
     Attributes:
-        is_over: more may be started at any time.
+        is_over: always False: another run may be started at any time.
     """
 
     is_over = False
@@ -45,20 +45,20 @@ class HostedRuns:
 
     @property
     def uploads(self) -> UploadService | None:
-        """Those of the host."""
+        """The host's uploads."""
         return self._host.uploads
 
     @property
     def awaits_start(self) -> bool:
-        """Nothing was started, or it is still being prepared."""
+        """Whether nothing was started, or it is still being prepared."""
         is_prepared = self._preparation is not None and self._preparation.done()
         return self._first is None and not is_prepared
 
     def missing(self, telemetry: Telemetry) -> None:
-        """A vehicle may come at any time."""
+        """None: nobody waits for the vehicle, which may come at any time."""
 
     def start(self, telemetry: Telemetry, now_s: float, speed_max_mps: float) -> Refusal | None:
-        """Begins to prepare the newest mission; a run that was cut off goes on by itself."""
+        """Begins to prepare the newest mission; a run that was cut off continues by itself."""
         if self._first is not None:
             return None
         if self._mission is None:
@@ -71,7 +71,7 @@ class HostedRuns:
         return None
 
     def next(self, telemetry: Telemetry, now_s: float) -> PreparedRun | None:
-        """What was started, once it is prepared, if the vehicle is still one to begin it with."""
+        """The started run, once it is prepared, if the vehicle still allows it to begin."""
         match self._cut_off(telemetry, now_s) or self._prepared(telemetry, now_s):
             case PreparedRun() as run:
                 return replace(run, may_yield=True)
@@ -80,14 +80,14 @@ class HostedRuns:
         return None
 
     def end(self, recorder: Recorder) -> None:
-        """The host closes its record."""
+        """Lets the host close the record."""
         self._host.end_run(recorder)
 
     def news(self, now_s: float, is_flying: bool) -> list[FlightEvent]:
-        """What has become of uploads; an accepted one is read while nothing is flown or prepared.
+        """What became of uploads; an accepted one is read while nothing is flown or prepared.
 
-        The host learns at the beginning of a run which mission was started, so one that comes
-        while a mission is being prepared waits for its end.
+        The host learns only when a run begins which mission was started. So an upload that
+        arrives while a mission is being prepared waits as well.
         """
         if (uploads := self.uploads) is not None:
             is_busy = is_flying or self._preparation is not None or self._first is not None
@@ -99,7 +99,7 @@ class HostedRuns:
         return news
 
     def tell(self, stamped: Stamped) -> None:
-        """The host prints it."""
+        """Lets the host report an event."""
         self._host.tell(stamped)
 
     def _take(self, path: Path) -> FlightEvent:
@@ -110,7 +110,7 @@ class HostedRuns:
         return MissionReady(self._mission.name)
 
     def _cut_off(self, telemetry: Telemetry, now_s: float) -> PreparedRun | Refusal | None:
-        """The run that was cut off, once all that it needs was heard."""
+        """The run that was cut off, once everything that it needs was heard."""
         if (first := self._first) is None:
             return None
         run = first.next(telemetry, now_s)
@@ -122,7 +122,7 @@ class HostedRuns:
         return run
 
     def _prepared(self, telemetry: Telemetry, now_s: float) -> PreparedRun | Refusal | None:
-        """The run that was started, or why there is none."""
+        """The started run; or why there is none."""
         if (preparation := self._preparation) is None or not preparation.done():
             return None
         self._preparation = None

@@ -1,4 +1,4 @@
-"""The run of a companion that flies one mission and then ends, before it begins."""
+"""The run of a companion that flies one mission and then ends, until the run begins."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from companion.vehicle.telemetry import Telemetry
 
 
 class OnlyRun:
-    """A `RunSource` with one run, which begins as soon as all that it needs was heard.
+    """A `RunSource` with one run, which begins as soon as everything that it needs was heard.
 
     Args:
-        mission: what is flown.
-        recorder: told of everything that happens in it.
-        engine: who plans it; None for the built-in search.
-        functions: calls functions of installed packages; None where nothing does.
-        journalled: a run that was cut off, to go on with; the mission is its own.
+        mission: the mission to fly.
+        recorder: receives everything that happens in the run.
+        engine: plans the mission; None for the built-in search.
+        functions: calls functions of installed packages; None if nothing does.
+        journalled: a run that was cut off, to be continued; it has the same mission.
 
     Attributes:
-        uploads: none are taken.
-        is_over: it was given, or cannot begin.
-        awaits_start: nobody has to start it.
+        uploads: always None: uploads are not accepted.
+        is_over: whether the run was handed out, or cannot begin.
+        awaits_start: always False: nobody has to start it.
     """
 
     uploads = None
@@ -49,18 +49,18 @@ class OnlyRun:
         self._journalled = journalled
 
     def missing(self, telemetry: Telemetry) -> str:
-        """All that its vehicle has not told."""
+        """What still has to be heard of the vehicle."""
         return telemetry.missing
 
     def start(self, telemetry: Telemetry, now_s: float, speed_max_mps: float) -> Refusal | None:
-        """It begins by itself, if it can."""
+        """Refuses if the run cannot begin; otherwise it begins by itself."""
         return Refusal("its only mission cannot begin") if self.is_over else None
 
     def next(self, telemetry: Telemetry, now_s: float) -> PreparedRun | Aborted | None:
-        """Prepares it.
+        """Prepares the run.
 
-        A mission with places above the sea needs the height of the ground. One whose vehicle does
-        not stand there is prepared without: the run leaves the vehicle alone.
+        A mission with altitudes above the sea needs the altitude of the ground. If its vehicle is
+        armed or in the air, it is prepared without: the run leaves the vehicle alone.
         """
         seen = self._journalled.seen if self._journalled is not None else None
         ground_amsl_m = seen.altitude_m if seen is not None else telemetry.ground_amsl_m
@@ -81,11 +81,11 @@ class OnlyRun:
         return PreparedRun(prepared, self.recorder, self._journalled)
 
     def end(self, recorder: Recorder) -> None:
-        """Its owner closes the record."""
+        """Does nothing: the owner of the record closes it."""
 
     def news(self, now_s: float, is_flying: bool) -> list[FlightEvent]:
-        """None."""
+        """No events."""
         return []
 
     def tell(self, stamped: Stamped) -> None:
-        """Its record begins with the run."""
+        """Does nothing: the record begins with the run."""

@@ -1,4 +1,4 @@
-"""Where a companion's runs come from, one after the other."""
+"""The interface by which a companion gets its runs, one after the other."""
 
 from __future__ import annotations
 
@@ -14,40 +14,40 @@ from companion.vehicle.telemetry import Telemetry
 
 
 class RunSource(Protocol):
-    """Gives a companion what it flies. No call may block."""
+    """Gives a companion the runs to fly. No call may block."""
 
     @property
     def uploads(self) -> UploadService | None:
-        """Missions from outside; None where none are taken."""
+        """Missions from outside; None if they are not accepted."""
 
     @property
     def is_over(self) -> bool:
-        """Whether no run comes after what was given so far."""
+        """Whether no further run will come."""
 
     @property
     def awaits_start(self) -> bool:
-        """Whether an operator has to start what is flown next."""
+        """Whether an operator has to start the next run."""
 
     def missing(self, telemetry: Telemetry) -> str | None:
         """What the next run waits to hear of its vehicle, in words; None if nobody waits for it."""
 
     def start(self, telemetry: Telemetry, now_s: float, speed_max_mps: float) -> Refusal | None:
-        """An operator starts the next run; nothing is flown.
+        """Starts the next run, on an operator's request, while nothing is flown.
 
         Args:
             telemetry: of the vehicle.
             now_s: the flight's time.
-            speed_max_mps: what the operator allows.
+            speed_max_mps: the operator's speed limit.
         """
 
     def next(self, telemetry: Telemetry, now_s: float) -> PreparedRun | CompanionError | None:
         """The run that begins now, or why it cannot begin; None if none does. Nothing is flown."""
 
     def end(self, recorder: Recorder) -> None:
-        """A run has ended, and is not the last one."""
+        """Notes that a run has ended that is not the last one."""
 
     def news(self, now_s: float, is_flying: bool) -> Sequence[FlightEvent]:
-        """What has become of missions from outside, and of what was started."""
+        """What became of missions from outside, and of what was started."""
 
     def tell(self, stamped: Stamped) -> None:
-        """Keeps an event that is of no run."""
+        """Keeps an event that belongs to no run."""
