@@ -1,8 +1,9 @@
 """Guidance: the setpoints of one flight, from moments of trajectories, stops and holds.
 
-Once a tick somebody says what is flown: a moment of a trajectory, a step of a way down, or a hold.
-The walls and the ground that the vehicle itself is too near to move the setpoint; then it goes to
-the vehicle, and so to the gate. What is flown next goes on from the setpoint as it was.
+Once a tick, a leaf of the tree or a phase of the sortie says what to fly: a moment of a trajectory,
+a step of a descent, or a hold. If the vehicle is too near to a wall or to the ground, the setpoint
+is moved away. Then it goes to the vehicle, and there through the gate. The next flight begins at
+the setpoint as it was before it was moved.
 
 A flight that is interrupted comes to rest along its path: from then on `brake` streams the stop.
 """
@@ -28,7 +29,7 @@ from companion.vehicle.port import Setpoint, Vehicle, VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 HELD_M = 0.5
-"""Nearer to its setpoint a vehicle is held there, and does not have it moved to where it is."""
+"""A vehicle that is nearer to its setpoint is held there; otherwise it is held where it is."""
 LAG_SHARE = 0.6
 """Of the gate's carrot: distance behind its setpoint at which the vehicle counts as behind."""
 
@@ -71,12 +72,12 @@ class Guidance:
 
     @property
     def setpoint(self) -> Setpoint | None:
-        """What is streamed; None while it is not known where the vehicle is told to be."""
+        """The setpoint that is streamed, before it was moved; None while there is none."""
         return self._setpoint
 
     @property
     def approaches_wall(self) -> bool:
-        """Whether the vehicle swings towards a wall, from where it is told to be."""
+        """Whether the vehicle swings from its setpoint towards a wall."""
         told, state = self._setpoint, self._vehicle.state
         if told is None or state is None:
             return False
@@ -84,12 +85,12 @@ class Guidance:
 
     @property
     def stop(self) -> Stop | None:
-        """How it brakes along the path that was flown before; None if it does not."""
+        """How the vehicle brakes along the path that it flew before; None if it does not."""
         return self._stop
 
     @property
     def stopping_s(self) -> float:
-        """The time since that began."""
+        """The time since the stop began."""
         return self._now() - self._stop_begin_s
 
     @property
@@ -99,9 +100,10 @@ class Guidance:
         return None if state is None else self.departure_of(state)
 
     def departure_of(self, state: VehicleState) -> Departure:
-        """The same for a state: the motion that it is told, if it follows that; else its own.
+        """How a flight would begin in a state.
 
-        A vehicle above its altitudes comes down to them as it leaves.
+        It begins with the motion of the setpoint, if the vehicle follows that, or else with the
+        vehicle's own motion. A vehicle above its altitudes comes down to them as it leaves.
         """
         told, stop, t_s = self._setpoint, self._stop, self.stopping_s
         within_m = LAG_SHARE * self._profile.carrot_m
@@ -112,10 +114,10 @@ class Guidance:
         return at_rest(told.position) if stop is None else Departure(stop.sample(t_s), stop, t_s)
 
     def led(self, flown: Trajectory | Stop, t_s: float) -> Sample:
-        """A moment with the acceleration that the vehicle is told: that of a little later.
+        """A moment of a trajectory, with the acceleration that makes the vehicle follow it.
 
-        Its own follows by `response_s`, its controller takes a share away (`feed_forward`), and the
-        air takes what its drag is.
+        It is the acceleration `response_s` later, because the vehicle responds with that delay,
+        times `feed_forward`, because its controller takes a share away, plus the drag of the air.
         """
         profile = self._profile
         later = flown.sample(t_s + profile.response_s)
@@ -125,14 +127,14 @@ class Guidance:
         return replace(flown.sample(t_s), acceleration=told)
 
     def learn(self, state: VehicleState) -> None:
-        """Takes what the vehicle's motion says of its drag; once a tick."""
+        """Estimates the drag from the vehicle's motion; once a tick."""
         if state.is_landed:
             self.drag.pause()
         else:
             self.drag.take(state.measured_s, state.velocity[:2], state.thrust_mps2)
 
     def brake(self) -> None:
-        """Goes on with a stop; once a tick, before anything else acts."""
+        """Streams the next moment of a stop, if there is one; once a tick, before all else."""
         if self._stop is None:
             return
         sample = self.led(self._stop, self.stopping_s)
@@ -144,8 +146,8 @@ class Guidance:
         """Streams a moment of a flight from now on.
 
         Args:
-            sample: where the vehicle shall be, and how it shall move.
-            heading_rad: to which it turns, as fast as it may; None to keep the heading.
+            sample: where the vehicle has to be, and how it has to move.
+            heading_rad: to which it turns, as fast as the profile allows; None to keep the heading.
         """
         self._stop = None
         self._stream(sample, heading_rad, self.is_for_task)
@@ -159,14 +161,14 @@ class Guidance:
         """Comes to rest along a path, and stays at its end.
 
         Args:
-            stop: how.
-            time_s: its time at the setpoint that was streamed last.
+            stop: the path, and the time along it.
+            time_s: the time of the stop that belongs to the setpoint that was streamed last.
         """
         self._stop, self._stop_begin_s = stop, self._streamed_s - time_s
         self.brake()
 
     def sent(self, position: Ned) -> Ned:
-        """Where a position is truly sent to: higher, where the ground is nearer than it may be."""
+        """A position as it is sent: higher, if the vehicle is too near to the ground."""
         north, east, down = position
         return (north, east, down - self._ground.lift_m)
 
@@ -181,9 +183,9 @@ class Guidance:
         return before.yaw_rad if before is not None else 0.0
 
     def hold(self, heading_rad: float | None = None) -> None:
-        """Stays where the last setpoint was, or where the vehicle is in the air.
+        """Holds at the last setpoint, or without one where the vehicle is in the air.
 
-        A little above its altitudes, where a pilot may have given it back, it comes down to them.
+        If a pilot has given it back a little above its altitudes, it comes down to them.
 
         Args:
             heading_rad: to which it turns; None to keep the heading.
@@ -198,22 +200,23 @@ class Guidance:
             self._stream(_rest_at(self._not_above_band(state.position)), heading_rad)
 
     def hold_unless_told(self) -> None:
-        """Holds where nothing was told in this tick."""
+        """Holds, if nothing else was streamed in this tick."""
         if self._streamed_s < self._now():
             self.hold()
 
     def _not_above_band(self, position: Ned) -> Ned:
-        """A position, or the highest one below it that is allowed, if that is a setpoint away."""
+        """A position, or the highest one below it that is allowed, if that is near enough."""
         north, east, down = position
         highest_down = -self._limits.up_m[1]
         is_near = highest_down - down < self._profile.carrot_m
         return (north, east, highest_down) if down < highest_down and is_near else position
 
     def hold_here(self) -> None:
-        """Stays over where the vehicle is, at the height that it comes to; for one that may climb.
+        """Holds the horizontal position, while the vehicle may still climb.
 
-        Once held there it stays there: a setpoint that went with the vehicle would leave it to the
-        wind. One that has gone further, as in the hands of a pilot, is held where it is then.
+        The setpoint takes the height of the vehicle, but keeps its horizontal position: if it
+        followed the vehicle, the wind would carry it away. A vehicle that has moved further, as in
+        the hands of a pilot, is held where it is.
         """
         told, state = self._setpoint, self._vehicle.state
         self.forget_setpoint()
@@ -246,7 +249,7 @@ class Guidance:
         self._vehicle.fly(setpoint, is_for_task, is_landing)
 
     def _turned(self, heading_rad: float | None) -> float:
-        """The heading that is told next: that of before, turned no faster than the vehicle may."""
+        """The next heading: the one before, turned no faster than the profile allows."""
         now_rad = self.heading_rad
         if heading_rad is None:
             return now_rad
