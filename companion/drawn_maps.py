@@ -72,20 +72,22 @@ class WallEntry(DrawnModel):
         Field(
             gt=0,
             le=FAR_M,
-            description="Its upper end, metres above home, if it may be flown over; it stands on "
-            "the ground. Without it, it has no upper end.",
+            description="Upper end of the wall, metres above home, if the vehicle may fly over "
+            "it; its lower end is on the ground. Without this key, the wall has no "
+            "upper end.",
         ),
     ] = None
 
 
 class MapEntry(DrawnModel):
-    """An area with walls, in place of a map file."""
+    """An area with walls, instead of a map file."""
 
     east_m: Annotated[
         Span | None,
         Field(
-            description="[from, to], metres from home; what lies outside is occupied. Without "
-            "east_m and north_m the area is that of the fence, and what lies outside is free."
+            description="[from, to], metres from home; everything outside is occupied. Without "
+            "east_m and north_m the area is that of the fence, and everything outside "
+            "is free."
         ),
     ] = None
     north_m: Annotated[
@@ -96,8 +98,8 @@ class MapEntry(DrawnModel):
         Field(
             ge=0.01,
             le=100,
-            description="Edge of a cell, metres; without it 0.1, and more where the area is that "
-            "of a fence and large.",
+            description="Edge of a cell, metres. The default is 0.1, and more if the area is "
+            "that of a large fence.",
         ),
     ] = None
     walls: Annotated[

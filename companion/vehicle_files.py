@@ -63,28 +63,37 @@ def _not_negative(description: str) -> Any:
     return Field(ge=0, le=100, description=description)
 
 
-Radius = Annotated[float, _positive("From the centre to the furthest point of a rotor, m.")]
-Margin = Annotated[float, _not_negative("Stays free beside the vehicle, m.")]
+Radius = Annotated[float, _positive("From the centre to the farthest point of a rotor, m.")]
+Margin = Annotated[float, _not_negative("Distance that stays free beside the vehicle, m.")]
 Deviation = Annotated[
-    float, _not_negative("How much nearer than its route it may come to an obstacle, m.")
+    float, _not_negative("How much nearer than its route the vehicle may come to an obstacle, m.")
 ]
 Speed = Annotated[float, _speed("Greatest speed, m/s; a mission may allow less.")]
 Climb = Annotated[float, _speed("Greatest vertical speed upwards, m/s.")]
 Descent = Annotated[float, _speed("Greatest vertical speed downwards, m/s.")]
 Acceleration = Annotated[float, _positive("Acceleration of trajectories and plans, m/s2.")]
-Braking = Annotated[float, _positive("Deceleration before an obstacle without a way round, m/s2.")]
+Braking = Annotated[
+    float, _positive("Deceleration before an obstacle if there is no way around it, m/s2.")
+]
 MaxAcceleration = Annotated[
     float, _positive("Greatest acceleration that the position controller asks for, m/s2.")
 ]
 Jerk = Annotated[float, _positive("Jerk of trajectories, m/s3.", most=1000)]
 Response = Annotated[
-    float, Field(ge=0, le=2, description="How much later than told its acceleration comes, s.")
+    float,
+    Field(
+        ge=0, le=2, description="Delay from the command of an acceleration to the acceleration, s."
+    ),
 ]
 FeedForward = Annotated[
-    float, Field(ge=0, le=2, description="Share of a trajectory's acceleration that it is told.")
+    float,
+    Field(ge=0, le=2, description="Share of a trajectory's acceleration that setpoints contain."),
 ]
 YawRate = Annotated[
-    float, _positive("How fast it is turned, rad/s: 1.5 is 86 degrees a second.", most=10)
+    float,
+    _positive(
+        "Greatest rate at which the vehicle is turned, rad/s: 1.5 is 86 degrees a second.", most=10
+    ),
 ]
 Carrot = Annotated[float, _positive("Greatest distance of a setpoint from the vehicle, m.")]
 

@@ -52,8 +52,8 @@ PAGES = (
     KeyPage(
         MISSION_PAGE,
         "# Keys of a mission\n\n"
-        "Every key of `NAME.yaml` and of a vehicle profile. What they are for, and what they do\n"
-        "together, is told in [missions.md](missions.md).\n",
+        "This page lists every key of `NAME.yaml` and of a vehicle profile. [missions.md](missions.md)\n"
+        "says what the keys are for, and what they do together.\n",
         (
             ("The mission file", inlined(mission.json_schema()), "*[!m].yaml"),
             ("A vehicle profile", inlined(vehicle.json_schema()), "vehicles/*.yaml"),
@@ -62,15 +62,15 @@ PAGES = (
     KeyPage(
         SCENARIO_PAGE,
         "# Keys of a scenario\n\n"
-        "Every key of `NAME.sim.yaml`, which says what the simulated world does. How things are\n"
-        "there, and how they happen, is told in [scenario.md](scenario.md).\n",
+        "This page lists every key of `NAME.sim.yaml`, which says what the simulated world does.\n"
+        "[scenario.md](scenario.md) says how things are there, and how they happen.\n",
         (("The scenario file", inlined(scenario.json_schema()), "*.sim.yaml"),),
     ),
 )
 NOTE = """
-This page is made from the models that read the files (`scripts/make_reference.py`). A key that is
-not required may be left out. A path such as `places.NAME` has a name of yours in it, and `[]` is an
-entry of a list. An example is from a file in `missions/`, if one of them has the key.
+The page is generated from the models that read the files (`scripts/make_reference.py`). A key that
+is not required may be left out. In a path such as `places.NAME`, `NAME` is a name of yours, and
+`[]` is an entry of a list. An example is from a file in `missions/`, if one of them has the key.
 """
 
 

@@ -22,7 +22,7 @@ Points = Annotated[list[Pair], Field(min_length=2, max_length=50)]
 
 
 class PowerEntry(DrawnModel):
-    """What flying takes."""
+    """The power that flying takes."""
 
     level: Annotated[
         Points,
@@ -35,25 +35,25 @@ class PowerEntry(DrawnModel):
         Points | None,
         BeforeValidator(given, json_schema_input_type=Points),
         Field(
-            description="[[-1, 180], [0, 190], [2, 212]]: m/s upwards and watts; without it, level "
-            "flight's."
+            description="[[-1, 180], [0, 190], [2, 212]]: m/s upwards and watts; without this "
+            "key, the power of level flight."
         ),
     ] = None
 
 
 class AirEntry(DrawnModel):
-    """The wind that is expected: where the air moves to."""
+    """The expected wind: the direction in which the air moves."""
 
     east_mps: Annotated[float, Field(ge=-30, le=30, description="m/s towards east.")] = 0.0
     north_mps: Annotated[float, Field(ge=-30, le=30, description="m/s towards north.")] = 0.0
 
 
 class BatteryEntry(DrawnModel):
-    """The battery: with it, plans keep enough energy to land at a safe place, at any time."""
+    """The battery. With this key, plans keep enough energy to land at a safe place at any time."""
 
     reserve: Annotated[
         float,
-        Field(ge=0, le=90, description="Percent of the energy kept for what nobody foresees."),
+        Field(ge=0, le=90, description="Percent of the energy that is kept for the unforeseen."),
     ]
     capacity_wh: Annotated[
         float | None,
@@ -61,22 +61,24 @@ class BatteryEntry(DrawnModel):
         Field(
             gt=0,
             le=10_000,
-            description="Usable energy when it is full, Wh; without it, the default vehicle's.",
+            description="Usable energy of a full battery, Wh; without this key, the default "
+            "vehicle's.",
         ),
     ] = None
     curve: Annotated[
         Points | None,
         BeforeValidator(given, json_schema_input_type=Points),
         Field(
-            description="[[0, 0], [50, 48], [100, 100]]: percent of charge, and of the energy that "
-            "is left then; without it they are the same, or as the default vehicle's."
+            description="[[0, 0], [50, 48], [100, 100]]: percent of charge, and percent of the "
+            "energy that is left then. Without this key they are the same, or as the "
+            "default vehicle's."
         ),
     ] = None
     power_w: Annotated[
         PowerEntry | None,
         BeforeValidator(given, json_schema_input_type=PowerEntry),
-        Field(description="What flying takes; without it, as the default vehicle."),
+        Field(description="The power that flying takes; without this key, the default vehicle's."),
     ] = None
-    wind: Annotated[AirEntry, Field(description="The wind that is expected; calm without it.")] = (
-        AirEntry()
-    )
+    wind: Annotated[
+        AirEntry, Field(description="The wind that is expected; without this key, none.")
+    ] = AirEntry()

@@ -13,16 +13,16 @@ Priority = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
 class LineEntry(DrawnModel):
-    """A line of the task; one with a priority is dropped where no plan keeps it."""
+    """A line of the task; a line with a priority is dropped if no plan keeps it."""
 
     formula: Annotated[Text, Field(description="What must hold, in linear temporal logic.")]
     priority: Annotated[
         Priority | None,
         BeforeValidator(given, json_schema_input_type=Priority),
         Field(
-            description="A positive whole number, for a line that may be dropped. Where not all "
-            "can be kept, those of higher priority are kept first, of equal ones the first in the "
-            "file. Lines without a priority are never dropped.",
+            description="A positive whole number, for a line that may be dropped. If not all "
+            "lines can be kept, those of higher priority are kept first; of equal ones, "
+            "the first in the file. Lines without a priority are never dropped.",
         ),
     ] = None
 
@@ -38,7 +38,7 @@ TaskKey = Annotated[
     ],
     Field(
         description="Name: formula in linear temporal logic, e.g. G F at(A); all of them must "
-        "hold. {formula: G F at(A), priority: 1} is dropped where no plan keeps it. May be left "
-        "out if there is a goal."
+        "hold. {formula: G F at(A), priority: 1} is dropped if no plan keeps it. May be "
+        "left out if there is a goal."
     ),
 ]

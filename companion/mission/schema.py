@@ -25,7 +25,7 @@ from companion.mission.skill_schema import SkillEntry
 from companion.mission.world_schema import LandAtEntry, LimitsEntry, PlaceEntry
 from companion.vehicle_files import VehicleEntry, VehicleKey
 
-PATIENCE = "Seconds to hold without a plan, where one may come back, before `otherwise`."
+PATIENCE = "If there is no plan now, but may be one later: seconds to hold before `otherwise`."
 
 
 class EventEntry(DrawnModel):
@@ -43,15 +43,21 @@ class EventEntry(DrawnModel):
     until: Annotated[
         Text | None,
         BeforeValidator(given, json_schema_input_type=Text),
-        Field(description="Condition that makes it false again; without it, not `when`."),
+        Field(
+            description="Condition that makes the fact false again; without this key, the "
+            "fact is false when `when` is."
+        ),
     ] = None
-    latch: Annotated[bool, Field(description="Once true, true for ever.")] = False
+    latch: Annotated[bool, Field(description="true: once true, the fact stays true for ever.")] = (
+        False
+    )
     for_s: Annotated[
         float,
         Field(
             ge=0,
             le=DAY_S,
-            description="Seconds a condition must hold before it counts; a command counts at once.",
+            description="Seconds for which a condition must hold before it counts; a command "
+            "counts at once.",
         ),
     ] = 0.0
     stale_s: Annotated[
@@ -60,28 +66,30 @@ class EventEntry(DrawnModel):
         Field(
             gt=0,
             le=DAY_S,
-            description="Seconds after which what was not heard is not known: the fact stays as "
-            "it was, which is told, and `is silent` is true.",
+            description="If the message is not heard for so many seconds, the fact keeps its "
+            "value, the companion reports that it is not known any more, and `is "
+            "silent` is true.",
         ),
     ] = None
     restarts: Annotated[
         list[Name],
         Field(
-            description="Lines of the task that begin anew when the fact becomes true: what "
-            "they still demanded from before is dropped."
+            description="Lines of the task that begin anew when the fact becomes true: their "
+            "earlier demands are dropped."
         ),
     ] = []
     restores: Annotated[
         list[Name],
         Field(
-            description="Beliefs that are held again when the fact becomes true, by the name of "
-            "their predicate, e.g. [canUpload]: how an operator gives a skill another chance."
+            description="Beliefs that are restored when the fact becomes true, by the name of "
+            "their predicate, e.g. [canUpload]. With it, an operator can give a skill "
+            "another chance."
         ),
     ] = []
 
 
 class MissionFile(DrawnModel):
-    """A mission: what must hold, not where to fly next."""
+    """A mission says what must hold, not where to fly next."""
 
     model_config = ConfigDict(title="Mission")
 
@@ -97,31 +105,34 @@ class MissionFile(DrawnModel):
     frame: Annotated[
         Literal["enu", "wgs84"],
         Field(
-            description="What coordinates are. enu: metres east, north and up of home. wgs84: "
-            "places have lat_deg, lon_deg and either up_m or amsl_m, corners are [lat, lon]; a map "
-            "stays in metres, from the place where the mission begins."
+            description="The meaning of coordinates. enu: metres east, north and up of home. "
+            "wgs84: places have lat_deg, lon_deg and either up_m or amsl_m, corners are "
+            "[lat, lon]; a map stays in metres, from the place where the mission "
+            "begins."
         ),
     ] = "enu"
     map: Annotated[
         Text | MapEntry | None,
         BeforeValidator(given, json_schema_input_type=Text | MapEntry),
         Field(
-            description="What the vehicle is told of the world beforehand: a map file (ROS "
-            "map_server YAML), relative to this file, or an area with walls: {east_m: [-2, 12], "
-            "north_m: [-2, 12], walls: [{east_m: [4, 5], north_m: [0, 6]}]}. Without it, an open "
-            "field: the area of the fence."
+            description="What the companion knows of the world before the flight: a map file "
+            "(ROS map_server YAML), relative to this file, or an area with walls: "
+            "{east_m: [-2, 12], north_m: [-2, 12], walls: [{east_m: [4, 5], north_m: "
+            "[0, 6]}]}. Without it, an open field: the area of the fence."
         ),
     ] = None
     vehicle: VehicleKey = VehicleEntry()
     limits: Annotated[
-        LimitsEntry, Field(description="Speed, altitudes and fence that no setpoint leaves.")
+        LimitsEntry,
+        Field(description="The speed limit, altitude band and fence that all setpoints keep."),
     ]
     battery: Annotated[
         BatteryEntry | None,
         BeforeValidator(given, json_schema_input_type=BatteryEntry),
         Field(
             description="{reserve: 20}: plans keep enough energy to land at a safe place at any "
-            "time, and skills may charge. Without it plans know of no energy."
+            "time, and skills may charge. Without this key, plans do not consider "
+            "energy."
         ),
     ] = None
     places: Annotated[
@@ -135,14 +146,14 @@ class MissionFile(DrawnModel):
     objects: Annotated[
         list[Name],
         Field(
-            description="Names of things that are no places, e.g. [p1, p2] for two parcels. Facts "
-            "may speak of them, e.g. delivered(p1); the vehicle cannot be at them."
+            description="Names of things that are not places, e.g. [p1, p2] for two parcels. "
+            "Facts may contain them, e.g. delivered(p1); the vehicle cannot be at them."
         ),
     ] = []
     sets: Annotated[
         dict[Name, Annotated[list[Name], Field(min_length=1)]],
         Field(
-            description="Name: [members]; what the parameters of skills range over. Members are "
+            description="Name: [members]; the values of parameters of skills. Members are "
             "places or objects."
         ),
     ] = {}
@@ -150,24 +161,25 @@ class MissionFile(DrawnModel):
         Text | None,
         BeforeValidator(given, json_schema_input_type=Text),
         Field(
-            description="PDDL domain file, relative to this file: its actions are skills, its "
-            "types sets, its predicate at(place) is where the vehicle is. Under skills stands for "
-            "each action what it does in the world: execute, and if need be assumes, cost, tries, "
-            "timeout_s. In names, upper case is as here, and - becomes _."
+            description="PDDL domain file, relative to this file. Its actions become skills, "
+            "its types become sets, and its predicate at(place) says where the vehicle "
+            "is. Under skills, each action needs what it does in the world: execute, "
+            "and if necessary assumes, cost, tries, timeout_s. In names, upper case is "
+            "as in this file, and - becomes _."
         ),
     ] = None
     problem: Annotated[
         Text | None,
         BeforeValidator(given, json_schema_input_type=Text),
         Field(
-            description="PDDL problem file, relative to this file: objects (those with the name "
-            "of a place are that place), facts that hold at the start, and the goal, if neither "
-            "goal nor task stands here."
+            description="PDDL problem file, relative to this file: objects (an object with the "
+            "name of a place is that place), facts that hold at the start, and the "
+            "goal, if this file has neither goal nor task."
         ),
     ] = None
     components: Annotated[
         dict[Name, Annotated[int, Field(ge=1, le=255)]],
-        Field(description="Name: MAVLink component id (1 to 255) that commands are sent to."),
+        Field(description="Name: MAVLink component id (1 to 255) to which commands are sent."),
     ] = {}
     events: Annotated[
         dict[Name, EventEntry],
@@ -180,17 +192,17 @@ class MissionFile(DrawnModel):
     initially: Annotated[
         list[Text],
         Field(
-            description="Facts that hold at the start, the place of the vehicle among them, "
-            "e.g. [at(Home)]; all others are false, but for beliefs.",
+            description="Facts that hold at the start, with the place of the vehicle, e.g. "
+            "[at(Home)]. All other facts are false, except beliefs.",
         ),
     ] = []
     task: TaskKey = {}
     ready: Annotated[
         list[Name],
         Field(
-            description="Lines of the task such as G (alarm -> F[<=90s] at(X)) that shall hold "
-            "whenever the event may come: plans stay so near that X is reached in time, "
-            "and keep the charge for it."
+            description="Lines of the task, such as G (alarm -> F[<=90s] at(X)), that shall "
+            "hold whenever the event comes: the vehicle always stays near enough to X "
+            "to reach it in time, and keeps the charge for that."
         ),
     ] = []
     goal: Annotated[
@@ -198,8 +210,8 @@ class MissionFile(DrawnModel):
         BeforeValidator(given, json_schema_input_type=Text),
         Field(
             description="Facts that have to hold together once, joined by &, ! for not, e.g. "
-            "delivered(p1) & delivered(p2): a task that needs no temporal logic. With a task both "
-            "must be fulfilled."
+            "delivered(p1) & delivered(p2): a task without temporal logic. If there is "
+            "also a task, both must be fulfilled."
         ),
     ] = None
     tree: Annotated[
@@ -207,11 +219,12 @@ class MissionFile(DrawnModel):
         BeforeValidator(given, json_schema_input_type=list[Any]),
         Field(
             min_length=1,
-            description="A behaviour tree written by hand, in place of a planner: a list of "
-            "actions such as move(Home, A) or move(*, A) from wherever the vehicle is, of facts to "
-            "check, of wait(seconds), and of {fallback: [...]}, {parallel: [...]}, "
-            "{inverter: [...]}, {repeat: [...], times: n}, {retry: [...], times: n}, "
-            "{timeout: [...], duration_s: s}, {watch: FACTS, do: [...]}, {subtree: NAME}.",
+            description="A behaviour tree written by hand, instead of a planner. It is a list "
+            "of actions such as move(Home, A) (or move(*, A), from wherever the vehicle "
+            "is), of facts to check, of wait(seconds), and of {fallback: [...]}, "
+            "{parallel: [...]}, {inverter: [...]}, {repeat: [...], times: n}, {retry: "
+            "[...], times: n}, {timeout: [...], duration_s: s}, {watch: FACTS, do: "
+            "[...]}, {subtree: NAME}.",
         ),
     ] = None
     subtrees: Annotated[

@@ -12,7 +12,7 @@ from companion.vehicle_profile import LEAST_MPS
 
 
 class LimitsEntry(DrawnModel):
-    """What no setpoint may leave."""
+    """Limits that all setpoints keep."""
 
     speed_mps: Annotated[float, Field(ge=LEAST_MPS, le=20, description="Greatest speed, m/s.")]
     up_m: Annotated[
@@ -24,29 +24,30 @@ class LimitsEntry(DrawnModel):
         BeforeValidator(given, json_schema_input_type=list[Corner]),
         Field(
             min_length=3,
-            description="Corners of the area that is never left: [[east, north], ...], metres; "
-            "with frame: wgs84 [[lat, lon], ...], degrees. Without it, the area of the map.",
+            description="Corners of the area that the vehicle never leaves: [[east, north], "
+            "...], metres; with frame: wgs84 [[lat, lon], ...], degrees. Without this "
+            "key, the area of the map.",
         ),
     ] = None
     keep_out: Annotated[
         dict[Name, list[Corner]],
         Field(
-            description="Areas that are never entered, by name: {pond: [[east, north], ...]}; "
-            "corners as those of the fence."
+            description="Areas that the vehicle never enters, by name: {pond: [[east, north], "
+            "...]}; corners as those of the fence."
         ),
     ] = {}
     unusual: Annotated[
         bool,
         Field(
-            description="true: a fence beyond 5 km or an altitude beyond 500 m is meant, and not "
-            "written in another unit."
+            description="true: a fence beyond 5 km or an altitude beyond 500 m is intended, not "
+            "a mistake of units."
         ),
     ] = False
     beyond_sight: Annotated[
         bool,
         Field(
-            description="true: nothing stands there that the map does not show. A vehicle with a "
-            "range finder may then fly faster than it can stop within what that sees."
+            description="true: the map shows all obstacles. A vehicle with a range finder may "
+            "then fly so fast that it cannot stop within the range finder's sight."
         ),
     ] = False
 
@@ -104,10 +105,15 @@ class MarkerEntry(DrawnModel):
     """A marker on which the vehicle can land (LANDING_TARGET)."""
 
     component: Annotated[
-        Name, Field(description="Who sees it: a name of `components`, the detector's.")
+        Name, Field(description="The detector that sees the marker: a name of `components`.")
     ]
     number: Annotated[
-        int, Field(ge=0, le=255, description="That is read off it: its target_num; 0 without it.")
+        int,
+        Field(
+            ge=0,
+            le=255,
+            description="The number that is read off the marker: its target_num; 0 by default.",
+        ),
     ] = 0
 
 
@@ -134,19 +140,19 @@ class PlaceEntry(PointEntry):
     amsl_m: Annotated[
         AboveSea | None,
         BeforeValidator(given, json_schema_input_type=AboveSea),
-        Field(description="Metres above mean sea level, in place of up_m, with frame: wgs84."),
+        Field(description="Metres above mean sea level, instead of up_m, with frame: wgs84."),
     ] = None
     radius_m: Annotated[
         Radius | None,
         BeforeValidator(given, json_schema_input_type=Radius),
-        Field(description="at(place) holds within this distance, metres; 0.6 without it."),
+        Field(description="at(place) holds within this distance, metres; 0.6 by default."),
     ] = None
     corners: Annotated[
         list[Corner] | None,
         BeforeValidator(given, json_schema_input_type=list[Corner]),
         Field(
-            description="In place of radius_m: at(place) holds over this polygon, at whatever "
-            "height; corners as those of the fence."
+            description="Instead of radius_m: at(place) holds over this polygon, at any height; "
+            "corners as those of the fence."
         ),
     ] = None
     heading_deg: Annotated[
@@ -155,40 +161,40 @@ class PlaceEntry(PointEntry):
         Field(
             ge=-360,
             le=360,
-            description="Degrees clockwise from north with which the vehicle arrives; without it "
-            "any heading will do.",
+            description="Heading with which the vehicle arrives, degrees clockwise from north; "
+            "without this key, any heading.",
         ),
     ] = None
     marker: Annotated[
         MarkerEntry | None,
         BeforeValidator(given, json_schema_input_type=MarkerEntry),
         Field(
-            description="A marker below it, within its region, on the ground or on a wall with "
-            "up_m, for land_on: {component: NAME, number: 3}."
+            description="For land_on: a marker below the place, within its region, on the "
+            "ground or on a wall with up_m: {component: NAME, number: 3}."
         ),
     ] = None
     suggesters: Annotated[
         list[Text],
         Field(
             max_length=8,
-            description="Installed functions that propose where in the region the vehicle may "
-            "fly to, where it cannot fly to the point itself: [python(NAME)], with arguments.",
+            description="Installed functions that propose other points of the region if the "
+            "vehicle cannot fly to the point itself: [python(NAME)], with arguments.",
         ),
     ] = []
     tests: Annotated[
         list[Text],
         Field(
             max_length=8,
-            description="Installed functions that say of a point of the region whether the "
-            "vehicle may fly to it: [python(NAME)], with arguments.",
+            description="Installed functions that say whether the vehicle may fly to a point of "
+            "the region: [python(NAME)], with arguments.",
         ),
     ] = []
     found_by: Annotated[
         Name | None,
         BeforeValidator(given, json_schema_input_type=Name),
         Field(
-            description="The event that comes when another program has reported where in this "
-            "region the place is; until then nothing flies there."
+            description="The event that becomes true when another program has reported where in "
+            "this region the place is. Until then, nothing flies there."
         ),
     ] = None
 

@@ -12,8 +12,8 @@ from sitl.world.pads import PadChange, PadSpec
 from sitl.world.schema_fields import Strict, described
 from sitl.world.visits import Circle
 
-_CAPACITY = "what it can hold, as a share of a new one"
-_RESISTANCE = "of its cells, times that of a new one"
+_CAPACITY = "capacity, as a share of that of a new one"
+_RESISTANCE = "resistance of its cells, as a multiple of that of a new one"
 
 
 class BatteryModel(Strict):
@@ -21,43 +21,47 @@ class BatteryModel(Strict):
 
     charge: Annotated[float, described("state of charge, 0 to 1", ge=0, le=1)] = 1.0
     drains: Annotated[
-        Literal["armed", "always"], described("when; in PX4's simulator while armed")
+        Literal["armed", "always"], described("when it drains; PX4's simulator: while armed")
     ] = "armed"
     capacity: Annotated[float, described(_CAPACITY, ge=0.1, le=2)] = 1.0
     resistance: Annotated[float, described(_RESISTANCE, ge=0.1, le=4)] = 1.0
 
 
 class BatteryEventModel(Strict):
-    """What becomes of the battery; what is left out stays."""
+    """What changes about the battery; what is left out stays as it is."""
 
     charge: Annotated[float | None, described("it jumps to this charge, 0 to 1", ge=0, le=1)] = None
-    known: Annotated[bool | None, described("the gauge is read; false: -1 is told")] = None
+    known: Annotated[
+        bool | None, described("whether the gauge is read; false: the charge is reported as -1")
+    ] = None
     capacity: Annotated[float | None, described(_CAPACITY, ge=0.1, le=2)] = None
     resistance: Annotated[float | None, described(_RESISTANCE, ge=0.1, le=4)] = None
 
 
 class PadModel(DiscModel):
-    """A pad: on it, landed and disarmed, the battery is charged or changed."""
+    """A pad charges or changes the battery of a landed, disarmed vehicle on it."""
 
-    name: Annotated[str, described("for events")] = ""
+    name: Annotated[str, described("its name, for events")] = ""
     current_a: Annotated[
-        float | None, described("amperes that its charger gives; 5 without it", gt=0, le=100)
+        float | None, described("amperes of its charger; 5 by default", gt=0, le=100)
     ] = None
     swap_s: Annotated[
         float | None,
-        described("instead of charging, a full battery after so many seconds", ge=0, le=3600),
+        described(
+            "instead of charging: seconds until the battery is replaced by a full one",
+            ge=0,
+            le=3600,
+        ),
     ] = None
-    works: Annotated[bool, described("whether it does at the start")] = True
+    works: Annotated[bool, described("whether the pad works at the start")] = True
 
 
 class PadEventModel(Strict):
-    """What becomes of a pad; what is left out stays."""
+    """What changes about a pad; what is left out stays as it is."""
 
-    name: Annotated[str, described("of one of the pads", min_length=1)]
-    works: Annotated[bool | None, described("it charges, or changes batteries")] = None
-    current_a: Annotated[
-        float | None, described("amperes that its charger gives", gt=0, le=100)
-    ] = None
+    name: Annotated[str, described("the name of one of the pads", min_length=1)]
+    works: Annotated[bool | None, described("whether it charges, or changes batteries")] = None
+    current_a: Annotated[float | None, described("amperes of its charger", gt=0, le=100)] = None
 
 
 def battery(model: BatteryModel) -> BatterySpec:

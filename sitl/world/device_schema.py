@@ -14,9 +14,9 @@ from sitl.world.gripper import GripperChange, GripperSpec
 from sitl.world.schema_fields import Component, East, North, Strict, described
 from sitl.world.visits import Circle
 
-Share = Annotated[float, described("share of its messages of photos that are lost", ge=0, le=1)]
+Share = Annotated[float, described("share of its messages about photos that are lost", ge=0, le=1)]
 Duration = Annotated[float, described("seconds that a photo takes", ge=0, le=600)]
-Which = Annotated[int | None, described("its component id; the first one without it")]
+Which = Annotated[int | None, described("its component id; by default the first camera's")]
 
 
 class DiscModel(Strict):
@@ -32,14 +32,16 @@ class CameraModel(Strict):
 
     component: Component = 100
     after_s: Duration = 0.5
-    images: Annotated[int, described("photos that it has made before", ge=0, le=10**6)] = 0
-    capacity: Annotated[int, described("photos that its storage has room for", ge=0)] = 1000
+    images: Annotated[int, described("photos that it has already taken", ge=0, le=10**6)] = 0
+    capacity: Annotated[
+        int, described("the number of photos for which its storage has room", ge=0)
+    ] = 1000
     fails: Annotated[tuple[DiscModel, ...], described("circles in which its photos fail")] = ()
     lost: Share = 0.0
 
 
 class CameraEventModel(Strict):
-    """What becomes of a camera; what is left out stays."""
+    """What changes about a camera; what is left out stays as it is."""
 
     component: Which = None
     after_s: Annotated[float | None, described("seconds that a photo takes", ge=0, le=600)] = None
@@ -47,7 +49,9 @@ class CameraEventModel(Strict):
     fails: Annotated[bool | None, described("its photos fail, everywhere")] = None
     full: Annotated[bool | None, described("its storage has no room")] = None
     silent: Annotated[bool | None, described("it says nothing, and hears nothing")] = None
-    lost: Annotated[float | None, described("share of photos not told of", ge=0, le=1)] = None
+    lost: Annotated[
+        float | None, described("share of the photos that it does not report", ge=0, le=1)
+    ] = None
 
 
 class GripperModel(Strict):
@@ -57,14 +61,14 @@ class GripperModel(Strict):
     after_s: Annotated[float, described("seconds that an action takes", ge=0, le=600)] = 1.0
     loads: Annotated[
         tuple[DiscModel, ...] | None,
-        described("circles in which there is something to grab; everywhere without it"),
+        described("circles in which there is something to grab; by default everywhere"),
     ] = None
 
 
 class GripperEventModel(Strict):
-    """What becomes of the gripper; what is left out stays."""
+    """What changes about the gripper; what is left out stays as it is."""
 
-    misses: Annotated[bool | None, described("it grabs beside what is there")] = None
+    misses: Annotated[bool | None, described("it misses what is there")] = None
     drops: Annotated[Literal[True] | None, described("it loses its load now")] = None
     silent: Annotated[bool | None, described("it says nothing, and hears nothing")] = None
 
@@ -81,7 +85,7 @@ class GimbalModel(Strict):
 
 
 class GimbalEventModel(Strict):
-    """What becomes of the gimbal; what is left out stays."""
+    """What changes about the gimbal; what is left out stays as it is."""
 
     stuck: Annotated[bool | None, described("it does not turn")] = None
     taken: Annotated[Literal[True] | None, described("a ground station takes control")] = None

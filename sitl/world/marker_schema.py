@@ -23,10 +23,12 @@ Share = Annotated[float, described("share of the looks", ge=0, le=1)]
 
 
 class MarkerModel(Strict):
-    """A marker that lies somewhere."""
+    """A landing marker."""
 
-    name: Annotated[str, described("for events", min_length=1)]
-    number: Annotated[int, described("that is read off it: its target_num", ge=0, le=255)] = 0
+    name: Annotated[str, described("its name, for events", min_length=1)]
+    number: Annotated[
+        int, described("the number that is read off the marker: its target_num", ge=0, le=255)
+    ] = 0
     east_m: East
     north_m: North
     up_m: Annotated[float, described("metres above home", ge=-FAR_M, le=FAR_M)] = 0.0
@@ -40,27 +42,34 @@ class MarkerCameraModel(Strict):
 
     component: Component = 40
     reports: Annotated[
-        MarkerReport, described("the form of LANDING_TARGET: angles are with a distance")
+        MarkerReport, described("the form of LANDING_TARGET; angles come with a distance")
     ] = MarkerReport.LOCAL_NED
-    rate_hz: Annotated[float, described("looks a second", gt=0, le=50)] = 20.0
-    nearest_m: Annotated[float, described("nearer markers are not seen", ge=0)] = 0.3
-    range_m: Annotated[float, described("farther ones neither", gt=0, le=600)] = 12.0
-    view_deg: Annotated[float, described("the whole angle of its view", gt=0, le=170)] = 70.0
+    rate_hz: Annotated[float, described("pictures per second", gt=0, le=50)] = 20.0
+    nearest_m: Annotated[float, described("markers nearer than this are not seen", ge=0)] = 0.3
+    range_m: Annotated[float, described("markers farther than this are not seen", gt=0, le=600)] = (
+        12.0
+    )
+    view_deg: Annotated[float, described("the whole angle of view", gt=0, le=170)] = 70.0
     noise_deg: Annotated[
-        float, described("deviation of a direction; of the distance, the same share", ge=0, le=20)
+        float,
+        described("deviation of a direction; the distance deviates by the same share", ge=0, le=20),
     ] = 0.5
-    misses: Annotated[Share, described("in which a marker is not found")] = 0.0
-    strays: Annotated[Share, described("in which something else is taken for it")] = 0.0
-    markers: Annotated[tuple[MarkerModel, ...], described("what there is to see", min_length=1)]
+    misses: Annotated[Share, described("share of the sightings that are missed")] = 0.0
+    strays: Annotated[
+        Share, described("share of the sightings in which something else is taken for the marker")
+    ] = 0.0
+    markers: Annotated[
+        tuple[MarkerModel, ...], described("the landing markers of the world", min_length=1)
+    ]
 
 
 class MarkerEventModel(Strict):
-    """A marker appears, disappears, is laid elsewhere or moves; what is left out stays."""
+    """A marker appears, disappears, is moved or moves; what is left out stays as it is."""
 
-    name: Annotated[str, described("of one of the markers")]
+    name: Annotated[str, described("the name of one of the markers")]
     present: Annotated[bool | None, described("whether it is there")] = None
-    east_m: Annotated[float | None, described("it lies there now", ge=-FAR_M, le=FAR_M)] = None
-    north_m: Annotated[float | None, described("it lies there now", ge=-FAR_M, le=FAR_M)] = None
+    east_m: Annotated[float | None, described("where it lies now", ge=-FAR_M, le=FAR_M)] = None
+    north_m: Annotated[float | None, described("where it lies now", ge=-FAR_M, le=FAR_M)] = None
     east_mps: Annotated[float | None, described("m/s towards east, from now on", ge=-30, le=30)] = (
         None
     )

@@ -38,7 +38,9 @@ ResultName = Literal["ACCEPTED", "TEMPORARILY_REJECTED", "DENIED", "FAILED"]
 
 Result = Annotated[ResultName, described("the MAV_RESULT of the final answer")]
 After = Annotated[float, described("seconds until the final answer", ge=0)]
-Lost = Annotated[bool, described("it is done, but its final answer is lost, once for each command")]
+Lost = Annotated[
+    bool, described("the command is done, but its answer is lost, once for each command")
+]
 
 
 class StartModel(Strict):
@@ -111,7 +113,7 @@ class PayloadModel(Strict):
     component: Component = 25
     command: Annotated[str, described("a MAVLink command by name, such as MAV_CMD_USER_1")]
     answers: Annotated[
-        tuple[SiteModel, ...], described("the first circle that holds the vehicle answers")
+        tuple[SiteModel, ...], described("the first circle that contains the vehicle answers")
     ] = ()
     otherwise: Annotated[ResultName, described("the answer outside all circles")] = "DENIED"
 
@@ -120,7 +122,7 @@ class LidarModel(Strict):
     """The lidar."""
 
     component: Component = 196
-    range_m: Annotated[float, described("farther walls are not seen", gt=0, le=600)] = 12.0
+    range_m: Annotated[float, described("walls farther away are not seen", gt=0, le=600)] = 12.0
     noise_m: Annotated[float, described("deviation of each distance", ge=0, le=100)] = 0.0
 
 
@@ -134,7 +136,7 @@ class BoxModel(Strict):
 class ObstacleModel(Strict):
     """An obstacle that the mission's map does not show: a circle or a box."""
 
-    name: Annotated[str, described("for events", min_length=1)]
+    name: Annotated[str, described("its name, for events", min_length=1)]
     circle: Annotated[CircleModel | None, described("its shape, if it is round")] = None
     box: Annotated[BoxModel | None, described("its shape, if it is a box")] = None
     present: Annotated[bool, described("whether it is there at the start")] = True
@@ -145,9 +147,9 @@ class PayloadEventModel(Strict):
 
     result: Result = "ACCEPTED"
     after_s: After = 1.0
-    silent: Annotated[bool, described("nothing is answered at all")] = False
+    silent: Annotated[bool, described("the payload does not answer at all")] = False
     lost: Lost = False
-    progress: Annotated[bool, described("tell the progress each second")] = False
+    progress: Annotated[bool, described("the payload reports its progress each second")] = False
 
 
 class WindEventModel(Strict):
@@ -160,12 +162,12 @@ class WindEventModel(Strict):
 class ObstacleEventModel(Strict):
     """An obstacle appears or disappears."""
 
-    name: Annotated[str, described("of one of the obstacles")]
+    name: Annotated[str, described("the name of one of the obstacles")]
     present: Annotated[bool, described("true: it appears; false: it disappears")]
 
 
 class GpsEventModel(Strict):
-    """The quality of GPS from now on; what is left out stays."""
+    """The quality of GPS from now on; what is left out stays as it is."""
 
     lost: Annotated[bool | None, described("there is no fix")] = None
     noise_m: Annotated[float | None, described("deviation of the fix, metres", ge=0, le=100)] = None
@@ -174,7 +176,7 @@ class GpsEventModel(Strict):
 class ArmingEventModel(Strict):
     """Arming is refused, or allowed again."""
 
-    refused: Annotated[str | None, described("why, as it is told", min_length=1)] = None
+    refused: Annotated[str | None, described("the reason, for people", min_length=1)] = None
     allowed: Annotated[Literal[True] | None, described("the refusal ends")] = None
 
 
@@ -184,18 +186,20 @@ Jump = Annotated[float, described("metres", ge=-FAR_M, le=FAR_M)]
 
 
 class LinkEventModel(Strict):
-    """What a link does to datagrams from now on; what is left out is good."""
+    """What a link does to datagrams from now on; what is left out is good again."""
 
-    port: Annotated[Port | None, described("companion: 14540; ground: 14550; else both")] = None
-    direction: Annotated[Direction | None, described("only in this direction; else in both")] = None
-    loss: Annotated[Share, described("that are lost; 1 cuts the link")] = 0.0
-    doubled: Annotated[Share, described("that come twice")] = 0.0
-    delay_s: Annotated[Late, described("each comes so much later")] = 0.0
-    jitter_s: Annotated[Late, described("and up to this later again, by chance")] = 0.0
+    port: Annotated[Port | None, described("companion: 14540; ground: 14550; default: both")] = None
+    direction: Annotated[Direction | None, described("only in this direction; default: both")] = (
+        None
+    )
+    loss: Annotated[Share, described("share of the datagrams that is lost; 1 cuts the link")] = 0.0
+    doubled: Annotated[Share, described("share of the datagrams that arrives twice")] = 0.0
+    delay_s: Annotated[Late, described("each datagram arrives this much later")] = 0.0
+    jitter_s: Annotated[Late, described("further delay at random, up to this")] = 0.0
 
 
 class EstimateEventModel(Strict):
-    """The estimated position steps by a vector, and stays off by it."""
+    """The estimated position steps by a vector, and keeps this error."""
 
     east_m: Jump = 0.0
     north_m: Jump = 0.0
@@ -205,52 +209,56 @@ class EstimateEventModel(Strict):
 class RebootEventModel(Strict):
     """The autopilot restarts: disarmed, its clock at 0."""
 
-    silent_s: Annotated[float, described("until it is heard again", ge=0, le=600)] = 3.0
-    recovers: Annotated[bool, described("in the air it holds its place and stays armed")] = False
+    silent_s: Annotated[float, described("seconds until it is heard again", ge=0, le=600)] = 3.0
+    recovers: Annotated[bool, described("in the air: the vehicle holds and stays armed")] = False
 
 
 class AnswerEventModel(Strict):
-    """How the autopilot takes a command from now on."""
+    """How the autopilot answers a command from now on."""
 
     command: Annotated[str, described("MAV_CMD_... to the autopilot")]
-    answer: Annotated[Answer | None, described("what it answers; without it, as it should")] = None
+    answer: Annotated[Answer | None, described("the answer; by default the usual one")] = None
 
 
 class ScenarioEventModel(Strict):
-    """One trigger (at_s, place or command) and its effects, once."""
+    """One trigger (at_s, place or command) and its effects, which happen once."""
 
     at_s: Annotated[float | None, described("trigger: simulated seconds", ge=0)] = None
     place: Annotated[VisitModel | None, described("trigger: a visit to a circle")] = None
     command: Annotated[str | None, described("trigger: MAV_CMD_... that arrives on board")] = None
-    nth: Annotated[int | None, described("the n-th such command", ge=1)] = None
-    component: Annotated[int | None, described("to whom the command goes", ge=1, le=255)] = None
+    nth: Annotated[int | None, described("only the n-th such command", ge=1)] = None
+    component: Annotated[int | None, described("the receiver of the command", ge=1, le=255)] = None
     after_s: Annotated[float, described("seconds after the trigger", ge=0)] = 0.0
     target: Annotated[
-        Literal["seen", "lost"] | None, described("the detector sees the target, or no more")
+        Literal["seen", "lost"] | None, described("whether the detector sees the target")
     ] = None
-    payload: Annotated[PayloadEventModel | None, described("what it answers from now on")] = None
+    payload: Annotated[PayloadEventModel | None, described("the payload's answer from now on")] = (
+        None
+    )
     wind: Annotated[WindEventModel | None, described("where the air moves to from now on")] = None
     obstacle: Annotated[ObstacleEventModel | None, described("one appears or disappears")] = None
-    battery: Annotated[BatteryEventModel | None, described("what becomes of the battery")] = None
-    pad: Annotated[PadEventModel | None, described("what becomes of a pad")] = None
-    gps: Annotated[GpsEventModel | None, described("it is lost, found or noisy")] = None
+    battery: Annotated[BatteryEventModel | None, described("what changes about the battery")] = None
+    pad: Annotated[PadEventModel | None, described("what changes about a pad")] = None
+    gps: Annotated[GpsEventModel | None, described("GPS is lost, found or noisy")] = None
     arming: Annotated[ArmingEventModel | None, described("it is refused, or allowed again")] = None
     operator: Annotated[
         str | None, described("MAV_CMD_... that the operator sends to the companion")
     ] = None
-    link: Annotated[LinkEventModel | None, described("it loses or delays, or is good")] = None
+    link: Annotated[
+        LinkEventModel | None, described("it loses or delays datagrams, or is good")
+    ] = None
     estimate: Annotated[EstimateEventModel | None, described("the position jumps")] = None
-    origin: Annotated[GlobalModel | None, described("the local frame begins elsewhere")] = None
+    origin: Annotated[GlobalModel | None, described("the origin of the local frame changes")] = None
     reboot: Annotated[RebootEventModel | None, described("the autopilot restarts")] = None
-    answer: Annotated[AnswerEventModel | None, described("how the autopilot takes a command")] = (
+    answer: Annotated[AnswerEventModel | None, described("how the autopilot answers a command")] = (
         None
     )
     marker: Annotated[
         MarkerEventModel | None, described("a landing marker appears, disappears or moves")
     ] = None
-    camera: Annotated[CameraEventModel | None, described("what becomes of a camera")] = None
-    gimbal: Annotated[GimbalEventModel | None, described("what becomes of the gimbal")] = None
-    gripper: Annotated[GripperEventModel | None, described("what becomes of the gripper")] = None
+    camera: Annotated[CameraEventModel | None, described("what changes about a camera")] = None
+    gimbal: Annotated[GimbalEventModel | None, described("what changes about the gimbal")] = None
+    gripper: Annotated[GripperEventModel | None, described("what changes about the gripper")] = None
     report: Annotated[
         dict[str, float | dict[str, float]] | None,
         described("{NAME: NUMBER}: a program on board reports this to the --events port, once"),
@@ -266,10 +274,10 @@ class ScenarioModel(Strict):
         str | MapEntry | None,
         described("ROS map_server YAML file, relative to this file, or an area with walls"),
     ] = None
-    start: Annotated[StartModel, described("where the vehicle stands at first")] = StartModel()
-    home: Annotated[GlobalModel | None, described("where on the earth home lies")] = None
+    start: Annotated[StartModel, described("where the vehicle stands at the start")] = StartModel()
+    home: Annotated[GlobalModel | None, described("the position of home on the earth")] = None
     origin: Annotated[
-        GlobalModel | None, described("where the autopilot's local frame lies; at home without it")
+        GlobalModel | None, described("origin of the autopilot's local frame; by default at home")
     ] = None
     airframe: Annotated[
         Literal["quad_450", "px4_sih"],
@@ -277,16 +285,16 @@ class ScenarioModel(Strict):
     ] = "quad_450"
     wind: Annotated[WindModel, described("where the air moves to, and its gusts")] = WindModel()
     wander: Annotated[
-        WanderModel | None, described("the estimate wanders about the true position")
+        WanderModel | None, described("the estimated position wanders around the true one")
     ] = None
-    battery: Annotated[BatteryModel, described("as it is at the start")] = BatteryModel()
+    battery: Annotated[BatteryModel, described("the battery at the start")] = BatteryModel()
     parameters: Annotated[
-        dict[str, float], described("of the autopilot, by PX4's names, where they differ")
+        dict[str, float], described("the autopilot's parameters that differ, by PX4's names")
     ] = {}
     target: Annotated[TargetModel | None, described("a target detector on board")] = None
     payload: Annotated[PayloadModel | None, described("a payload on board")] = None
     lidar: Annotated[
-        LidarModel | None, described("there by default where there are walls or obstacles")
+        LidarModel | None, described("on board by default if there are walls or obstacles")
     ] = None
     marker_camera: Annotated[
         MarkerCameraModel | None, described("looks down for landing markers")
@@ -295,13 +303,13 @@ class ScenarioModel(Strict):
     gimbal: Annotated[GimbalModel | None, described("a gimbal on board")] = None
     gripper: Annotated[GripperModel | None, described("a gripper on board")] = None
     obstacles: Annotated[
-        tuple[ObstacleModel, ...], described("what the mission's map does not show")
+        tuple[ObstacleModel, ...], described("obstacles that the mission's map does not show")
     ] = ()
     pads: Annotated[
-        tuple[PadModel, ...], described("on which the battery is charged or changed")
+        tuple[PadModel, ...], described("circles in which the battery is charged or changed")
     ] = ()
     happens: Annotated[
-        tuple[ScenarioEventModel, ...], described("what happens when, each once")
+        tuple[ScenarioEventModel, ...], described("what happens, and when; each once")
     ] = ()
     vary: Annotated[
         dict[str, VaryEntry],

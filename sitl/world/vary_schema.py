@@ -26,17 +26,22 @@ class DistributionModel(Strict):
         tuple[float, float] | None, described("a number: [mean, standard deviation]")
     ] = None
     within: Annotated[
-        Range | None, described("where a normal distribution is cut off; else at 4 deviations")
+        Range | None,
+        described("where a normal distribution is cut off; by default at 4 deviations"),
     ] = None
     choice: Annotated[
         tuple[bool | int | float | str, ...] | None,
         described("one of these values", min_length=1),
     ] = None
     weights: Annotated[
-        tuple[float, ...] | None, described("how often each of them is taken; else all alike")
+        tuple[float, ...] | None,
+        described("how often each value is taken; by default all equally often"),
     ] = None
     chance: Annotated[
-        float | None, described("true, or there, in this share of the rows", ge=0, le=1)
+        float | None,
+        described(
+            "the share of the rows in which the key is true, or the entry exists", ge=0, le=1
+        ),
     ] = None
 
 
