@@ -52,8 +52,8 @@ PAGES = (
     KeyPage(
         MISSION_PAGE,
         "# Keys of a mission\n\n"
-        "This page lists every key of `NAME.yaml` and of a vehicle profile. [missions.md](missions.md)\n"
-        "says what the keys are for, and what they do together.\n",
+        "This page lists every key of `NAME.yaml` and of a vehicle profile.\n"
+        "[missions.md](missions.md) says what the keys are for, and what they do together.\n",
         (
             ("The mission file", inlined(mission.json_schema()), "*[!m].yaml"),
             ("A vehicle profile", inlined(vehicle.json_schema()), "vehicles/*.yaml"),
