@@ -343,7 +343,7 @@ WORLDS: Table = {
     "a wind of one number": Mistake("wind: {", "wind: 5\n# {", "wind", "keys are east_mps"),
     "a time without its unit": Mistake("at_s: 40", "at: 40", "  - ", "Did you mean at_s?"),
     "another word for report": Mistake("report: {", "event: {", "  - ", "Did you mean report?"),
-    "one that happens": Mistake("  - {at_s: 40", "  {at_s: 40", "  {", "what happens when"),
+    "one that happens": Mistake("  - {at_s: 40", "  {at_s: 40", "  {", "what happens, and when"),
     "a map that is not there": Mistake("map: {", "map: my.png  # {", "map", "YAML file beside"),
     "an unknown parameter": Mistake(
         "happens:", "parameters: {MPC_XY_VEL: 5}\nhappens:", "param", "mean MPC_XY_VEL_ALL?"
