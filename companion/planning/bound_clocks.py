@@ -1,4 +1,4 @@
-"""The clocks of a task's bounded conjuncts, beside its automata."""
+"""The clocks of the conjuncts that have a time bound; they run beside the automata."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from companion.ltl.time_bounds import TimeBound
 from companion.planning.lasso import Conjunct, Letter
 
 NO_CLOCKS: tuple[int | None, ...] = ()
-"""What they show where no conjunct has a bound."""
+"""What the clocks show if no conjunct has a bound."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClocksRun:
-    """What has become of the clocks in a moment.
+    """What has changed about the clocks at one moment.
 
     Attributes:
-        over: the conjuncts whose clock has run over just then.
-        have_begun: whether the word has, with it.
+        over: the conjuncts whose clock has run out just now.
+        have_begun: whether the word has begun at this moment.
     """
 
     over: tuple[Conjunct, ...] = ()
@@ -27,7 +27,7 @@ class ClocksRun:
 
     @property
     def has_changed(self) -> bool:
-        """Whether it is news, and not time alone that has gone on."""
+        """Whether more has happened than that time has passed."""
         return self.have_begun or bool(self.over)
 
 
@@ -38,10 +38,10 @@ class BoundClocks:
     """One clock for each conjunct that has a bound.
 
     Attributes:
-        are_begun: whether the word has begun, for them.
+        are_begun: whether the word has begun.
 
     Args:
-        conjuncts: of the task.
+        conjuncts: the conjuncts of the task.
     """
 
     def __init__(self, conjuncts: Sequence[Conjunct]) -> None:
@@ -54,17 +54,19 @@ class BoundClocks:
         }
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Whether any conjunct has a bound."""
         return bool(self._clocks)
 
     def begin_anew(self, line: str) -> None:
-        """Those of a line begin anew with the next position."""
+        """The clocks of a line start again at the next position."""
         for i, clock in self._clocks.items():
             if self._conjuncts[i].name == line:
                 self._clocks[i] = clock.anew()
 
     def read(self, letter: Letter, reached_s: float, left_s: float) -> tuple[Conjunct, ...]:
-        """One more position; those that it finds to be too late, which were not before."""
+        """Reads one more position. Returns the conjuncts that it finds to be late and that were not
+        before.
+        """
         before = self.late
         self._clocks = {
             i: clock.after(letter, _ms(reached_s), _ms(left_s)) for i, clock in self._clocks.items()
@@ -72,21 +74,21 @@ class BoundClocks:
         return tuple(conjunct for conjunct in self.late if conjunct not in before)
 
     def see(self, letter: Letter, event_s: float | None = None) -> None:
-        """What the next letter will have, as far as it is known by now.
+        """Notes what the next letter will contain, as far as it is known now.
 
         Args:
-            letter: that.
-            event_s: when an event has changed it; None where a position has.
+            letter: what is known of the next letter.
+            event_s: when an event changed it; None if a new position changed it.
         """
         event_ms = None if event_s is None else _ms(event_s)
         self._clocks = {i: clock.seeing(letter, event_ms) for i, clock in self._clocks.items()}
 
     def run(self, now_s: float, unread: Letter | None) -> ClocksRun:
-        """Time goes on. With the first call the word begins.
+        """Lets time pass. The first call begins the word.
 
         Args:
-            now_s: the time.
-            unread: the position that was reached and not left yet; None if there is none.
+            now_s: the present time.
+            unread: the position that was reached and has not been left yet; None if there is none.
         """
         now_ms = _ms(now_s)
         if not self.are_begun:
@@ -98,20 +100,22 @@ class BoundClocks:
         return ClocksRun(tuple(self._conjuncts[i] for i in over)) if over else NOTHING_OVER
 
     def are_called(self, lines: Collection[str]) -> bool:
-        """Whether an event asks for the goal of one of some lines, and no position has read it."""
+        """Whether an event asks for the goal of one of these lines, and no position has read it
+        yet.
+        """
         return any(
             clock.is_called for i, clock in self._clocks.items() if self._conjuncts[i].name in lines
         )
 
     @property
     def late(self) -> tuple[Conjunct, ...]:
-        """The conjuncts whose clock has run over."""
+        """The conjuncts whose clock has run out."""
         return tuple(self._conjuncts[i] for i, clock in self._clocks.items() if clock.is_late)
 
     def without_late(
         self, states: tuple[frozenset[int], ...], anew: Collection[str]
     ) -> tuple[frozenset[int], ...]:
-        """The states of the automata, none for conjuncts that are late and do not begin anew."""
+        """The automaton states, empty for conjuncts that are late and do not start again."""
         late = [conjunct for conjunct in self.late if conjunct.name not in anew]
         pairs = zip(self._conjuncts, states, strict=True)
         return tuple(frozenset() if c in late else own for c, own in pairs) if late else states
@@ -122,12 +126,12 @@ class BoundClocks:
         unread: tuple[Letter, float] | None = None,
         anew: Collection[str] = (),
     ) -> tuple[int | None, ...]:
-        """What they show, for each conjunct; as if the present position were read.
+        """What the clocks show, for each conjunct, as if the present position were read now.
 
         Args:
-            now_s: the time.
-            unread: the present position and when it was reached; None if it is read already.
-            anew: lines that begin anew.
+            now_s: the present time.
+            unread: the present position and when it was reached; None if it has been read already.
+            anew: lines that start again.
         """
         if not self._clocks:
             return NO_CLOCKS
@@ -148,18 +152,18 @@ class BoundClocks:
 
 
 def after(bound: TimeBound, elapsed_ms: int | None, letter: Letter) -> int | None:
-    """What the clock of a bound shows once a position was read; None if it stands still.
+    """What the clock of a bound shows after a position is read; None if it stands still.
 
     Args:
-        bound: what it says.
-        elapsed_ms: what it showed when the position was reached.
-        letter: what holds there.
+        bound: the time bound.
+        elapsed_ms: what the clock showed when the position was reached.
+        letter: what holds at the position.
     """
     return bound.after(elapsed_ms, lambda formula: is_true(formula, letter))
 
 
 def begun(conjuncts: Sequence[Conjunct], letter: Letter) -> tuple[int | None, ...]:
-    """The clocks after the first position."""
+    """What the clocks show after the first position."""
     return BoundClocks(conjuncts).show(0.0, (letter, 0.0))
 
 

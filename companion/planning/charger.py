@@ -1,7 +1,7 @@
-"""What charging takes at a dock, in whole units of usable energy.
+"""What charging at a dock costs, in whole units of usable energy.
 
-A dock is landed on, the battery is charged to a level, and the vehicle takes off again. Charging is
-the slower the fuller the battery is: the time to a level is convex.
+The vehicle lands on the dock, charges to a level, and takes off again. The fuller the battery, the
+slower it charges: the time to reach a level is a convex function of the level.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ UNITS_PER_WH = 100
 
 @dataclass(frozen=True, eq=False)
 class Charger:
-    """A dock that charges.
+    """A dock at which the vehicle charges.
 
     Attributes:
-        floor: least level on arrival above it: the reserve and the landing.
-        landing: what landing takes.
-        take_off: what taking off takes.
-        overhead_ms: of landing and taking off.
-        times_ms: (full + 1,) time from empty to each level; convex.
-        called: the level on the ground with which the event of a line that is ready ends a charge;
-            None where no line is ready.
-        bare: the same without what lines that are ready keep there; None if no line is.
+        floor: least level on arrival above the dock: the reserve, and the energy to land.
+        landing: energy that landing takes.
+        take_off: energy that taking off takes.
+        overhead_ms: time of landing and taking off.
+        times_ms: (full + 1,) time to charge from empty to each level; convex.
+        called: the level on the ground at which a charge ends when the event of a ready line comes;
+            None if no line is ready.
+        bare: the same dock without what ready lines keep there; None if no line is ready.
     """
 
     floor: int
@@ -40,7 +40,7 @@ class Charger:
 
     @cached_property
     def figures(self) -> tuple[object, ...]:
-        """All of it, to be compared: two docks with the same figures charge alike."""
+        """All figures, for comparison: two docks with equal figures charge alike."""
         times = self.times_ms.tobytes()
         return self.floor, self.landing, self.take_off, self.overhead_ms, times
 
@@ -51,18 +51,19 @@ class Charger:
 
     @property
     def is_of_use(self) -> bool:
-        """Whether it charges more than what has to be there on the ground anyway."""
+        """Whether it can charge to more than the vehicle must have on the ground anyway."""
         return self.floor - self.landing < len(self.times_ms) - 1
 
     def service_ms(self, arrival: int, departure: int) -> int:
-        """Landing, charging and taking off.
+        """The time to land, charge and take off.
 
-        Levels that there cannot be, as in a plan whose flights take more by now, are the nearest.
+        Impossible levels are replaced by the nearest possible ones. A plan contains such levels if
+        its flights take more energy now than when it was made.
 
         Args:
-            arrival: level above the dock, on arrival.
-            departure: the same after taking off, at most the highest; where it is less than there
-                is anyway, nothing is charged.
+            arrival: level above the dock on arrival.
+            departure: level after taking off; `highest` at most. If it is lower than what the
+                vehicle has without charging, nothing is charged.
         """
         full = len(self.times_ms) - 1
         begin = min(max(0, arrival - self.landing), full)

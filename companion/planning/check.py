@@ -1,9 +1,10 @@
-"""The independent check that every plan passes before it flies.
+"""The independent check that every plan has to pass before it is flown.
 
-No automaton and no search takes part: the actions are executed on the facts, the loop must close,
-in its second lap if not in its first one, for all facts that the task or the plan reads, and each
-conjunct must hold on the word by the direct semantics of LTL. The history is part of the word, for
-a task is about the whole flight and not only about what is left of it.
+It uses no automaton and no search. It checks three things:
+1. Every action of the plan can be executed on the facts.
+2. The loop closes, in its first or second lap, for all facts that the task or the plan reads.
+3. Each conjunct holds on the word, by the direct semantics of LTL. The word includes the history,
+   because a task is about the whole flight and not only about the rest of it.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ _LETTER_US = 0.05
 
 
 def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]]) -> str | None:
-    """The fault of a plan, in words; None if it is right.
+    """The fault of a plan, in words; None if it has none.
 
     Args:
-        problem: that the plan solves.
+        problem: the problem that the plan solves.
         lasso: the plan.
-        histories: per conjunct, the letters that it has read, the present position's included.
+        histories: per conjunct, the letters that it has read, including the present position's.
     """
     if not lasso.loop:
         return "the loop is empty"
@@ -39,7 +40,7 @@ def fault(problem: Problem, lasso: Lasso, histories: Sequence[Sequence[Letter]])
     if isinstance(lap, str):
         return lap
     if changed := (lap.begin ^ lap.end) & read:
-        lasso = Lasso((*lasso.prefix, *lasso.loop), lasso.loop)  # what it makes is there by now
+        lasso = Lasso((*lasso.prefix, *lasso.loop), lasso.loop)  # now after one lap
         second = _lap(problem, lasso)
         if isinstance(second, str) or (second.begin ^ second.end) & read:
             return f"the loop does not close: {', '.join(sorted(changed))} changed"
@@ -59,7 +60,7 @@ class _Lap(NamedTuple):
 
 
 def _lap(problem: Problem, lasso: Lasso) -> _Lap | str:
-    """The first lap of a plan, or why it is not reached or cannot be flown."""
+    """The first lap of a plan, or why it cannot be reached or flown."""
     facts = begin = problem.facts
     for i, action in enumerate((*lasso.prefix, *lasso.loop)):
         if i == len(lasso.prefix):
@@ -73,7 +74,7 @@ def _lap(problem: Problem, lasso: Lasso) -> _Lap | str:
 
 
 def _read(problem: Problem, lasso: Lasso) -> frozenset[Fact]:
-    """The facts that the task or an action of the plan reads; what others are changes nothing."""
+    """The facts that the task or an action of the plan reads; the others do not matter."""
     read = {fact for conjunct in problem.conjuncts for fact in conjunct.facts}
     of_plan: list[Action | ConditionalEffect[Fact]] = [*lasso.prefix, *lasso.loop]
     of_plan += [effect for action in (*lasso.prefix, *lasso.loop) for effect in action.conditional]

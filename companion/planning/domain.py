@@ -12,19 +12,19 @@ from companion.mission.steps import Primitive
 from companion.planning.charger import Charger
 
 REST_S = 1.0
-"""Length of one step of rest."""
+"""Duration of one step of rest."""
 UNIT_MS = 100
-"""Costs are multiples of this. Rest costs one and all else more, whatever a mission says, so that
-no skill is repeated for ever in place of rest."""
+"""Costs are multiples of this. Rest costs one unit and every other action more, whatever a mission
+says. So no plan repeats a skill for ever where it could rest."""
 
 
 P = TypeVar("P", bound=str, covariant=True)
-"""The propositions of an effect: facts, or the fluents of a classical problem."""
+"""The type of propositions of an effect: facts, or the fluents of a classical problem."""
 
 
 @dataclass(frozen=True, slots=True)
 class ConditionalEffect(Generic[P]):
-    """What an action does besides, if a condition holds before it."""
+    """What an action does in addition, if a condition holds before it."""
 
     requires: frozenset[P]
     forbids: frozenset[P]
@@ -38,12 +38,12 @@ class ConditionalEffect(Generic[P]):
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """What a skill that refines another one does, how often it is tried, and how long each time.
+    """How a skill that refines another one is executed: its steps, tries and time limit.
 
     Attributes:
-        look_at: what the vehicle looks at meanwhile; None for what the skill that it refines says.
+        look_at: what the vehicle looks at meanwhile; None for what the refined skill says.
         confirmed_by: what has to be heard after the last step.
-        enough_percent: it is left out in the air where the battery has so much; None for never.
+        enough_percent: charge from which on the skill is skipped in the air; None for never.
     """
 
     name: str
@@ -64,22 +64,23 @@ class Action:
 
     Attributes:
         name: skill and arguments, e.g. "move(A, B)".
-        skill: its name.
-        arguments: what its parameters are bound to.
+        skill: name of the skill.
+        arguments: the values of the skill's parameters.
         requires: facts that must hold, beliefs included.
         forbids: facts that must not hold.
-        assumes: the beliefs among `requires`; withdrawn when the action fails.
-        cost_ms: milliseconds.
-        execute: what the vehicle does, one step after the other, with places filled in.
+        assumes: the beliefs among `requires`; they are withdrawn when the action fails.
+        cost_ms: cost in milliseconds.
+        execute: the steps of the vehicle, in order, with places filled in.
         conditional: effects that depend on the facts before the action.
-        retry_after_s: time after which what it assumes is believed again; None is never.
-        look_at: what the vehicle looks at meanwhile; None for nothing of its own.
-        is_repeatable: its commands may be sent again where it is not known whether they were done.
+        retry_after_s: time after which its withdrawn beliefs are held again; None for never.
+        look_at: what the vehicle looks at meanwhile; None if the action does not say.
+        is_repeatable: whether its commands may be sent again if it is unknown whether they were
+            done.
         confirmed_by: what has to be heard after the last step; None for nothing.
-        drain: what it takes, in units of energy; 0 where nobody reckons.
-        charger: where it charges as far as its plan says; its cost is then that of landing and
-            taking off, and `drain` is of no account.
-        charge_to: the level after it, in units; None where it does not charge, or it is not known.
+        drain: energy that it takes, in units; 0 if the plan does not consider energy.
+        charger: the dock where it charges to the level that the plan says; None if it does not.
+            With a charger, `cost_ms` is the cost of landing and taking off, and `drain` is ignored.
+        charge_to: the level after charging, in units; None if it does not charge or it is unknown.
     """
 
     skill: str
@@ -104,12 +105,12 @@ class Action:
     name: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Spells the name once: plans are compared by names, a thousand at a time, in flight."""
+        """Builds the name once, because plans are compared by names a thousand times in flight."""
         object.__setattr__(self, "name", spelled(self.skill, self.arguments))
 
     @property
     def destination(self) -> str | None:
-        """The place that it flies to last; None if it flies nowhere."""
+        """The last place that the action flies to; None if it flies nowhere."""
         return destination(self.execute)
 
     def is_applicable(self, facts: frozenset[Fact]) -> bool:
@@ -117,7 +118,7 @@ class Action:
         return self.requires <= facts and not self.forbids & facts
 
     def apply(self, facts: frozenset[Fact]) -> frozenset[Fact]:
-        """The facts afterwards; what is both added and deleted is added."""
+        """The facts afterwards; a fact that is both added and deleted is added."""
         adds, deletes = self.adds, self.deletes
         for effect in self.conditional:
             if effect.is_met(facts):
@@ -141,7 +142,7 @@ WAIT = Action(
 
 
 def duration_ms(action: Action) -> int:
-    """What an action takes: its cost, but for rest, which costs less than all else.
+    """What an action takes: its cost, except for rest, which takes longer than it costs.
 
     >>> duration_ms(WAIT)
     1000
@@ -150,7 +151,7 @@ def duration_ms(action: Action) -> int:
 
 
 TRIES = 3
-"""Waypoints of a place that are tried (MAX_TRY, Fig. 6)."""
+"""Number of waypoints of a place that are tried (MAX_TRY, Fig. 6)."""
 
 
 def reach(place: str) -> Action:
@@ -175,7 +176,7 @@ def reach(place: str) -> Action:
 
 
 def is_named(action: Action, name: str) -> bool:
-    """Whether a name is that of an action, or has `*` in place of arguments of it.
+    """Whether an action has this name, in which `*` may stand for arguments.
 
     >>> is_named(WAIT, "wait"), is_named(WAIT, "rest")
     (True, False)
@@ -190,7 +191,7 @@ def is_named(action: Action, name: str) -> bool:
 
 
 def ends_of(action: Action) -> tuple[str | None, str | None]:
-    """The places where an action begins and ends; None for anywhere.
+    """The places where an action begins and ends; None for any place.
 
     >>> ends_of(reach("North"))
     (None, 'North')
@@ -200,7 +201,7 @@ def ends_of(action: Action) -> tuple[str | None, str | None]:
 
 
 def destination(steps: tuple[Step, ...]) -> str | None:
-    """The place that some steps fly to last; None if they fly nowhere."""
+    """The last place that some steps fly to; None if they fly nowhere."""
     for step in reversed(steps):
         if isinstance(step, Fly):
             return step.place

@@ -13,17 +13,18 @@ class Effort:
     """Limits of a search.
 
     Attributes:
-        product_edges: edges of the product; with more of them the search is given up.
-        dijkstra_steps: of all shortest-path searches, one search for each target: a step for each
-            edge of the product, and 30 for each node (`product.dijkstra_steps`). Of too many
-            targets the nearest are looked at.
-        held_karp_additions: additions in the tables of exact tours; beyond them local search
-            takes their place.
-        loop_steps: edges that the search for loops sees which are no cycles of the product; beyond
+        product_edges: edges of the product; beyond them the search is given up.
+        dijkstra_steps: steps of all shortest-path searches together; there is one search for each
+            target. A search takes a step for each edge of the product and 30 for each node
+            (`product.dijkstra_steps`). If there are too many targets, only the nearest are looked
+            at.
+        held_karp_additions: additions in the tables of exact tours; beyond them local search is
+            used instead.
+        loop_steps: edges that the search for loops may see outside cycles of the product; beyond
             them it is not proved that no loop is better.
-        time_labels: ways that the search for plans with bounds in time looks at.
-        proves_laps: whether there is time to prove that a lap on a battery is the shortest, or to
-            say how far from that it may be.
+        time_labels: partial plans that the search with time bounds may look at.
+        proves_laps: whether there is time to prove that a lap on a battery is the shortest, or how
+            far it may be from that.
     """
 
     product_edges: int
@@ -49,10 +50,10 @@ IN_FLIGHT = Effort(
     loop_steps=10_000,
     time_labels=60_000,
 )
-"""Well under a second of work, which is done in slices (slices.py)."""
+"""Takes well under a second, which is done in slices (slices.py)."""
 
 PRODUCT_EDGE_US = 0.5
 DIJKSTRA_STEP_US = 0.005
 ADDITION_US = 0.005
 LOOP_STEP_US = 5.0
-"""What each of these takes, about."""
+"""Approximate time of one loop step."""

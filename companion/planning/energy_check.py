@@ -1,4 +1,4 @@
-"""The independent check of a plan's energy: it is flown on paper, with no search taking part."""
+"""The independent check of a plan's energy: it executes the plan on levels, without any search."""
 
 from __future__ import annotations
 
@@ -11,12 +11,14 @@ from companion.planning.lasso import Energy, Lasso, Problem
 def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
     """What is wrong with the energy of a plan, in words; None if it lasts for ever.
 
-    Before each action there is what it takes to land at a safe place, above the reserve, and what
-    lines that are ready keep; some lap ends with no less than it began with; and where the plan
-    rests, the vehicle lands.
+    A plan is right if three things hold:
+    1. Before each action the level covers the reserve, the energy to land at a safe place, and what
+       ready lines keep.
+    2. Some lap ends with at least the level with which it began.
+    3. Where the plan rests, the vehicle can land.
 
     Args:
-        problem: that the plan solves, with energy.
+        problem: the problem that the plan solves, with energy.
         lasso: the plan.
     """
     energy = problem.energy
@@ -31,7 +33,7 @@ def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
         is_enough = needed is not None and level >= needed
         return None if is_enough else f"landing at {place_of(facts)} would take the reserve"
     begun = level + 1
-    while level < begun:  # what there was at first is used up, until each lap is like the last
+    while level < begun:  # the first laps use up surplus, until each lap is like the one before
         begun = level
         for action in lasso.loop:
             if wrong := _missing(energy, level, facts, action, in_loop=True):
@@ -41,11 +43,11 @@ def energy_fault(problem: Problem, lasso: Lasso) -> str | None:
 
 
 def required_levels(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> tuple[int, ...]:
-    """What has to be there before each action of a plan, prefix and loop, so that it can go on.
+    """The level needed before each action of a plan, prefix and loop, so that it can go on.
 
     Args:
-        energy: of the problem that it solves.
-        facts: at its beginning.
+        energy: the energy of the problem that the plan solves.
+        facts: the facts at the beginning of the plan.
         lasso: the plan.
     """
     actions = (*lasso.prefix, *lasso.loop)
@@ -59,7 +61,7 @@ def required_levels(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> tup
         levels = [after] * len(lasso.loop)
     else:
         kept, after, levels = len(actions), 0, []
-        for action in lasso.loop[::-1]:  # what the next lap asks for at its beginning
+        for action in lasso.loop[::-1]:  # starts with what the next lap needs at its beginning
             after = _before(energy, action, after, 0)
     for action, place in zip(actions[:kept][::-1], places[:kept][::-1], strict=True):
         in_loop = len(levels) < len(lasso.loop)
@@ -70,7 +72,7 @@ def required_levels(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> tup
 
 
 def of_reserve(energy: Energy, facts: frozenset[Fact], lasso: Lasso) -> int:
-    """What a plan takes of the reserve, in units; arguments as of `required_levels`."""
+    """How much of the reserve a plan uses, in units; arguments as of `required_levels`."""
     return max(0, required_levels(energy, facts, lasso)[0] - energy.level)
 
 
@@ -83,7 +85,7 @@ def _before(energy: Energy, action: Action, after: int, floor: int) -> int:
 def _missing(
     energy: Energy, level: int, facts: frozenset[Fact], action: Action, in_loop: bool
 ) -> str | None:
-    """What is missing before an action; None if nothing is."""
+    """What is missing before an action, in words; None if nothing is."""
     place = place_of(facts)
     floor, needed = energy.floors.get(place), energy.floor(place, in_loop)
     if floor is None or needed is None:
@@ -102,7 +104,7 @@ def _missing(
 
 
 def level_after(energy: Energy, level: int, action: Action) -> int:
-    """What is there after an action."""
+    """The level after an action."""
     if action.charge_to is not None and action.charger is not None:
         least = level - action.charger.landing - action.charger.take_off
         return max(action.charge_to, least)
@@ -110,7 +112,7 @@ def level_after(energy: Energy, level: int, action: Action) -> int:
 
 
 def place_of(facts: frozenset[Fact]) -> str:
-    """Where the vehicle is; "" for nowhere."""
+    """The place of the vehicle; "" if it is at none."""
     return next((fact.arguments[0] for fact in facts if fact.predicate == AT), "")
 
 

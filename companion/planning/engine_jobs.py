@@ -1,9 +1,9 @@
-"""Engines of unified-planning in flight: each problem is compiled and solved beside the loop.
+"""Engines of unified-planning in flight: they compile and solve problems beside the flight loop.
 
-A thread waits for the engine's process (`engines.py`) and checks its plan; the flight loop asks in
-each tick whether there is an answer. In lockstep simulated time waits instead: an answer comes
-after a simulated duration that is configured, so that equal flights have equal events however fast
-the machine is. Threads and processes: this module is a door.
+A thread waits for the engine's process (`engines.py`) and checks its plan. The flight loop asks in
+each tick whether there is an answer. In lockstep, simulated time waits for the engine, and the
+answer comes after a configured simulated duration. So equal flights have equal events, however fast
+the machine is. This module starts threads and processes: it is a door.
 """
 
 from __future__ import annotations
@@ -23,14 +23,15 @@ from companion.planning.objective import Encoding, Objective
 
 @dataclass(frozen=True, slots=True)
 class EngineJobs:
-    """An engine that plans for a flight; the interface is `Engine`.
+    """An engine that plans for a flight; it implements `Engine`.
 
     Attributes:
-        engine: its name in unified-planning.
-        encoding: how it is told.
-        timeout_s: what it may take of real time.
-        duration_s: what it takes of simulated time, in lockstep; None in real time. In lockstep
-            the time limit ends the flight, which would be another one on another machine.
+        engine: name of the engine in unified-planning.
+        encoding: how problems are compiled for it.
+        timeout_s: limit of real time.
+        duration_s: simulated time until its answer, in lockstep; None in real time. In lockstep,
+            exceeding the time limit ends the flight, because the flight would differ on another
+            machine.
     """
 
     engine: str
@@ -54,7 +55,7 @@ class EngineJobs:
 
     @property
     def finds_nothing(self) -> EngineFailure:
-        """What is told where it says that there is no plan."""
+        """What is reported if the engine says that there is no plan."""
         return EngineFailure(f"the engine {self.engine} finds no plan")
 
     def begin(self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float) -> _Job:
@@ -63,7 +64,7 @@ class EngineJobs:
 
 
 class _Job:
-    """A problem that an engine works on; the interface is `EngineJob`."""
+    """A problem that an engine works on; it implements `EngineJob`."""
 
     def __init__(
         self,
@@ -89,19 +90,19 @@ class _Job:
                     stop=stop,
                 )
                 self._found.set_result(solution.lasso if solution else None)
-            except BaseException as error:  # raised again where the answer is asked for
+            except BaseException as error:  # raised again when the answer is asked for
                 self._found.set_exception(error)
 
         threading.Thread(target=work, daemon=True).start()
 
     def answer(self, now_s: float) -> Lasso | EngineFailure | None:
-        """The plan, or why there is none; None while it is not known."""
+        """The plan, or why there is none; None while the engine works."""
         if self._jobs.duration_s is None:
             return self._result() if self._found.done() else None
         return self._result() if now_s >= self._due_s else None
 
     def _result(self) -> Lasso | EngineFailure:
-        """The plan, or why there is none, when the engine has answered."""
+        """The plan, or why there is none, after the engine has answered."""
         try:
             lasso = self._found.result()
         except EngineTimeout as late:
@@ -113,5 +114,5 @@ class _Job:
         return lasso or self._jobs.finds_nothing
 
     def abandon(self) -> None:
-        """The engine is ended, if it still works."""
+        """Ends the engine if it still works."""
         self._stopping.close()

@@ -1,4 +1,4 @@
-"""What acting sees of a planner from outside: it plans beside the flight loop, never in it."""
+"""The interface of planners from outside, for acting: they plan beside the flight loop."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from companion.planning.lasso import Lasso, Letter, Problem
 
 @dataclass(frozen=True, slots=True)
 class EngineFailure:
-    """Why an engine has no plan; the built-in search is asked then.
+    """Why an engine has no plan; the built-in search is then asked instead.
 
     Attributes:
         reason: in words, with the engine's name.
@@ -24,14 +24,14 @@ class EngineJob(Protocol):
     """A problem that an engine works on."""
 
     def answer(self, now_s: float) -> Lasso | EngineFailure | None:
-        """The plan, or why there is none; None while it is not known.
+        """The plan, or why there is none; None while the engine works.
 
         Raises:
-            EngineTimeout: in lockstep, where a time limit must not decide on what is flown.
+            EngineTimeout: in lockstep, where a time limit must not decide what is flown.
         """
 
     def abandon(self) -> None:
-        """Nobody waits for the answer any more."""
+        """Nobody waits for the answer any longer."""
 
 
 class Engine(Protocol):
@@ -40,14 +40,14 @@ class Engine(Protocol):
     def plan(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
     ) -> Lasso | EngineFailure:
-        """The plan before a flight, where it is waited for.
+        """The plan before a flight; the caller waits for it.
 
         Raises:
-            EngineError: it cannot plan this mission, or is not installed.
-            EngineTimeout: as an answer does.
+            EngineError: the engine cannot plan this mission, or is not installed.
+            EngineTimeout: as in `EngineJob.answer`.
         """
 
     def begin(
         self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float
     ) -> EngineJob:
-        """Begins to plan. It may not block."""
+        """Begins to plan. It must not block."""

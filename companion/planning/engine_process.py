@@ -1,9 +1,9 @@
-"""What runs in an engine's process: the problem is compiled, and the planner asked.
+"""What runs in an engine's process: it compiles the problem and calls the planner.
 
-A planner may hang, crash, fill the memory, print, leave files (Fast Downward its output.sas, where
-it is called) and start processes; and a task may be too large to be compiled. So each question has
-a confined process of its own in a folder of its own. At the time limit, and when the caller is
-interrupted, the process ends what the planner has started. This module is a door.
+A planner may hang, crash, fill the memory, print, start processes, and leave files (Fast Downward
+writes output.sas into the working directory). The compilation of a large task may not end either.
+So each question gets a confined process and folder of its own. At the time limit, and when the
+caller is interrupted, the process ends all that the planner has started. This module is a door.
 """
 
 from __future__ import annotations
@@ -37,13 +37,14 @@ INSTALL = {
     "lpg": "pip install up-lpg",
     "tamer": "pip install up-tamer",
 }
-"""The command that installs an engine, by the beginning of its name."""
+"""The command that installs an engine, by the beginning of the engine's name."""
 NO_COSTS = ("pyperplan",)
-"""Engines that take no costs of actions and look for a plan of few actions."""
+"""Engines that ignore costs of actions and look for a plan with few actions."""
 GRACE_S = 2.0
-"""Time beyond its limit after which a process is killed from outside."""
+"""A process is killed from outside when it exceeds its limit by this time."""
 MEMORY_BYTES = 1024 * MIB
-"""Of the process, and of each that a planner starts; no more processor time than its limit."""
+"""Memory limit of the process and of each one that a planner starts. The limit of processor time is
+that of the question."""
 
 
 class EngineError(CompanionError):
@@ -51,19 +52,19 @@ class EngineError(CompanionError):
 
 
 class EngineMissing(EngineError):
-    """There is no planner of that name here; the message says what to install, or which are."""
+    """No planner of that name is installed; the message says what to install, or what there is."""
 
     exit_code = 2
 
 
 class EngineUnfit(EngineError):
-    """What a planner is asked for is beyond it; the message says what to ask instead."""
+    """The planner cannot do what is asked of it; the message says what to ask for instead."""
 
     exit_code = 2
 
 
 class _TimeIsOver(Exception):
-    """Raised by the alarm."""
+    """Raised by the alarm at the time limit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +72,8 @@ class EngineQuestion:
     """What a planner is asked.
 
     Attributes:
-        problem: from where to plan.
-        histories: per conjunct, the letters that it has read, the present position's included.
+        problem: the problem, with the state to plan from.
+        histories: per conjunct, the letters that it has read, including the present position's.
         encoding: how the task is compiled.
         objective: `LAP` or `SUM`.
     """
@@ -95,11 +96,11 @@ class EngineQuestion:
 
 @dataclass(frozen=True, slots=True)
 class EngineAnswer:
-    """What has become of a question.
+    """The answer to a question.
 
     Attributes:
-        status: in the words of unified-planning.
-        prefix, loop: names of actions of the problem; no loop, no plan.
+        status: status in the words of unified-planning.
+        prefix, loop: names of actions of the problem; without a loop there is no plan.
     """
 
     status: str
@@ -110,14 +111,14 @@ class EngineAnswer:
 def run(
     pipe: Connection, folder: str, question: EngineQuestion, engine: str, timeout_s: float
 ) -> None:
-    """All that the process does: sends an `EngineAnswer`, or an `EngineError`.
+    """Does all the work of the process: sends an `EngineAnswer` or an `EngineError`.
 
     Args:
-        pipe: to whoever asks.
-        folder: where the planner may write.
-        question: what is asked.
+        pipe: connection to whoever asks.
+        folder: folder in which the planner may write.
+        question: the question.
         engine: the planner's name in unified-planning.
-        timeout_s: after this many seconds it ends itself.
+        timeout_s: the process ends itself after this time.
     """
     os.setsid()  # Ctrl-C in the terminal is the parent's business
     confine_memory(MEMORY_BYTES)
@@ -130,7 +131,7 @@ def run(
 
     def stop(number: int, frame: FrameType | None) -> None:
         for planner in planners:
-            started = getattr(planner, "_process", None)  # in a session of its own
+            started = getattr(planner, "_process", None)  # it is in a session of its own
             if started is not None:
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(started.pid, signal.SIGKILL)
@@ -163,7 +164,7 @@ def run(
 
 
 def look_up(pipe: Connection, folder: str, engine: str, encoding: Encoding) -> None:
-    """All that a process does that looks whether an engine of this name takes an encoding.
+    """Does all the work of a process that looks up whether an engine exists and takes an encoding.
 
     Sends an `EngineAnswer`, or an `EngineError`.
     """
@@ -199,12 +200,12 @@ def _planner(engine: str, parameters: dict[str, Any]) -> Any:
 
 
 def _parameters(engine: str, classical: ClassicalProblem) -> dict[str, Any]:
-    """What makes Fast Downward find a plan of least cost, and prove that there is none."""
+    """Parameters with which Fast Downward finds a cheapest plan, or proves there is none."""
     if engine != FAST_DOWNWARD:
         return {}
     heuristic = "hmax" if classical.has_conditional_effects else "lmcut"
     return {
-        # Finding invariants of a large automaton takes longer than the search that they help.
+        # To find invariants of a large automaton takes longer than they save in the search.
         "fast_downward_translate_options": ["--invariant-generation-max-time", "0"],
         "fast_downward_search_config": f"astar({heuristic}())",
     }
@@ -227,7 +228,7 @@ def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> EngineAns
     if not planner.supports(task.kind):
         raise _unsupported(classical.encoding, engine, sorted(task.kind.features))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of features that an engine has not, and we do not ask
+        warnings.simplefilter("ignore")  # about features that an engine lacks and we do not use
         result = planner.solve(task)
     if result.plan is None:
         return EngineAnswer(result.status.name)
@@ -238,7 +239,7 @@ def _answer(planner: Any, classical: ClassicalProblem, engine: str) -> EngineAns
 
 
 def _task(classical: ClassicalProblem, has_costs: bool) -> Any:
-    """The problem in unified-planning's terms; its reader of PDDL would take longer."""
+    """The problem as an object of unified-planning; its PDDL reader would take longer."""
     from unified_planning.model import Fluent, InstantaneousAction, Problem
     from unified_planning.model.metrics import MinimizeActionCosts
     from unified_planning.shortcuts import And, BoolType, Int, Not

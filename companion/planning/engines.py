@@ -1,11 +1,15 @@
 """Classical planners through unified-planning: they solve a compiled task (`compilation/`).
 
-Fast Downward is the default, pyperplan a second planner for encoding v5; any other engine that
-unified-planning knows goes by its name. The planners are optional (extra `planners`), and they are
-met when a plan is asked for, in a confined process for each question (`engine_process.py`): neither
-what they do nor the size of a compiled task reaches the caller. What comes back is names; every
-plan is checked here. Processes are forked from a server that has the library loaded, for that takes
-a second. This module is a door.
+Fast Downward is the default, and pyperplan the second planner, for encoding v5. Any other engine of
+unified-planning is chosen by its name. The planners are optional (extra `planners`) and are first
+looked for when a plan is asked for.
+
+1. Each question has a confined process of its own (`engine_process.py`). So neither the planner nor
+   the size of a compiled task can harm the caller.
+2. The process returns names of actions; every plan is checked here.
+3. Processes are forked from a server that has loaded the library, because that takes a second.
+
+This module is a door.
 """
 
 from __future__ import annotations
@@ -38,7 +42,7 @@ FAILURES = {
 }
 """Texts for statuses without an answer: what the engine did, and what to do."""
 LOOK_UP_S = 10.0
-"""What may be waited for the word whether an engine is there; a plan tells it later, too."""
+"""Time limit for the question whether an engine exists; a later call to plan would tell, too."""
 
 _server = multiprocessing.get_context("forkserver")
 _server.set_forkserver_preload(
@@ -64,25 +68,26 @@ def solve_with(
     timeout_s: float,
     stop: Connection | None = None,
 ) -> Solution | None:
-    """A checked lasso by way of a classical planner; None if it is proved that there is none.
+    """A checked lasso from a classical planner; None if it is proved that there is none.
 
-    Its bound is not known: a compiled task closes a loop where the automata are as they were, and
-    a loop that does not lead them back at once may be better.
+    The bound of the solution is not known. A compiled task closes a loop only where the automata
+    are in the same states again. A loop that brings them back only after several laps may be
+    better.
 
     Args:
-        problem: from where to plan.
-        histories: per conjunct, the letters that it has read, the present position's included.
+        problem: the problem, with the state to plan from.
+        histories: per conjunct, the letters that it has read, including the present position's.
         engine: its name in unified-planning.
         encoding: how the task is compiled.
         objective: `LAP` or `SUM`.
-        timeout_s: after this many seconds, in which the task is compiled too, the engine is ended.
-        stop: it is ended when the other end of this pipe is closed.
+        timeout_s: time limit of the engine, including the compilation of the task.
+        stop: the engine is ended when the other end of this pipe is closed.
 
     Raises:
         EngineError: the engine is missing, cannot take the problem, failed, or took too long; the
-            encoding cannot express the task; or the problem has energy or bounds in time, of
-            which no engine knows.
-        CompanionError: the engine made a wrong plan; or an argument is of another kind.
+            encoding cannot express the task; or the problem has energy or time bounds, which no
+            engine supports.
+        CompanionError: the engine made a wrong plan, or an argument has the wrong type.
     """
     check_kind(engine, str, "the name of an engine")
     check_wait(timeout_s)
@@ -105,16 +110,16 @@ def solve_with(
 
 
 def require(engine: str, encoding: Encoding, mission: Mission | None) -> None:
-    """Refuses an engine that cannot plan, before anything is done for a flight with it.
+    """Refuses an engine that cannot plan, before anything else is done for a flight.
 
     Args:
         engine: its name in unified-planning.
         encoding: how the task is compiled.
-        mission: what is flown; None while it is not known.
+        mission: the mission to fly; None while it is not known.
 
     Raises:
-        EngineMissing: it is not here.
-        EngineUnfit: it cannot take the encoding, or what the mission has.
+        EngineMissing: the engine is not installed.
+        EngineUnfit: the engine does not support the encoding, or what the mission has.
     """
     if mission is not None:
         _refuse(engine, mission.battery is not None, mission.is_timed)
@@ -122,7 +127,7 @@ def require(engine: str, encoding: Encoding, mission: Mission | None) -> None:
 
 
 def _refuse(engine: str, has_energy: bool, has_bounds: bool) -> None:
-    """Raises an EngineUnfit for what no engine knows of."""
+    """Raises EngineUnfit for energy and time bounds, which no engine supports."""
     if has_energy:
         raise EngineUnfit(
             f"the engine {engine} knows of no energy, and the mission has a battery; leave the "
@@ -136,10 +141,10 @@ def _refuse(engine: str, has_energy: bool, has_bounds: bool) -> None:
 
 
 def _no_plan(status: str, engine: str, timeout_s: float) -> None:
-    """Returns if it is proved that there is none.
+    """Returns if it is proved that there is no plan.
 
     Raises:
-        EngineError: it is not.
+        EngineError: it is not proved.
     """
     is_proved = status == "UNSOLVABLE_INCOMPLETELY" and engine == FAST_DOWNWARD  # by A*
     if is_proved or status == "UNSOLVABLE_PROVEN":
@@ -154,7 +159,7 @@ def _no_plan(status: str, engine: str, timeout_s: float) -> None:
 
 
 def _lasso(answer: EngineAnswer, problem: Problem) -> Lasso | None:
-    """The plan in the problem's own actions; None if it has others."""
+    """The plan with the problem's own actions; None if the engine names others."""
     known = {action.name: action for action in problem.actions}
     if not known.keys() >= {*answer.prefix, *answer.loop}:
         return None
@@ -165,22 +170,22 @@ def _lasso(answer: EngineAnswer, problem: Problem) -> Lasso | None:
 def _asked(
     ask: Callable[[Connection, str], None], timeout_s: float, stop: Connection | None = None
 ) -> EngineAnswer:
-    """What a process of its own answers.
+    """The answer of a process of its own.
 
     Args:
-        ask: all that the process does, given a pipe to here and a folder.
-        timeout_s: after this many seconds, and a little more, it is ended.
-        stop: it is ended when the other end of this pipe is closed.
+        ask: the work of the process, given a pipe to here and a folder.
+        timeout_s: the process is ended shortly after this time.
+        stop: the process is ended when the other end of this pipe is closed.
 
     Raises:
-        EngineError: as it says.
+        EngineError: the process sent it.
     """
     here, there = _server.Pipe(duplex=False)
     with tempfile.TemporaryDirectory(prefix="companion-", ignore_cleanup_errors=True) as folder:
         process = _server.Process(target=ask, args=(there, folder), daemon=True)
         try:
             process.start()
-        except (EOFError, OSError):  # the server has died just now; the next call starts it again
+        except (EOFError, OSError):  # the server has just died; the next call starts it again
             here.close()
             return EngineAnswer("INTERNAL_ERROR")
         finally:

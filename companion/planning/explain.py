@@ -1,16 +1,18 @@
-"""The reason why there is no plan: conjuncts that conflict, facts out of reach, lost beliefs.
+"""Explains why there is no plan: conflicting conjuncts, unreachable facts, withdrawn beliefs.
 
-A smallest conflicting set is found by deletion: drop one conjunct after the other for as long as
-the rest still has no plan. One that is violated is a reason by itself, and dropped last. Facts that
-these conjuncts mention, that some skill makes true, and that no sequence of skills can reach are
-named with what their skills lack, and so are places to which no route leads. If one withdrawn
-belief alone would make the task possible again, it is named.
+1. A minimal conflicting set is found by deletion: conjuncts are dropped one after the other, as
+   long as the rest still has no plan. A violated conjunct is a reason by itself, and is dropped
+   last.
+2. A fact is named if these conjuncts mention it, some skill makes it true, and no sequence of
+   skills reaches it. The explanation says what its skills lack. Places to which no route leads are
+   named likewise.
+3. A withdrawn belief is named if it alone would make the task possible again.
 
-Planning assumes that every event keeps its value. The values of events are told where nothing else
-explains why a fact is out of reach, or lines of the task cannot hold.
+Planning assumes that every event keeps its value. The values of events are reported if nothing else
+explains why a fact is unreachable or why lines of the task cannot hold.
 
-That takes a search per conjunct and per belief. What a search cannot answer within its limit leaves
-the conjunct in the set, and the belief out.
+This takes one search for each conjunct and belief. If a search reaches its limit, the conjunct
+stays in the set, and the belief is not named.
 """
 
 from __future__ import annotations
@@ -33,13 +35,12 @@ _ACTION_US = 1
 
 @dataclass(frozen=True, slots=True)
 class WorldModel:
-    """What a problem does not say of its mission.
+    """What is known about a mission but is not part of a problem.
 
     Attributes:
         events: the facts that the vehicle cannot choose.
-        closed_moves: flights to some places that the mission describes, and for which there is no
-            route on the map.
-        enclosed: a line for each of some places that lies in the region of another one.
+        closed_moves: moves of the mission for which the map has no route.
+        enclosed: a line of text for each place that lies in the region of another one.
     """
 
     events: frozenset[Fact] = frozenset()
@@ -54,12 +55,12 @@ NOTHING_MORE = WorldModel()
 def world_of(
     mission: Mission, problem: Problem, left_out: Collection[str] = frozenset()
 ) -> WorldModel:
-    """What a problem does not say of its mission.
+    """The world model of a mission, for one of its problems.
 
     Args:
-        mission: of the problem.
+        mission: the mission of the problem.
         problem: the problem.
-        left_out: names of moves that have a route, and that it does not have for another reason.
+        left_out: names of moves that have a route, but that the problem lacks for another reason.
     """
 
     def closed_moves(places: frozenset[str]) -> Iterator[Action]:
@@ -93,10 +94,10 @@ def _is_over(place: Place, other: Place) -> bool:
 
 
 IsSolvable = Callable[[Problem], bool | None]
-"""Whether a problem has a plan; None if the search for one reaches its limit."""
+"""Whether a problem has a plan; None if the search reaches its limit."""
 
 Reasons = Callable[[Problem], tuple[str, ...]]
-"""Why a problem has no plan, a line each."""
+"""Reasons why a problem has no plan, one line each."""
 
 _MAX_SHOWN = 6  # alternatives that are listed in words
 
@@ -106,7 +107,7 @@ class Unreachable:
     """A fact that no skill can make true from here.
 
     Attributes:
-        needs: for each skill that makes it true the facts that are missing.
+        needs: for each skill that makes it true, the facts that are missing.
     """
 
     fact: Fact
@@ -124,16 +125,16 @@ class Explanation:
     """Why a problem has no plan.
 
     Attributes:
-        conflict: a smallest set of conjuncts that cannot hold together.
-        unreachable: facts mentioned in them that cannot be made true.
-        no_route: places that they need, and to which no route leads on the map.
-        events: the values that events have now, and keep in every plan, if these may be the reason.
+        conflict: a minimal set of conjuncts that cannot hold together.
+        unreachable: facts of these conjuncts that cannot be made true.
+        no_route: places that they need, and to which the map has no route.
+        events: the present values of events, kept in every plan, if these may be the reason.
         withdrawn: the beliefs that were withdrawn.
-        restoring: those of them that would each make a plan possible again.
+        restoring: those withdrawn beliefs each of which would make a plan possible again.
         shortages: why the battery does not last, in words.
-        late: which bounds in time cannot be kept, and from which limit on they could be, in words.
-        remarks: on lines that are often written so, and never hold.
-        violated: the lines of the conflict that no continuation of what was read can satisfy.
+        late: which time bounds cannot be kept, and from which limit on they could, in words.
+        remarks: hints on lines that are often written this way and never hold.
+        violated: the lines of the conflict that no continuation of the word can satisfy.
     """
 
     conflict: tuple[Conjunct, ...]
@@ -151,11 +152,11 @@ class Explanation:
         return self.told({})
 
     def told(self, lines: Mapping[str, int]) -> str:
-        """In words; with the lines of a file in which parts of the task stand, by their names."""
+        """The explanation in words; `lines` gives the line numbers of parts, by their names."""
         names = list(dict.fromkeys(conjunct.name for conjunct in self.conflict))
         together = " together" if len(self.conflict) > 1 else ""
         words = [f"no plan: {', '.join(names)} cannot hold{together} from here."]
-        if not names:  # there is always rest, but for the energy that it takes
+        if not names:  # rest is always possible, except for the energy that it takes
             words = ["no plan: nothing that begins here ends safely, the reserve left."]
         for conjunct in self.conflict:
             place = f"  (line {lines[conjunct.name]})" if conjunct.name in lines else ""
@@ -191,7 +192,7 @@ class Explanation:
 
 
 class NoPlan(NoPlanError):
-    """There is no plan, with the explanation; lines of the mission's file may be told, too."""
+    """There is no plan; carries the explanation, with line numbers of the mission file if given."""
 
     def __init__(self, explanation: Explanation, lines: Mapping[str, int] | None = None) -> None:
         self.explanation = explanation
@@ -210,9 +211,9 @@ def why_no_plan(
     Args:
         problem: the problem.
         is_solvable: the search.
-        world: what the problem does not say.
-        shortages: says why the battery does not last for a problem without a plan.
-        late: says which bounds cannot be kept in it.
+        world: what is known beside the problem.
+        shortages: says why the battery does not last, for a problem without a plan.
+        late: says which time bounds cannot be kept in it.
     """
     if problem.energy is not None and is_solvable(replace(problem, energy=None)) is False:
         problem = replace(problem, energy=None)  # the battery is not the reason
@@ -261,7 +262,7 @@ def _with(problem: Problem, belief: Fact) -> Problem:
 def _unreachable(
     problem: Problem, mentioned: frozenset[Fact], reached: frozenset[Fact]
 ) -> tuple[Unreachable, ...]:
-    """Facts that skills make true in principle, but not from here."""
+    """Facts that some skill makes true, but that cannot be reached from here."""
     found = []
     for fact in sorted(mentioned - reached):
         spent(_ACTION_US * len(problem.actions))
@@ -275,7 +276,7 @@ def _unreachable(
 def _without_route(
     problem: Problem, facts: frozenset[Fact], reached: frozenset[Fact], world: WorldModel
 ) -> tuple[str, ...]:
-    """Places out of reach for want of a route, and not of a belief or another fact."""
+    """Places that are unreachable because of a missing route, not a belief or another fact."""
     sought = {fact for fact in facts - reached if fact.predicate == AT}
     if not sought:
         return ()
@@ -293,7 +294,7 @@ def _in_the_way(problem: Problem) -> frozenset[Fact]:
 
 
 def _relaxed_reach(problem: Problem) -> frozenset[Fact]:
-    """Every fact that might hold at some time: actions without what they delete and forbid."""
+    """All facts that may ever hold, if actions neither delete nor forbid anything."""
     reached = problem.facts
     while True:
         spent(_ACTION_US * len(problem.actions))

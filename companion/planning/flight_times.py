@@ -1,4 +1,4 @@
-"""What a flight between two places costs: the routes of a mission, and their seconds of flight."""
+"""What a flight between two places costs: the routes of a mission and their times of flight."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from companion.planning.instances import FlightTime
 from companion.slices import spent
 
 LONGEST_S = 1e9
-"""Of a flight that a function or a table may say: costs are counted in whole numbers."""
+"""Longest flight that a function or a table may give, because costs are whole numbers."""
 _DISTANCE_US = 30
 
 
 def route_map(mission: Mission, kind: type[LayeredRoutes] = LayeredRoutes) -> LayeredRoutes:
-    """The routes of a mission: the places that its task mentions are not crossed by chance.
+    """The routes of a mission; they cross no region of another place that the task mentions.
 
     Args:
-        mission: whose places they lead to.
-        kind: what is made.
+        mission: the mission with the places.
+        kind: the class of the result.
     """
     mentioned = mission.task_facts
     sites = {
@@ -59,15 +59,15 @@ def flight_times(
     here: Callable[[], Departure | None] = lambda: None,
     limits: Callable[[], SpeedLimits] | None = None,
 ) -> FlightTime:
-    """Seconds of flight between places: as they are flown, where bounds or a battery ask for it.
+    """Seconds of flight between places; exact, as flown, if time bounds or a battery need it.
 
-    All others cost what their length says, which takes a fraction of a millisecond.
+    Without these, the cost follows from the length of the route, in a fraction of a millisecond.
 
     Args:
-        mission: whose places they are.
-        ways: to its places.
-        here: says where the vehicle is, and how it moves, between places.
-        limits: says how fast it may fly now; without it as fast as the mission allows.
+        mission: the mission with the places.
+        ways: routes to its places, and how long they are flown.
+        here: says where the vehicle is between places, and how it moves.
+        limits: says how fast it may fly now; without it, as fast as the mission allows.
     """
     as_written, routes = mission.speed_limits, ways.routes
 
@@ -87,15 +87,16 @@ def flight_times(
 def given_times(
     mission: Mission, given: FlightTime | Mapping[tuple[str, str], float]
 ) -> FlightTime:
-    """Flight times as a function or a table has them; without a route between others of a table.
+    """Flight times from a function or a table; pairs that a table lacks have no route.
 
     Args:
-        mission: whose places they are about.
-        given: seconds of an origin and a goal, or by these two.
+        mission: the mission with the places.
+        given: seconds as a function of origin and goal, or a table with these two as the key.
 
     Raises:
-        MissionError: the mission does not have a place of the table.
-        CompanionError: it is neither; or, also later, what it says is no time.
+        MissionError: the mission lacks a place of the table.
+        CompanionError: it is neither; or a value is not a time (raised when the value is asked
+            for).
     """
     table = given if isinstance(given, Mapping) else {}
     if not callable(given):

@@ -1,10 +1,10 @@
-"""How long flights last as they are flown, bends and all.
+"""How long routes take as they are actually flown, including bends.
 
-A leg's length alone says too little where it leads around things: in a hall the vehicle slows down
-for the bends, and needs up to 1.7 times as long. Finding a route takes some milliseconds, so routes
-between places are kept for as long as the way there stays as long as it was.
+Where a route leads around obstacles, its length alone says too little: in a hall the vehicle slows
+down in bends and needs up to 1.7 times as long. To find a route takes some milliseconds. So a route
+between places is kept as long as the length of the shortest path stays the same.
 
-A first leg from motion is reckoned as it is flown, by the same rules (`motion/departure.py`).
+A first leg that begins in motion is computed as it is flown, by the rules of `motion/departure.py`.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from companion.slices import spent
 
 _ROUTE_US, _TRAJECTORY_US = 5_000, 130
 ARRIVAL_S = 0.15
-"""From the end of a trajectory until the vehicle is seen to be there; on the average."""
+"""Average time from the end of a trajectory until the vehicle is seen to have arrived."""
 _KEPT = 4_096
-"""Routes; those between 64 places."""
+"""Number of routes that are kept; enough for all pairs of 64 places."""
 _DEPARTURES_KEPT = 64
-"""From where the vehicle is in a tick; one to each place, which time and energy ask for."""
+"""Routes kept from the present state of the vehicle: one to each place, for time and energy."""
 _TURNING_STEP_S = 0.05
 
 
 class FlownWays:
-    """Ways to places, and how long their trajectories last.
+    """Routes to places, and how long their trajectories last.
 
     Attributes:
-        routes: that are flown.
+        routes: the routes that are flown.
 
     Args:
-        routes: the same.
+        routes: the routes that are flown.
     """
 
     def __init__(self, routes: LayeredRoutes) -> None:
@@ -48,7 +48,7 @@ class FlownWays:
         self._from_motion_s = lru_cache(_DEPARTURES_KEPT)(self._reckon_from_motion_s)
 
     def flight_s(self, start: Ned, place: str, limits: SpeedLimits) -> float:
-        """From rest until the vehicle is there; inf where no way leads there."""
+        """Seconds from rest at `start` until the vehicle has arrived; inf without a route."""
         passage = self.routes.passage(start, place)
         if math.isinf(passage.over_ground_m):
             return math.inf
@@ -56,7 +56,7 @@ class FlownWays:
         return math.inf if route is None else self._duration_s(route, limits) + ARRIVAL_S
 
     def departure_s(self, departure: Departure, place: str, limits: SpeedLimits) -> float:
-        """From a departure until the vehicle is there; inf where no way leads there."""
+        """Seconds from a departure until the vehicle has arrived; inf without a route."""
         if departure.stop is None and is_slow(departure.now):
             return self.flight_s(departure.now.position, place, limits)
         version = self.routes.version
@@ -65,7 +65,7 @@ class FlownWays:
     def _reckon_from_motion_s(
         self, departure: Departure, place: str, goal: Ned, limits: SpeedLimits, version: int
     ) -> float:
-        """The same of a vehicle in motion: straight on once it turns no more, or from its rest."""
+        """The same for a moving vehicle: from its first straight stretch, or from its stop."""
         turning_s = 0.0
         while departure.is_turning:
             turning_s += _TURNING_STEP_S
@@ -79,9 +79,9 @@ class FlownWays:
         return turning_s + rests_in_s + self.flight_s(rest, place, limits)
 
     def _find(self, start: Ned, place: str, goal: Ned, passage: Passage) -> Route | None:
-        """The route to where a place is now, if the way there is as long as it is now.
+        """The present route to a place, if it is as long as was measured.
 
-        It is found in the slice in which that was measured: the map may change after it.
+        It is found in the slice in which that was measured, because the map may change later.
         """
         route = self.routes.route(start, place)
         spent(_ROUTE_US)

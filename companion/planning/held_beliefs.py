@@ -1,10 +1,10 @@
-"""Which beliefs are held: those that were disproved may come back by time, by an event, by the map.
+"""Which beliefs are held; a withdrawn belief may return after a time, by an event or by the map.
 
-A belief that has just failed, and that the map contradicts, has failed for the map's sake: it waits
-for the map.
+1. If a belief has just failed and the map contradicts it, the map counts as the cause: the belief
+   returns only by the map.
 
-No failure is lost, as no rise of an event is: a belief that the task mentions does not come back by
-time on the way to the position that reads that it has failed.
+2. No failure is missed, just as no rise of an event is. If the task mentions a belief, it does not
+   return by time before a position has read that it failed.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ class HeldBeliefs:
     """The beliefs of a flight.
 
     Attributes:
-        withdrawn: those that were disproved, or that the map contradicts.
+        withdrawn: beliefs that were disproved or that the map contradicts.
 
     Args:
-        mentioned: what the task mentions.
+        mentioned: beliefs that the task mentions.
     """
 
     def __init__(self, mentioned: frozenset[Fact] = frozenset()) -> None:
@@ -33,7 +33,7 @@ class HeldBeliefs:
         self._cut_off: frozenset[Fact] = frozenset()
 
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None) -> None:
-        """Gives up beliefs; from `retry_s` on, if given, they may be held again."""
+        """Withdraws beliefs; from time `retry_s` on, if given, they may be held again."""
         self.withdrawn |= beliefs
         self._failed |= beliefs
         self._unread |= beliefs & self._mentioned
@@ -43,18 +43,18 @@ class HeldBeliefs:
                 self._returns_s[belief] = retry_s
 
     def read(self) -> None:
-        """A position was read with those that are withdrawn."""
+        """A position was read with the beliefs that are withdrawn now."""
         self._unread = frozenset()
 
     def leave_here(self) -> None:
-        """What was withdrawn about a place between places is of no account at another one."""
+        """At another place, beliefs withdrawn about `here` no longer matter."""
         self.withdrawn = frozenset(b for b in self.withdrawn if HERE not in b.arguments)
 
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
-        """Gives up the beliefs that the map contradicts, and holds again those that it did before.
+        """Withdraws beliefs that the map contradicts, and holds those again that it no longer does.
 
         Args:
-            beliefs: all that the map contradicts now.
+            beliefs: all beliefs that the map contradicts now.
 
         Returns:
             The beliefs given up, and those held again.
@@ -67,7 +67,7 @@ class HeldBeliefs:
 
     @property
     def returning(self) -> frozenset[Fact]:
-        """The withdrawn beliefs that are held again when their time has come."""
+        """The withdrawn beliefs that return by time."""
         return self.withdrawn & self._returns_s.keys()
 
     @property
@@ -76,14 +76,14 @@ class HeldBeliefs:
         return bool(self._cut_off)
 
     def restore(self, now_s: float, is_waiting: bool, predicates: frozenset[str]) -> list[Fact]:
-        """Holds beliefs again whose time has come, or whose predicate is named; which ones.
+        """Holds beliefs again if their time has come or their predicate is named; returns them.
 
-        Those that the map contradicts wait for the map.
+        Beliefs that the map contradicts wait for the map.
 
         Args:
-            now_s: the time.
-            is_waiting: whether no plan leads to a position that would read what has failed.
-            predicates: of which all come back.
+            now_s: the present time.
+            is_waiting: whether no plan leads to a position that would read the failed beliefs.
+            predicates: all beliefs with these predicates return.
         """
         later = frozenset() if is_waiting else self._unread
         restored = sorted(

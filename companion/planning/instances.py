@@ -1,17 +1,16 @@
-"""The instances of a mission's skills: actions, and which of them there are by what flights cost.
+"""The instances of a mission's skills, and which of them exist given the flight times.
 
-Skills become actions by binding their parameters to the members of their sets (the paper's
-action templates, Section II-E). What a skill `assumes` is a further precondition that is taken
-for true until the skill fails (Section IV-C). Two things are added that the mission file does
-not write down:
+Skills become actions by binding their parameters to the members of their sets (the paper's action
+templates, Section II-E). A belief that a skill `assumes` is a further precondition, held to be true
+until the skill fails (Section IV-C). Two things are added that the mission file does not contain:
 
-- `wait`, one step of rest, is an ordinary action. The paper's actNop, allowed once and only
-  at the end of a plan, cannot express a task whose loop is rest.
-- `here`, the place between places. A move that was interrupted leaves the vehicle at no place,
-  and then moves from `here` to every place exist, with the cost from where it is.
+- `wait`, one step of rest, is an ordinary action. The paper's actNop, allowed only once at the end
+  of a plan, cannot express a task whose loop is rest.
+- `here` is the pseudo-place between places. An interrupted move leaves the vehicle at no place.
+  Then moves exist from `here` to every place, with the cost from the vehicle's position.
 
-Costs are whole milliseconds of flight, rounded to tenths of a second, so that both ways round
-the same lap cost the same and ties fall to the order of the mission file.
+Costs are whole milliseconds of flight, rounded to tenths of a second. So both directions around the
+same lap cost the same, and ties are decided by the order of the mission file.
 """
 
 from __future__ import annotations
@@ -44,18 +43,18 @@ FlightTime = Callable[[str, str], float]
 
 
 class Drains(Protocol):
-    """What actions take of the battery."""
+    """How much energy actions take from the battery."""
 
     def of(
         self, skill: Skill, action: Action, flight: tuple[str, str] | None, place: str | None
     ) -> Action:
-        """An action with what it takes.
+        """The action with the energy that it takes.
 
         Args:
-            skill: whose instance it is.
-            action: with its cost.
-            flight: that it costs.
-            place: where it is done.
+            skill: the skill of which it is an instance.
+            action: the action, with its cost.
+            flight: the flight that the action contains.
+            place: where the action is done.
         """
 
 
@@ -66,7 +65,7 @@ _BELIEVING_US = 1
 
 @dataclass(frozen=True)
 class TaskModel:
-    """The mission's transition system, determinised: events keep their value, beliefs hold.
+    """The mission's transition system, made deterministic: events keep their value, beliefs hold.
 
     Attributes:
         actions: instances of the skills, in the order of the mission file, `wait` last.
@@ -79,10 +78,10 @@ class TaskModel:
 
 @dataclass(slots=True)
 class _Instance:
-    """An action of a skill, and the flight that it costs.
+    """An action, with the flight that it contains.
 
     Attributes:
-        flight: None for an action that costs no flight.
+        flight: None for an action that does not fly.
         place: where it is done; None for anywhere.
     """
 
@@ -93,15 +92,15 @@ class _Instance:
 
 
 class Instances:
-    """All instances of some skills of a mission; those without a route are no actions.
+    """All instances of some skills of a mission; without a route an instance is not an action.
 
-    What flights cost changes in flight, with the map and the speed limit; all else is made once.
+    In flight, flight times change with the map and the speed limit; everything else is made once.
 
     Args:
-        mission: whose skills they are.
-        origin: `here` for the moves from there alone, one per flying skill and place; None for all
-            instances of all skills.
-        drains: what they take; None where plans know of no energy.
+        mission: the mission with the skills.
+        origin: `here` for the moves from there only, one for each flying skill and place; None for
+            all instances of all skills.
+        drains: the energy that they take; None if plans do not consider energy.
     """
 
     def __init__(
@@ -111,7 +110,9 @@ class Instances:
         self._drains = drains
 
     def actions(self, flight_time: FlightTime) -> tuple[Action, ...]:
-        """The actions, in the order of the mission file; one whose cost has not changed stays."""
+        """The actions in the order of the mission file; an action with an unchanged cost stays the
+        same object.
+        """
         found = []
         for instance in self._instances:
             if instance.flight is not None:
@@ -136,12 +137,12 @@ class Instances:
 def instantiate(
     mission: Mission, flight_time: FlightTime, drains: Drains | None = None
 ) -> TaskModel:
-    """The task model of a mission. A move whose flight time is infinite does not exist."""
+    """The task model of a mission. A move with an infinite flight time is left out."""
     return task_model(Instances(mission, drains=drains), flight_time)
 
 
 def task_model(instances: Instances, flight_time: FlightTime) -> TaskModel:
-    """The task model at what flights cost now."""
+    """The task model with the present flight times."""
     actions = instances.actions(flight_time)
     spent(_BELIEVING_US * len(actions))
     beliefs = frozenset[Fact]().union(*(action.assumes for action in actions))
@@ -149,7 +150,7 @@ def task_model(instances: Instances, flight_time: FlightTime) -> TaskModel:
 
 
 def departures(mission: Mission, flight_time: FlightTime) -> tuple[Action, ...]:
-    """The moves from `here`: one per flying skill and place.
+    """The moves from `here`: one for each flying skill and place.
 
     Args:
         mission: the mission.
@@ -171,7 +172,7 @@ def _instances(mission: Mission, origin: str | None) -> Iterator[_Instance]:
 def _bindings(
     mission: Mission, skill: Skill, origin: str | None = None
 ) -> Iterator[dict[str, str]]:
-    """All bindings of a skill's parameters; `origin` fixes the place where it starts."""
+    """All bindings of a skill's parameters; `origin` fixes the place where the skill starts."""
     start = skill.origin if origin else None
     if origin and start is None:
         return
@@ -187,7 +188,7 @@ def _bindings(
 
 
 def _beliefs(mission: Mission, skill: Skill, binding: dict[str, str]) -> frozenset[Fact]:
-    """What a skill and those that refine it assume."""
+    """The beliefs that a skill and those that refine it assume."""
     assumed = {atom.instantiate(binding) for atom in skill.assumes}
     for step in skill.execute:
         if isinstance(step, Do):
@@ -197,13 +198,13 @@ def _beliefs(mission: Mission, skill: Skill, binding: dict[str, str]) -> frozens
 
 
 def _own(inner: Skill, call: Do, binding: dict[str, str]) -> dict[str, str]:
-    """The binding of a skill that is called under a binding of the caller's."""
+    """The binding of a called skill under the caller's binding."""
     names = (name for name, _ in inner.parameters)
     return dict(zip(names, (binding.get(w, w) for w in call.arguments), strict=True))
 
 
 def _refined(mission: Mission, skill: Skill, binding: dict[str, str]) -> tuple[Step, ...]:
-    """The steps of a skill under a binding, down to primitives."""
+    """The steps of a skill under a binding, resolved down to primitives."""
     steps: list[Step] = []
     for step in skill.execute:
         if isinstance(step, Fly | LandOn):
@@ -241,7 +242,7 @@ def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Insta
     goal, origin, flight = destination(execute), skill.origin, None
     if goal is not None and origin is not None:
         if binding[origin] == goal:
-            return None  # a flight to where one is; resting is `wait`
+            return None  # a flight to the present place; resting is `wait`
         if skill.cost_s is None:
             flight = binding[origin], goal
     requires, forbids = _facts(skill.precondition, binding)

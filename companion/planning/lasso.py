@@ -1,12 +1,12 @@
 """The planning problem, and the lasso that solves it.
 
-A lasso is a finite prefix of actions and a loop that is repeated for ever (Section III-A). Its
-word is the sequence of facts at the positions it passes.
+A lasso is a finite prefix of actions and a loop that is repeated for ever (Section III-A). Its word
+is the sequence of facts at the positions that it passes.
 
-A plan is made for the positions to come, so in a problem the automata have read the present
-one. The product rule of the paper reads a position when it is left; that is the same run half
-a step later, but a loop that closes there needs a step more: for "eventually at A" it flies to
-A, and then away, before it may rest.
+A plan is about the positions to come: in a problem, the automata have already read the present one.
+In the paper's product, a position is read when it is left. That is the same run half a step later,
+but a loop that closes there needs one more step: for "eventually at A" the paper's plan flies to A
+and then away before it may rest.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ class Conjunct:
     """One named part of the task with its automaton.
 
     Attributes:
-        formula: what its automaton reads: without its bound in time.
-        bound: None if it has none.
+        formula: what its automaton reads: the formula without its time bound.
+        bound: the time bound; None if there is none.
     """
 
     name: str
@@ -45,12 +45,12 @@ class Conjunct:
 
     @property
     def text(self) -> str:
-        """What it says, with its bound."""
+        """The formula with its bound."""
         return str(self.bound or self.formula)
 
     @cached_property
     def facts(self) -> frozenset[Fact]:
-        """The facts that it speaks of."""
+        """The facts that the formula mentions."""
         return frozenset(map(Fact.parse, atoms(self.formula)))
 
 
@@ -59,17 +59,17 @@ class Energy:
     """The energy of a problem, in whole units.
 
     Attributes:
-        level: what is there now.
-        floors: by place, `here` among them: the reserve, and what it takes to land at a safe one.
-        rests: by place, what has to be there where a plan comes to rest, which is to land.
+        level: the level now.
+        floors: per place, including `here`: the reserve, and the energy to land at a safe place.
+        rests: per place, the level needed where a plan comes to rest, which means to land.
         rest: what a step of rest takes in the air.
-        percents: by level, the charge of the battery.
-        ready: by place, what has to be left there so that lines are ready; empty without any.
-        is_short: the way into a loop keeps the floors alone, for want of what lines that are ready
-            keep: it was used up, by an answer or by the wind.
-        lent: what of `level` is not there: it is taken from the reserve.
-        lendable: what may be taken from it where there is no plan without: it lasts for a landing
-            at a dock, and not for charging there.
+        percents: per level, the charge of the battery.
+        ready: per place, the level that must remain so that lines are ready; empty without any.
+        is_short: the way into the loop keeps only the floors, because the level is too low for what
+            ready lines keep: an answer to an event, or wind, used it up.
+        lent: the part of `level` that is borrowed from the reserve.
+        lendable: how much may be borrowed from the reserve if there is no plan without: enough to
+            land at a dock, but not for charging there.
     """
 
     level: int
@@ -83,11 +83,11 @@ class Energy:
     lendable: int = 0
 
     def floor(self, place: str, in_loop: bool = True) -> int | None:
-        """What has to be left at a place; None where no safe one can be reached.
+        """The level that must remain at a place; None if no safe place can be reached from there.
 
         Args:
             place: where the vehicle is.
-            in_loop: in a loop, not on the way into it.
+            in_loop: whether this is in the loop, not on the way into it.
         """
         floor = self.floors.get(place)
         if floor is None or (self.is_short and not in_loop):
@@ -97,26 +97,26 @@ class Energy:
 
 @dataclass(frozen=True)
 class Problem:
-    """A planning problem; between replans the first two fields stay as they are.
+    """A planning problem. `actions` and `conjuncts` stay the same between replans.
 
     Attributes:
-        actions: instances of skills; their order breaks ties.
+        actions: instances of skills; their order decides ties.
         conjuncts: the task.
         facts: what holds now.
-        automaton_states: per conjunct, the states its automaton may be in after reading the
-            history up to and including the present position.
-        withdrawn: beliefs that were disproved and would be facts otherwise.
-        unread: events that have risen since the last letter was read, and have fallen again: the
-            first letter of a plan has them, and no other one. The automata know
+        automaton_states: per conjunct, the possible states of its automaton after reading the
+            history, including the present position.
+        withdrawn: beliefs that were disproved, and that would otherwise be facts.
+        unread: events that have risen since the last letter was read and have fallen again. Only
+            the first letter of a plan contains them, and only the automata know of them
             (unread_rises.py).
-        waiting_since_ms: per conjunct, when the acceptance mark was met that has waited longest
-            since; in flight time, of which only differences matter. Empty while nothing has been
-            waited for: before the first skill of a flight is completed.
-        energy: None where plans know of none.
-        clocks_ms: per conjunct, what its clock shows after the present position was read; None: it
-            stands still, or there is no bound. Empty if no conjunct has one.
-        with_ruled_out: the actions, and between them those that lines to be ready rule out
-            (readiness.py). Empty if none is to be ready.
+        waiting_since_ms: per conjunct, the time at which its longest-waiting acceptance mark was
+            last met; in flight time, of which only differences matter. Empty before the first skill
+            of a flight is completed.
+        energy: None if plans do not consider energy.
+        clocks_ms: per conjunct, what its clock shows after the present position was read; None if
+            it stands still or there is no bound. Empty if no conjunct has a bound.
+        with_ruled_out: all actions in their order, including those that ready lines rule out
+            (readiness.py). Empty if no line has to be ready.
     """
 
     actions: tuple[Action, ...]
@@ -131,7 +131,7 @@ class Problem:
     with_ruled_out: tuple[Action, ...] = ()
 
     def only(self, indices: Sequence[int]) -> Problem:
-        """The same with some of the conjuncts alone."""
+        """The same problem with only some of the conjuncts."""
         since_ms, clocks_ms = self.waiting_since_ms, self.clocks_ms
         return replace(
             self,
@@ -144,7 +144,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Lasso:
-    """An infinite plan: `prefix` once, then `loop` for ever, which is never empty."""
+    """An infinite plan: `prefix` once, then `loop` for ever. The loop is never empty."""
 
     prefix: tuple[Action, ...]
     loop: tuple[Action, ...]
@@ -161,11 +161,11 @@ class Lasso:
 
     @property
     def ends_at_rest(self) -> bool:
-        """Whether the loop is nothing but rest: after the prefix the task is done."""
+        """Whether the loop consists of rest only: after the prefix the task is done."""
         return all(a is WAIT for a in self.loop)
 
     def rest(self, start: int) -> Lasso:
-        """What is left of it from position `start` on.
+        """The rest of the plan from position `start` on.
 
         >>> str(Lasso((), (WAIT,)).rest(3))
         '(wait)^w'
@@ -192,7 +192,7 @@ class Lasso:
 
     @property
     def planned(self) -> PlannedLasso:
-        """Prefix and loop with costs, as they are told and recorded."""
+        """Prefix and loop with costs, as they are reported and recorded."""
         return PlannedLasso(
             prefix=tuple(_planned(a) for a in self.prefix),
             loop=tuple(_planned(a) for a in self.loop),
@@ -210,7 +210,7 @@ class DroppedLine:
     """A line of the task that a plan does not keep.
 
     Attributes:
-        reason: in words.
+        reason: why, in words.
     """
 
     line: str
@@ -222,10 +222,10 @@ class DroppedLine:
 
 @dataclass(frozen=True, slots=True)
 class ChosenPlan:
-    """A plan to fly.
+    """A plan that is to be flown.
 
     Attributes:
-        dropped: lines of the task that it does not keep.
+        dropped: lines of the task that the plan does not keep.
     """
 
     lasso: Lasso
@@ -239,11 +239,11 @@ class ChosenPlan:
 
 @dataclass(frozen=True)
 class Solution:
-    """A plan: a lasso, and what is known of its quality.
+    """A lasso, and what is known of its quality.
 
     Attributes:
-        cost_ms: the objective: the lap, or prefix and lap together, or the bottleneck.
-        bound_ms: no lasso has a lower objective; 0 if nothing is known.
+        cost_ms: the value of the objective: the lap, prefix and lap together, or the bottleneck.
+        bound_ms: a lower bound of the objective over all lassos; 0 if nothing is known.
         engine: name of the planner that found it.
         has_best_prefix: whether it is proved that no lasso with this lap has a shorter prefix.
         dropped: lines of the task that the plan does not keep, the most important one first.
@@ -259,12 +259,12 @@ class Solution:
 
     @property
     def prefix(self) -> tuple[Action, ...]:
-        """The actions that are done once, first."""
+        """The actions that are done once, at the beginning."""
         return self.lasso.prefix
 
     @property
     def loop(self) -> tuple[Action, ...]:
-        """The actions that are then repeated for ever, at least one."""
+        """The actions that are then repeated for ever; at least one."""
         return self.lasso.loop
 
     @property
@@ -279,12 +279,12 @@ class Solution:
 
     @property
     def cost_s(self) -> float:
-        """The objective, seconds."""
+        """The value of the objective, seconds."""
         return self.cost_ms / 1000
 
     @property
     def bound_s(self) -> float | None:
-        """What no plan's objective is below, seconds; None if nothing is known."""
+        """A lower bound of the objective over all plans, seconds; None if nothing is known."""
         return self.bound_ms / 1000 if self.bound_ms else None
 
     def __str__(self) -> str:
@@ -294,7 +294,7 @@ class Solution:
     def is_optimal(self) -> bool:
         """Whether it is proved that no lasso is better.
 
-        Of equal laps the one with the shorter prefix is better; other objectives are one figure.
+        Of equal laps, the one with the shorter prefix is better; other objectives are one number.
         """
         is_least = self.cost_ms <= self.bound_ms
         return is_least and (self.has_best_prefix or self.objective is not Objective.LAP)
@@ -314,9 +314,10 @@ class Solution:
 
 
 def word(problem: Problem, lasso: Lasso) -> tuple[list[Letter], list[Letter]]:
-    """The letters that a lasso appends to the history: once, and then in each lap.
+    """The letters that a lasso appends to the history: first once, then in each lap.
 
-    Where the first letter has unread events and there is no prefix, the first lap is read once.
+    If there is no prefix and the first letter has unread events, the first lap is returned as the
+    first part.
     """
     letters: list[Letter] = []
     facts = problem.facts

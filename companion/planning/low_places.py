@@ -1,13 +1,13 @@
-"""Places that are flown to lower than an autopilot's height is certain.
+"""Finds places at which the error of the autopilot's height may bring the vehicle to the ground.
 
-A map is as exact as its author says, and so are the heights of places. The height that an autopilot
-believes is not, where its position comes from GPS and its height from the pressure of the air: what
-PX4's simulator took for its height was off by 0.3 to 0.75 m (RMS of a flight), 1.4 m at worst, and
-it told of 0.16 to 0.33 m. So it flew 0.5 m above the ground where 1.5 m was asked for. Nothing is
-flown higher for that: who wrote the height may know better. It is noticed.
+A map and the heights of places are as exact as their author says. The autopilot's height is not, if
+its position comes from GPS and its height from air pressure. In PX4's simulator the height was off
+by 0.3 to 0.75 m (RMS of a flight) and by 1.4 m at worst, while PX4 reported 0.16 to 0.33 m. So it
+flew 0.5 m above the ground where 1.5 m was asked for. Such places cause a notice only; nothing is
+flown higher, because the author may know better.
 
-Left out: what hangs above a place, which no map has; and the lower end of the altitude band, since
-nothing is flown lower than the lowest place.
+Left out: what hangs above a place, because no map contains it; and the lower end of the altitude
+    band, because nothing is flown lower than the lowest place.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from companion.vehicle_profile import VehicleProfile
 
 @dataclass(frozen=True, slots=True)
 class LowPlace:
-    """A place near the ground, or near the wall with an upper end that is below it.
+    """A place near the ground, or near the top of a low wall below it.
 
     Attributes:
-        above_m: how high it is above what is below it.
+        above_m: height of the place above what is below it.
     """
 
     name: str
@@ -49,7 +49,7 @@ def too_low(profile: VehicleProfile) -> str:
 
 
 def least_above_m(profile: VehicleProfile) -> float:
-    """How high above what is below it a vehicle is to fly whose height is not exact.
+    """The least height above what is below, for a vehicle that does not know its height exactly.
 
     >>> least_above_m(VehicleProfile())
     1.5
@@ -58,7 +58,7 @@ def least_above_m(profile: VehicleProfile) -> float:
 
 
 def low_places(planner: Planner) -> tuple[LowPlace, ...]:
-    """The places that a mission flies to lower than that, in its own order.
+    """The places that a mission flies to below `least_above_m`, in the mission's order.
 
     >>> from companion import load_mission
     >>> low_places(Planner(load_mission("missions/delivery.yaml")))
@@ -69,7 +69,7 @@ def low_places(planner: Planner) -> tuple[LowPlace, ...]:
 
 
 def low_among(mission: Mission, flown_to: Collection[str | None]) -> tuple[LowPlace, ...]:
-    """Those of some places, and of the ones where it begins and may have to land.
+    """The low ones among some places, the place where the mission begins, and the safe places.
 
     >>> from companion import load_mission
     >>> low_among(load_mission("missions/delivery.yaml"), ["Depot"])

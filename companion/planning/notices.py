@@ -1,6 +1,6 @@
-"""Notices: what a mission may say, and its author hardly meant.
+"""Notices: what a mission says, and its author probably did not mean.
 
-None of these is an error: an event may be there for people to see, a line may be kept for later.
+None of these is an error: an event may exist only for people to see, a line may be for later use.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from companion.planning.step_times import is_guessed, on_the_spot_s
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Something to look at.
+    """Something for the author to look at.
 
     Attributes:
         subject: the event, the line of the task, or the places.
@@ -50,7 +50,7 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
 
     Args:
         planner: of the mission.
-        plan: from its first state; None for a tree written by hand.
+        plan: plan from the first state; None for a tree written by hand.
     """
     mission = planner.mission
     found = [] if mission.tree is not None else [*_unused_events(mission)]
@@ -64,7 +64,7 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
 
 
 def not_heard(mission: Mission) -> tuple[Notice, ...]:
-    """What a mission has to be told by other programs, `EVENT[name]`, where nobody is heard.
+    """Reports that a mission needs from other programs, `EVENT[name]`; for where none are heard.
 
     >>> from companion import load_mission
     >>> print(*not_heard(load_mission("missions/lost_person.yaml")))
@@ -79,7 +79,7 @@ def not_heard(mission: Mission) -> tuple[Notice, ...]:
 
 
 def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
-    """The place where a mission in metres begins, if it is not where its metres count from."""
+    """The place where a mission in metres begins, if it is not the origin of these metres."""
     if mission.anchor is None and not begins_at_zero(mission.home):
         off_m = math.hypot(*mission.home.position[:2])
         yield Notice(
@@ -91,7 +91,7 @@ def _begins_elsewhere(mission: Mission) -> Iterator[Notice]:
 
 
 def _low_places(planner: Planner) -> Iterator[Notice]:
-    """Places that are flown to lower than a height is certain, in a mission that needs GPS."""
+    """Places that are too low for the accuracy of heights, in a mission that needs GPS."""
     if planner.mission.anchor is None:
         return
     if low := low_places(planner):
@@ -108,7 +108,7 @@ def _cut_off_places(planner: Planner) -> Iterator[Notice]:
 
 
 def _guessed_costs(planner: Planner) -> Iterator[Notice]:
-    """Skills of which nobody has said how long they take, where bounds in time have to be kept."""
+    """Skills with an unknown duration, if the mission has time bounds."""
     mission = planner.mission
     bounded = [name for name, line in mission.task.items() if isinstance(line, TimedFormula)]
     if not bounded or mission.tree is not None:
@@ -126,7 +126,7 @@ def _guessed_costs(planner: Planner) -> Iterator[Notice]:
 
 
 def _walls_below_the_end(mission: Mission, plan: Lasso) -> Iterator[Notice]:
-    """The place where a plan ends at rest, if a low wall stands below it: the vehicle lands."""
+    """The place where the plan lands, if a low wall stands below it."""
     if plan.ends_at_rest:
         flown_to = [action.destination for action in plan.prefix if action.destination]
         place = mission.places[flown_to[-1] if flown_to else mission.home.name]
@@ -139,7 +139,7 @@ def _walls_below_the_end(mission: Mission, plan: Lasso) -> Iterator[Notice]:
 
 
 def _unused_events(mission: Mission) -> Iterator[Notice]:
-    """Events that neither the task nor a skill mentions, and that begin nothing anew."""
+    """Events that neither the task nor a skill mentions, and that restart no line."""
     used = {fact.predicate for fact in mission.task_facts}
     for skill in mission.skills.values():
         conditions = (skill.precondition, *(when.condition for when in skill.conditional))
@@ -150,7 +150,7 @@ def _unused_events(mission: Mission) -> Iterator[Notice]:
 
 
 def _vacuous_lines(planner: Planner) -> Iterator[Notice]:
-    """Conjuncts that hold from the start on, whatever is done and whatever happens then."""
+    """Conjuncts that hold from the start, whatever the vehicle does and whatever happens."""
     model, mission = planner.model, planner.mission
     open_facts = model.beliefs | {event.fact for event in mission.events.values()}
     actions = [_at_some_time(action, open_facts) for action in model.actions]
@@ -174,7 +174,7 @@ def _vacuous_lines(planner: Planner) -> Iterator[Notice]:
 
 
 def _at_some_time(action: Action, open_facts: frozenset[Fact]) -> Action:
-    """An action as it is where facts that nobody plans are as it needs them."""
+    """The action as it is if all facts that no skill decides are as it needs them."""
     return replace(
         action,
         requires=action.requires - open_facts,
@@ -187,7 +187,7 @@ def _at_some_time(action: Action, open_facts: frozenset[Fact]) -> Action:
 
 
 def _met_by_rest(conjuncts: Sequence[Conjunct], plan: Lasso) -> Iterator[Notice]:
-    """What has to come again and again, where a plan lands and stays."""
+    """Goals that have to recur for ever, although the plan lands and stays."""
     if not plan.ends_at_rest:
         return
     for conjunct in conjuncts:

@@ -1,6 +1,6 @@
-"""Objectives and encodings that a planner may be asked for.
+"""The objectives and encodings that a planner may be asked for.
 
-They are kept apart from the rest, which takes long to import.
+They have a module of their own because the rest takes long to import.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from companion.arguments import named
 class Objective(StrEnum):
     """The cost that the best lasso minimises.
 
-    LAP: the shortest lap, and to it the shortest prefix; a mission that loops for ever pays the
-    lap for ever. SUM: the least cost of prefix and one lap together, which is what a classical
-    planner minimises on the paper's compilation. BOTTLENECK: the least worst time between two
-    fulfilments of the same recurring part of the task (after Smith, Tumova, Belta and Rus,
-    Optimal path planning for surveillance with temporal-logic constraints, IJRR 2011).
+    LAP: the shortest lap, and for it the shortest prefix, because a mission that loops for ever
+        pays the lap for ever. SUM: the least cost of prefix and one lap together, which is what a
+        classical planner minimises on the paper's compilation. BOTTLENECK: the least worst-case
+        time between two fulfilments of the same recurring part of the task (after Smith, Tumova,
+        Belta and Rus, Optimal path planning for surveillance with temporal-logic constraints, IJRR
+        2011).
     """
 
     LAP = "lap"
@@ -26,10 +27,10 @@ class Objective(StrEnum):
 
 
 class Encoding(StrEnum):
-    """The compilation of a problem for a classical planner.
+    """How a problem is compiled for a classical planner.
 
-    V1: the paper's compilation (Figs. 2-4) with one automaton for the whole task. V4: one automaton
-    for each conjunct. V5: as V4, without conditional effects and negation.
+    V1: the paper's compilation (Figs. 2-4), with one automaton for the whole task. V4: one
+        automaton for each conjunct. V5: like V4, without conditional effects and negation.
     """
 
     V1 = "v1"
@@ -38,9 +39,9 @@ class Encoding(StrEnum):
 
 
 def asked_for(objective: str, encoding: str) -> tuple[Objective, Encoding]:
-    """Both by their names.
+    """The objective and the encoding with these names.
 
     Raises:
-        RequestError: there is none of that name.
+        RequestError: one of them does not exist.
     """
     return named(Objective, objective, "objective"), named(Encoding, encoding, "encoding")

@@ -1,9 +1,9 @@
-"""Which lines of a task a plan keeps, where it cannot keep all of them.
+"""Chooses which lines of a task a plan keeps if it cannot keep all of them.
 
-Lines without a priority are never dropped. The others are added to them one by one, from the most
-important one on, and each is kept if a plan remains: a line is never given up for less important
-ones, however many these are (lexicographic, greedy). Where all lines can be kept one search says
-so; else there are at most two more than optional lines.
+Lines without a priority are never dropped. The others are added one by one, the most important one
+first, and each is kept if a plan remains. So no line is given up for less important ones, however
+many these are (lexicographic, greedy). If all lines can be kept, one search tells; otherwise there
+are at most two more searches than optional lines.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Histories = Sequence[Sequence[Letter]]
 def without_lines(
     lines: Collection[str], problem: Problem, histories: Histories = ()
 ) -> tuple[Problem, list[Sequence[Letter]]]:
-    """A problem without some lines of its task, and what the conjuncts of the others have read."""
+    """A problem without some lines of its task, and the histories of the remaining conjuncts."""
     if not lines:
         return problem, list(histories)
     kept = [i for i, conjunct in enumerate(problem.conjuncts) if conjunct.name not in lines]
@@ -35,11 +35,11 @@ def select(
 ) -> tuple[DroppedLine, ...]:
     """The lines to drop.
 
-    Where there is no plan for the lines that are never dropped, all others are dropped.
+    If there is no plan even for the lines that are never dropped, all others are dropped.
 
     Args:
-        problem: with all lines.
-        optional: those that may be dropped, the most important one first.
+        problem: the problem with all lines.
+        optional: lines that may be dropped, the most important one first.
         is_solvable: the search.
     """
     whole = is_solvable(problem) if optional else True
@@ -61,14 +61,14 @@ def select(
 def line_to_take_up(
     problem: Problem, optional: Sequence[str], dropped: Collection[str], is_solvable: IsSolvable
 ) -> str | None:
-    """The most important line that was dropped and can be kept now; None if there is none.
+    """The most important dropped line that can be kept now; None if there is none.
 
-    It may be at the cost of less important ones.
+    To keep it, less important lines may be dropped.
 
     Args:
-        problem: with all lines.
-        optional: those that may be dropped, the most important one first.
-        dropped: those of them that were.
+        problem: the problem with all lines.
+        optional: lines that may be dropped, the most important one first.
+        dropped: the lines among them that are dropped now.
         is_solvable: the search.
     """
     for number, line in enumerate(optional):

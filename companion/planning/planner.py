@@ -1,12 +1,12 @@
-"""The planner of one mission: everything that is made once, and the verbs that plan.
+"""The planner of one mission: holds what is made once, and offers the functions that plan.
 
-`plan` and `explain` answer before a flight, from the mission's first state or from another one.
-What flies makes problems of its own state (task_state.py), and asks `solver` for their plans.
+`plan` and `explain` answer before a flight, from the mission's first state or from another one. In
+flight, the task's state makes problems (task_state.py), and `solver` is asked for their plans.
 
 Formulas are translated and skills are instantiated when the planner is made. In flight only the
-initial state changes (Section V, last paragraph): the facts, the automata's states after the
-history, and the moves from where the vehicle is between places. When the map has changed, the
-moves are instantiated again: other costs, and none without a route.
+initial state changes (Section V, last paragraph): the facts, the states of the automata after the
+history, and the moves from `here`. When the map changes, the moves are instantiated again: with new
+costs, and without those that have no route.
 """
 
 from __future__ import annotations
@@ -60,20 +60,20 @@ class Planner:
     upload(r1), move(r1, Home), (wait)^w
 
     Args:
-        mission: what to do.
-        flight_time: seconds between two places, or from `here` to a place, inf where there is no
-            route: a function, or a table of pairs of places in which a pair without a route is
-            left out. Without it, the times of flight on the mission's map.
-        clock: seconds; measures `translating_s` and `instantiating_s`.
-        energy: of a mission with a battery; made if absent, but not for given flight times.
+        mission: the mission.
+        flight_time: seconds between two places, or from `here` to a place; inf without a route. A
+            function, or a table from pairs of places to seconds; pairs without a route are left
+            out. By default, the times of flight on the mission's map.
+        clock: seconds; used to measure `translating_s` and `instantiating_s`.
+        energy: of a mission with a battery; made if absent, but not with given flight times.
 
     Raises:
-        CompanionError: it is no mission; or one with a battery has flight times and no energy.
+        CompanionError: it is no mission; or it has a battery, flight times but no energy.
 
     Attributes:
-        solver: answers the problems that `problem` and `initial_problem` make.
-        flight_time: as given; a flight sets one that knows where its vehicle is.
-        without_a_move: beliefs that only moves assume that do not exist any more.
+        solver: solves the problems that `problem` and `initial_problem` make.
+        flight_time: as given; a flight sets one that knows the vehicle's position.
+        without_a_move: beliefs that only moves assumed, and these moves no longer exist.
     """
 
     def __init__(
@@ -123,7 +123,7 @@ class Planner:
             log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
 
     def reinstantiate(self) -> None:
-        """Takes over flight times that have changed; what was ever believed stays a belief."""
+        """Applies changed flight times. All beliefs so far remain beliefs."""
         model = task_model(self._instances, self.flight_time)
         self.solver.take_actions(model.actions)
         beliefs = self.model.beliefs | model.beliefs
@@ -132,16 +132,16 @@ class Planner:
 
     @property
     def energy_factor(self) -> float:
-        """With how much more energy plans reckon than the mission says; 1 without a battery."""
+        """By which factor plans assume more drain than the mission; 1 without a battery."""
         return 1.0 if self.energy is None else self.energy.model.factor
 
     def beliefs(self, is_en_route: bool) -> frozenset[Fact]:
-        """All that is believed unless it was disproved; between places also about `here`."""
+        """All beliefs, unless they were disproved; between places, also those about `here`."""
         known = self.model.beliefs
         return known | self._departures.beliefs if is_en_route else known
 
     def departures(self, goal: str | None = None) -> tuple[Action, ...]:
-        """The moves from `here` that exist now, to some place or to all."""
+        """The moves from `here` that exist now, to one place or to all."""
 
         def flight_time(origin: str, place: str) -> float:
             return self.flight_time(origin, place) if goal in (None, place) else math.inf
@@ -149,9 +149,9 @@ class Planner:
         return self._departures.actions(flight_time)
 
     def way_to(self, place: str) -> Action | None:
-        """A flight to a place from `here`, whatever skills ask for; None without a route.
+        """A flight from `here` to a place, whatever skills require; None without a route.
 
-        It is the move of the mission that flies there, or else one of its own.
+        It is a move of the mission if one flies there, otherwise the action `reach`.
         """
         move = next((a for a in self.departures(place) if a.execute == (Fly(place),)), None)
         if move is not None:
@@ -159,16 +159,16 @@ class Planner:
         return reach(place) if math.isfinite(self.flight_time(HERE, place)) else None
 
     def all_actions(self) -> tuple[Action, ...]:
-        """Those that exist now, and those from `here` as if it were anywhere."""
+        """All actions that exist now, and all moves from `here`."""
         return (*self.model.actions, *self._departures.actions(lambda origin, goal: 0.0))
 
     def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
-        """The actions that a tree names; those from `here` start wherever that may be.
+        """The actions that a tree names; moves from `here` start wherever the vehicle is.
 
-        An action from `*` is several, one from each place and one from `here`.
+        An action from `*` stands for several: one from each place, and one from `here`.
 
         Raises:
-            CompanionError: one does not exist.
+            CompanionError: an action does not exist.
         """
         known = self.all_actions()
         found = {name: tuple(a for a in known if is_named(a, name)) for name in actions(tree)}
@@ -185,13 +185,13 @@ class Planner:
         unread: frozenset[Fact] = frozenset(),
         clocks_ms: tuple[int | None, ...] = NO_CLOCKS,
     ) -> Problem:
-        """The problem from a state.
+        """The planning problem in a given state.
 
         Args:
             facts: what holds, without the beliefs.
-            automaton_states: where the automata may be after reading the present position.
-            withdrawn: beliefs that have been disproved; all others are held.
-            is_en_route: whether the vehicle is between places: adds the moves from `here`.
+            automaton_states: possible states of the automata after reading the present position.
+            withdrawn: beliefs that were disproved; all others are held.
+            is_en_route: whether the vehicle is between places; if so, adds the moves from `here`.
             unread: events that have risen and fallen since the last letter was read.
             clocks_ms: per conjunct, what its clock shows after reading it; () without bounds.
         """
@@ -226,7 +226,7 @@ class Planner:
     ) -> Solution:
         """The best plan from the mission's first state, or from one that differs from it.
 
-        Lines of the task that have a priority are dropped where it cannot keep all of them.
+        Lines of the task that have a priority are dropped if a plan cannot keep all of them.
 
         >>> from companion import Planner, load_mission
         >>> planner = Planner(load_mission("missions/surveillance.yaml"))
@@ -234,18 +234,18 @@ class Planner:
         move(r1, r2), upload(r2), move(r2, Home), (wait)^w
 
         Args:
-            at: the place where the vehicle is; without it, where the mission begins.
-            facts: what holds besides, e.g. `{"targetFound"}`; `"!loaded"` does not hold.
+            at: the place of the vehicle; by default, where the mission begins.
+            facts: further facts that hold, e.g. `{"targetFound"}`; `"!loaded"` means not loaded.
             without: beliefs that are withdrawn, e.g. `{"canUpload(r1)"}`.
-            objective: what is minimised, also by its name, `lap`, `sum` or `bottleneck`.
-            engine: who plans: `built-in`, or an engine of unified-planning by its name.
-            encoding: how another engine is told.
-            timeout_s: what another engine may take.
+            objective: what is minimised; also by name: `lap`, `sum` or `bottleneck`.
+            engine: `built-in`, or the name of an engine of unified-planning.
+            encoding: how the problem is compiled for another engine.
+            timeout_s: time limit of another engine.
 
         Raises:
             NoPlan: there is none; its `explanation` says why.
             MissionError: the mission does not know one of the names.
-            SearchLimit: the search was given up: whether there is a plan is not known.
+            SearchLimit: the search was given up, so it is not known whether there is a plan.
             CompanionError: the engine failed, or there is no such objective or encoding.
         """
         objective, encoding = asked_for(objective, encoding)
@@ -262,16 +262,16 @@ class Planner:
         return replace(found, dropped=dropped)
 
     def ledger(self, problem: Problem, lasso: Lasso) -> Ledger | None:
-        """What a plan takes of the battery; None for a mission without one."""
+        """What a plan takes from the battery; None for a mission without one."""
         energy = self.energy
         return None if energy is None else ledger(problem, lasso, energy.model.reserve)
 
     def explain(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
     ) -> Explanation | None:
-        """Why there is no plan from a state; None if there is one. The state is as in `plan`.
+        """Why there is no plan from a state as in `plan`; None if there is one.
 
-        It is about the lines of the task that are never dropped.
+        Only the lines of the task that are never dropped are considered.
 
         >>> from companion import Planner, load_mission
         >>> planner = Planner(load_mission("missions/surveillance.yaml"))
@@ -284,7 +284,7 @@ class Planner:
 
         Raises:
             MissionError: the mission does not know one of the names.
-            SearchLimit: the search was given up: whether there is a plan is not known.
+            SearchLimit: the search was given up, so it is not known whether there is a plan.
         """
         asked = self.initial_problem(at=at, facts=facts, without=without)
         try:
@@ -296,7 +296,7 @@ class Planner:
     def transition_system(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
     ) -> TransitionSystem:
-        """The states that the actions lead to, from a state as in `plan`.
+        """The states that actions lead to, from a state as in `plan`.
 
         >>> from companion import Planner, load_mission
         >>> planner = Planner(load_mission("missions/surveillance.yaml"))
@@ -325,7 +325,7 @@ class Planner:
 
         Raises:
             MissionError: the mission does not know one of the names.
-            SearchLimit: it has too many states.
+            SearchLimit: the product has too many states.
         """
         problem, *_ = self.solver.kept(*self.initial_problem(at=at, facts=facts, without=without))
         return self.solver.product(problem)
@@ -333,7 +333,7 @@ class Planner:
     def initial_problem(
         self, *, at: str | None = None, facts: Iterable[str] = (), without: Iterable[str] = ()
     ) -> tuple[Problem, list[list[Letter]]]:
-        """The problem in the first state, or in one that differs; and what each conjunct has read.
+        """The problem in the first state or in one that differs, and what each conjunct has read.
 
         Its arguments are those of `plan`.
 

@@ -1,16 +1,16 @@
-"""Lines that shall hold whenever their event may come: what a plan may do, so that they do.
+"""Lines that must hold whenever their event comes: which actions a plan may have because of them.
 
-Whatever is under way is finished first, and then the vehicle flies to the place that the line asks
-for. So an action is allowed if what it takes and the shortest way from its end to that place fit
-into the line's limit. This is a rule for single actions: it removes some before any search, and
-every action on the shortest way keeps it by itself.
+When the event comes, the present action is finished first. Then the vehicle flies to the place that
+the line asks for. So an action is allowed if its duration, and the shortest way from its end to
+that place, fit into the limit of the line. The rule concerns single actions: it removes some before
+any search. Every action on the shortest way keeps the rule by itself.
 
-Where the vehicle was driven to a place from which no action is allowed, those that lead to where
-the rule can be kept again are.
+If the vehicle was driven to a place from which no action is allowed, those actions are allowed that
+lead to a place from which the rule can be kept again.
 
-On a battery each place also keeps what it takes to fly to that place, and on to a dock
-(`energy/ready_levels.py`). A charge ends when the event comes, so that it takes no longer than to
-land and to take off.
+With a battery, each place also keeps the energy to fly to that place and on to a dock
+(`energy/ready_levels.py`). A charge ends when the event comes, so it takes no longer than to land
+and take off.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ _ACTION_US = 3
 
 @dataclass(frozen=True, slots=True)
 class ReadyLine:
-    """A line that shall hold whenever its event may come.
+    """A line that must hold whenever its event comes.
 
     Attributes:
-        place: where its answer is.
+        place: where the line's goal is.
     """
 
     name: str
@@ -48,7 +48,7 @@ class ReadyLine:
 
 
 def ready_lines(mission: Mission) -> tuple[ReadyLine, ...]:
-    """Those of a mission."""
+    """The ready lines of a mission."""
     found = []
     for name in mission.ready:
         for _, bound in parts(mission.task[name]):
@@ -59,10 +59,10 @@ def ready_lines(mission: Mission) -> tuple[ReadyLine, ...]:
 
 
 class Readiness:
-    """Which actions are allowed.
+    """Decides which actions are allowed.
 
     Args:
-        lines: that shall hold.
+        lines: the ready lines.
     """
 
     def __init__(self, lines: Sequence[ReadyLine]) -> None:
@@ -75,11 +75,11 @@ class Readiness:
     def allowed(
         self, actions: tuple[Action, ...], withdrawn: frozenset[Fact] = frozenset()
     ) -> tuple[Action, ...]:
-        """The actions that a plan may have, in their order.
+        """The allowed actions, in their order.
 
         Args:
-            actions: all that there are.
-            withdrawn: beliefs that were disproved: ways that need them are none.
+            actions: all actions.
+            withdrawn: beliefs that were disproved; ways that need them do not count.
         """
         if self.lines and self._last != (actions, withdrawn):
             self._last, self._kept = (actions, withdrawn), actions
@@ -92,12 +92,12 @@ class Readiness:
     def on_battery(
         self, actions: tuple[Action, ...], energy: Energy, withdrawn: frozenset[Fact] = frozenset()
     ) -> tuple[tuple[Action, ...], Energy]:
-        """Actions and energy with what has to be left at places and docks.
+        """Actions and energy with the levels that must remain at places and docks.
 
         Args:
-            actions: that are allowed.
-            energy: of a problem.
-            withdrawn: beliefs that were disproved: ways and docks that need them are none.
+            actions: the allowed actions.
+            energy: the energy of a problem.
+            withdrawn: beliefs that were disproved; ways and docks that need them do not count.
         """
         if not self.lines:
             return actions, energy
@@ -112,7 +112,7 @@ class Readiness:
     ) -> tuple[tuple[Action, ...], Mapping[str, int]]:
         spent(_ACTION_US * len(actions))
         pads = dict(_pads(actions))
-        known = [a for a in actions if ends_of(a)[0] != HERE]  # no place to wait for an event
+        known = [a for a in actions if ends_of(a)[0] != HERE]  # nobody waits for an event at `here`
         flights = list(_flights(known))
         believed = list(_flights(a for a in known if not a.assumes & withdrawn))
         open_ = [pad for n, pad in pads.items() if not actions[n].assumes & withdrawn]
@@ -125,7 +125,7 @@ class Readiness:
 
 
 def most_kept(lines: Sequence[ReadyLine], energy: Energy) -> str:
-    """What lines that are ready keep of a battery where it is most, in words."""
+    """The largest charge that ready lines keep, in words."""
     more = {place: level - energy.floors[place] for place, level in energy.ready.items()}
     place = max(more, key=lambda each: more[each])
     names = dict.fromkeys(line.name for line in lines)
@@ -138,13 +138,13 @@ def most_kept(lines: Sequence[ReadyLine], energy: Energy) -> str:
 
 
 def ruled_out(problem: Problem) -> frozenset[str]:
-    """The names of the actions that a problem does not have, so that its lines are ready."""
+    """The names of the actions that a problem lacks because lines have to be ready."""
     names = frozenset(action.name for action in problem.with_ruled_out)
     return names.difference(action.name for action in problem.actions)
 
 
 def too_far(lines: Sequence[ReadyLine], problem: Problem) -> tuple[str, ...]:
-    """The places and docks that no action may lead to, so that lines are ready, in words."""
+    """The places and docks that no action may lead to because lines have to be ready, in words."""
     found = []
     for line in lines:
         ways_ms = _ways_ms(problem.with_ruled_out, frozenset(), line.place)
@@ -190,7 +190,7 @@ def _is_in_time(action: Action, ways_ms: Mapping[str, int], limit_ms: int) -> bo
 
 
 def _flights(actions: Iterable[Action]) -> Iterator[FlightBetween]:
-    """The actions that lead from one place to another, but for those that charge."""
+    """The actions that lead from one place to another, except those that charge."""
     for action in actions:
         origin, end = ends_of(action)
         if origin and end and origin != end and action.charger is None:
@@ -198,7 +198,7 @@ def _flights(actions: Iterable[Action]) -> Iterator[FlightBetween]:
 
 
 def _pads(actions: Sequence[Action]) -> Iterator[tuple[int, Pad]]:
-    """The charges among some actions, by their numbers."""
+    """The charges among some actions, with their indices."""
     for number, action in enumerate(actions):
         origin, dock = ends_of(action)
         if action.charger is not None and origin and dock:
@@ -206,7 +206,7 @@ def _pads(actions: Sequence[Action]) -> Iterator[tuple[int, Pad]]:
 
 
 def _ways_ms(actions: Sequence[Action], withdrawn: frozenset[Fact], place: str) -> dict[str, int]:
-    """From each place the least that actions take to another one; none where there is no way."""
+    """From each place, the least duration of actions to a given place; absent without a way."""
     into: dict[str, list[tuple[str, int]]] = defaultdict(list)
     for origin, end, way_ms, _ in _flights(a for a in actions if not a.assumes & withdrawn):
         into[end].append((origin, way_ms))

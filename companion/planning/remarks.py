@@ -1,4 +1,4 @@
-"""What to do about lines that are often written and never hold: a remark for each.
+"""Hints for lines that are often written in a way that never holds.
 
 Only the form of a formula is looked at, and the facts that hold now.
 """
@@ -13,11 +13,11 @@ from companion.planning.lasso import Conjunct
 
 
 def remarks_on(conjuncts: Iterable[Conjunct], facts: Collection[Fact]) -> tuple[str, ...]:
-    """The remarks on lines that cannot hold.
+    """The hints for lines that cannot hold.
 
     Args:
         conjuncts: the lines.
-        facts: that hold now.
+        facts: facts that hold now.
     """
     found = (remark for each in conjuncts for remark in _remarks(each.formula, facts))
     return tuple(dict.fromkeys(found))

@@ -1,4 +1,4 @@
-"""A position of the word as it was left, and what of a task's state decides on plans."""
+"""A position of the word as it was left, and the part of a task's state that decides on plans."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ class Position:
     """A position of the word, as it was when it was left.
 
     Attributes:
-        number: its place in the word; the first one is 0.
-        facts: what was read; of the beliefs only those that the task mentions.
-        risen: events among them that had risen before, and held no more when they were read.
-        reached_s: when it was appended.
+        number: its index in the word; the first one is 0.
+        facts: what was read; of the beliefs, only those that the task mentions.
+        risen: events among `facts` that had risen before and no longer held when they were read.
+        reached_s: when the position was appended.
         withdrawn: beliefs that were not held.
-        restarted: names of conjuncts that begin anew with this position.
-        violated: conjuncts that no continuation can satisfy since this position.
+        restarted: names of conjuncts that start again at this position.
+        violated: conjuncts that no continuation can satisfy from this position on.
         dropped: names of the lines that the plan did not keep, in the order of the file.
     """
 
@@ -35,7 +35,7 @@ class Position:
 
 @dataclass(frozen=True, slots=True)
 class TaskSituation:
-    """What of the task's state decides on plans; the fields are those of `TaskState`."""
+    """The part of a task's state that decides on plans; the fields are those of `TaskState`."""
 
     facts: frozenset[Fact]
     risen: frozenset[Fact]
@@ -44,10 +44,10 @@ class TaskSituation:
     completed: int
 
     def changed_events(self, later: TaskSituation) -> frozenset[Fact]:
-        """The facts that hold in one of two situations alone, or have risen in one alone."""
+        """The events that hold, or have risen, in only one of the two situations."""
         return (self.facts ^ later.facts) | (self.risen ^ later.risen)
 
     def is_like(self, other: TaskSituation, but_for: frozenset[Fact]) -> bool:
-        """Whether two are the same but for some events."""
+        """Whether two situations are equal, except for some events."""
         alike = replace(other, facts=self.facts, risen=self.risen)
         return self == alike and self.changed_events(other) <= but_for

@@ -37,11 +37,11 @@ NO_PROOF = "none was found, which is no proof; leave a line out of ready, or mov
 
 @dataclass(frozen=True, slots=True)
 class SolverMemory:
-    """What was found before, which is tried first and so decides between equals.
+    """Results of earlier searches. They are tried first, and so decide between equals.
 
     Attributes:
-        loops: on a battery.
-        laps: that keep bounds in time.
+        loops: loops on a battery.
+        laps: laps that keep time bounds.
     """
 
     loops: KnownLoops
@@ -49,11 +49,11 @@ class SolverMemory:
 
 
 class Solver:
-    """Solves the problems of one mission by the built-in search.
+    """Solves the problems of one mission with the built-in search.
 
     Args:
-        mission: says of its problems what they do not say themselves.
-        actions: those that every problem begins with.
+        mission: gives what its problems do not contain.
+        actions: the actions with which every problem begins.
     """
 
     def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
@@ -64,17 +64,17 @@ class Solver:
         self._ready = ready_lines(mission)
 
     def take_actions(self, actions: Sequence[Action]) -> None:
-        """From now on every problem begins with these actions; what they cost has changed."""
+        """From now on every problem begins with these actions, which have new costs."""
         self._search.keep(actions)
         self._timed.costs_have_changed()
 
     @property
     def memory(self) -> SolverMemory:
-        """What was found so far."""
+        """The results of earlier searches."""
         return SolverMemory(self._loops.copied(), self._timed.known.copied())
 
     def recall(self, memory: SolverMemory) -> None:
-        """Nothing else was found so far."""
+        """Sets the results of earlier searches; all others are forgotten."""
         self._loops, self._timed.known = memory.loops.copied(), memory.laps.copied()
         self._timed.loops = self._loops
 
@@ -84,16 +84,18 @@ class Solver:
         histories: Sequence[Sequence[Letter]],
         objective: Objective = Objective.LAP,
     ) -> Iterator[Solution]:
-        """Checked solutions, each better than the one before; the last one is the best known.
+        """Yields checked solutions, each better than the one before; the last one is the best
+        known.
 
         Args:
-            problem: from where to plan.
+            problem: the problem, with the state to plan from.
             histories: per conjunct, the letters that it has read.
 
         Raises:
-            NoPlan: there is none; its `explanation` says why.
+            NoPlan: there is no plan; its `explanation` says why.
             SearchLimit: the search was given up.
-            CompanionError: an objective other than the lap, where plans know of energy or time.
+            CompanionError: an objective other than the lap, for a problem with energy or time
+                bounds.
         """
         found = False
         for solution in self._checked(problem, histories, objective, BEFORE_FLIGHT):
@@ -116,10 +118,10 @@ class Solver:
         return best
 
     def replan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | None:
-        """The first lasso that is found: in flight an answer has to come at once.
+        """The first lasso that is found, because in flight an answer is needed at once.
 
-        What lines that are ready keep of the battery may be used up, until a loop is reached. None
-        if there is no lasso; `explain_soon` says why.
+        What ready lines keep of the battery may be used up until a loop is reached. Returns None if
+        there is no lasso; `explain_soon` says why.
 
         Raises:
             SearchLimit: the search was given up.
@@ -197,10 +199,10 @@ class Solver:
     def kept(
         self, problem: Problem, histories: optional_lines.Histories
     ) -> tuple[Problem, list[Sequence[Letter]], tuple[DroppedLine, ...]]:
-        """A problem with the lines of the task that a plan can keep, before a flight.
+        """The problem with only the lines of the task that a plan can keep, before a flight.
 
         Args:
-            problem: with all lines.
+            problem: the problem with all lines.
             histories: per conjunct, the letters that it has read.
 
         Returns:
@@ -213,12 +215,12 @@ class Solver:
     def why_dropped(
         self, problem: Problem, dropped: Sequence[DroppedLine], line: str
     ) -> Explanation:
-        """Why a plan that keeps all that it can cannot keep one more line of the task.
+        """Why a plan that keeps as many lines as it can cannot keep one more.
 
         Args:
-            problem: with all lines.
-            dropped: what the plan does not keep.
-            line: one of these.
+            problem: the problem with all lines.
+            dropped: the lines that the plan does not keep.
+            line: one of them.
         """
         left_out = [each.line for each in dropped if each.line != line]
         asked, _ = optional_lines.without_lines(left_out, problem)
@@ -230,20 +232,20 @@ class Solver:
         return optional_lines.select(problem, self.mission.optional, self._is_solvable_soon)
 
     def line_to_take_up(self, problem: Problem, dropped: Collection[str]) -> str | None:
-        """The most important of the dropped lines that can be kept now; None if there is none."""
+        """The most important dropped line that can be kept now; None if there is none."""
         optional = self.mission.optional
         return optional_lines.line_to_take_up(problem, optional, dropped, self._is_solvable_soon)
 
     def product(self, problem: Problem) -> Product:
-        """The product that is searched for a problem's lassos.
+        """The product in which a problem's lassos are searched.
 
         Raises:
-            SearchLimit: it has too many states.
+            SearchLimit: the product has too many states.
         """
         return self._search.product(problem)
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
-        """Whether there is a plan; None if the search for one reaches its limit."""
+        """Whether there is a plan; None if the search reaches its limit."""
         if problem.clocks_ms:
             found = self._timed.is_solvable(problem, effort)
         elif problem.energy is None:
@@ -261,7 +263,7 @@ class Solver:
         return answer
 
     def _is_short_soon(self, problem: Problem) -> tuple[str, ...]:
-        """That the charge is the reason, if it is; not what would be enough."""
+        """States that the charge is the reason, if it is, but not which charge would be enough."""
         energy = problem.energy
         if energy is None or not self._is_solvable_soon(replace(problem, energy=None)):
             return ()
@@ -271,7 +273,9 @@ class Solver:
         return (f"the charge, {now} %, is too little",)
 
     def _is_late_soon(self, problem: Problem) -> tuple[str, ...]:
-        """The bounds without which there would be a plan; not the limits that could be kept."""
+        """The time bounds without which there would be a plan, but not the limits that could be
+        kept.
+        """
         late = tuple(
             f"{conjunct.text} cannot be kept in time from here"
             for number, conjunct in enumerate(problem.conjuncts)
@@ -294,9 +298,9 @@ class Solver:
 
 
 def _or_less(problem: Problem) -> Iterator[Problem]:
-    """A problem, and with a battery those that keep less until their loop, in turn.
+    """A problem; with a battery, then variants of it that keep less until their loop.
 
-    Nothing for lines that are ready; then not all of the reserve.
+    The variants first keep nothing for ready lines, then not all of the reserve.
     """
     yield problem
     energy = problem.energy

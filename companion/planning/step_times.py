@@ -1,4 +1,4 @@
-"""How long skills take of which nobody has said it, by their steps."""
+"""Estimates how long skills take from their steps, if nobody has said it."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from companion.mission.steps import Fly, Wait
 from companion.planning.domain import Refinement, Step
 
 ANYTHING_S = 1.0
-"""What anything takes that neither flies nor waits."""
+"""Assumed duration of a step that neither flies nor waits."""
 
 
 def waits_s(steps: tuple[Step, ...]) -> float:
-    """How long steps wait, in all."""
+    """Total waiting time of some steps."""
     waited = 0.0
     for step in steps:
         if isinstance(step, Wait):
@@ -21,7 +21,7 @@ def waits_s(steps: tuple[Step, ...]) -> float:
 
 
 def is_guessed(steps: tuple[Step, ...]) -> bool:
-    """Whether steps do something whose time is not known: they neither fly nor wait."""
+    """Whether some step has an unknown duration: it neither flies nor waits."""
     return any(
         is_guessed(step.steps) if isinstance(step, Refinement) else not isinstance(step, Fly | Wait)
         for step in steps
@@ -29,6 +29,6 @@ def is_guessed(steps: tuple[Step, ...]) -> bool:
 
 
 def on_the_spot_s(steps: tuple[Step, ...]) -> float:
-    """How long a skill takes that does not fly: its waits, and a second for all else."""
+    """Duration of a skill that does not fly: its waits, and a second for each other step."""
     waited = waits_s(steps)
     return waited + (ANYTHING_S if is_guessed(steps) or not waited else 0.0)

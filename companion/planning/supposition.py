@@ -1,7 +1,7 @@
-"""A state other than the mission's first one, to plan from before a flight.
+"""A supposed state, other than the mission's first one, to plan from before a flight.
 
-Here facts and beliefs come in as people write them, spelled as in the mission; a name that the
-mission does not know is a mistake and not a new fact.
+Facts and beliefs come in as people write them, spelled as in the mission. A name that the mission
+does not know is a mistake, not a new fact.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ def supposed_facts(
     """The facts of a supposed state, without the beliefs.
 
     Args:
-        mission: says what holds at first.
-        model: its actions and beliefs.
-        place: where the vehicle is; None leaves it where the mission begins.
-        facts: what else holds; with `!` before it, what does not hold.
+        mission: the mission; it says what holds at first.
+        model: the actions and beliefs of the mission.
+        place: the place of the vehicle; None for where the mission begins.
+        facts: further facts that hold; with a `!` before it, a fact does not hold.
 
     Raises:
-        MissionError: the mission does not know a fact or the place, or one of them is no text.
+        MissionError: the mission lacks a fact or the place, or one of them is not a string.
     """
     state = mission.initially
     if place is not None:
@@ -49,7 +49,7 @@ def supposed_withdrawn(model: TaskModel, without: Iterable[str] = ()) -> frozens
     """The beliefs that are withdrawn in a supposed state.
 
     Raises:
-        MissionError: no skill assumes one of them, or one is no text.
+        MissionError: no skill assumes one of them, or one is not a string.
     """
     names = _texts("belief", without)
     _check("belief", names, model.beliefs)
@@ -57,7 +57,7 @@ def supposed_withdrawn(model: TaskModel, without: Iterable[str] = ()) -> frozens
 
 
 def _texts(kind: str, given: Iterable[str]) -> list[str]:
-    """The names that are given, one or several."""
+    """The given names, whether one or several."""
     listed = [given] if isinstance(given, str) or not isinstance(given, Iterable) else [*given]
     for each in listed:
         if not isinstance(each, str):
@@ -66,7 +66,7 @@ def _texts(kind: str, given: Iterable[str]) -> list[str]:
 
 
 def _known_facts(mission: Mission, model: TaskModel) -> frozenset[Fact]:
-    """Every fact that the mission, its task and its actions speak of, without the beliefs."""
+    """Every fact that the mission, its task or its actions mention, without the beliefs."""
     effects = (effect for action in model.actions for effect in action.conditional)
     known = mission.task_facts.union(
         mission.initially,

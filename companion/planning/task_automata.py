@@ -11,14 +11,15 @@ from companion.mission.model import Mission
 from companion.planning.lasso import Conjunct
 
 MOST_OF_IT = 0.5
-"""Of the budget: where the lines before have taken more, it is too many of them that is told."""
+"""Share of the budget. If earlier lines have used more, the error says that there are too many
+lines."""
 
 
 def translated(mission: Mission) -> Iterator[Conjunct]:
-    """The automata of the task, for all of which there is one budget.
+    """The automata of the task; all of them share one budget.
 
     Raises:
-        TranslationLimit: it does not suffice for a line.
+        TranslationLimit: the budget is not enough for a line.
     """
     budget = Budget.of_a_mission()
     for name, line in mission.task.items():

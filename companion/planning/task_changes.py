@@ -1,8 +1,8 @@
-"""Changes of a task's state, as data: a state is what its changes make of the first one.
+"""The changes of a task's state, as data: repeated on the first state, they give the same state.
 
 `recorded` and `recorded_where` mark the methods of `TaskState` that change it. Each call from
-outside is told with its arguments, as names; task_replay.py makes the same calls on another state
-of the same mission. So nothing of the state has to be written down, and nothing can be forgotten.
+outside is reported with its arguments, as names. task_replay.py makes the same calls on another
+state of the same mission. So no state has to be written down, and no part of it can be forgotten.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ Argument = str | float | bool | None | tuple[str, ...]
 
 @dataclass(frozen=True, slots=True)
 class TaskChange:
-    """One call that has changed a task's state.
+    """One call that changed a task's state.
 
     Attributes:
-        method: of `TaskState`.
+        method: the method of `TaskState`.
         arguments: actions, events and facts by their names.
-        positions: how many positions of the word had been left after it.
-        now_s: when; 0 where the task has no clocks.
+        positions: how many positions of the word had been left after the call.
+        now_s: the time of the call; 0 if the task has no clocks.
     """
 
     method: str
@@ -37,13 +37,13 @@ class TaskChange:
 
 
 class Recorded(Protocol):
-    """What has recorded methods.
+    """A class with recorded methods.
 
     Attributes:
         positions: how many positions of the word have been left.
-        now_s: the time, where clocks have to know it.
+        now_s: the time; only kept if the task has clocks.
         is_changing: whether a change is under way.
-        on_change: told of each change, after it.
+        on_change: called with each change, after it.
     """
 
     positions: int
@@ -60,14 +60,14 @@ S = TypeVar("S", bound=Recorded)
 def recorded(
     method: Callable[Concatenate[S, P], R],
 ) -> Callable[Concatenate[S, P], R]:
-    """A method that changes the state; what it calls itself is part of the same change."""
+    """Marks a method that changes the state; calls within it belong to the same change."""
     return recorded_where(lambda _: True)(method)
 
 
 def recorded_where(
     has_changed: Callable[[Any], bool],
 ) -> Callable[[Callable[Concatenate[S, P], R]], Callable[Concatenate[S, P], R]]:
-    """The same for a method that may leave the state as it is, which its result says."""
+    """The same for a method that may leave the state unchanged, as its result tells."""
 
     def of(method: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S, P], R]:
         @wraps(method)

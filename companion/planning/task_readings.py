@@ -1,16 +1,17 @@
 """How far the conjuncts of a task have read the word: automata, clocks, waits and laps.
 
-The task's state says what is read, and when (task_state.py).
+The task's state decides what is read, and when (task_state.py).
 
-1. Every conjunct reads every position that is left; those of a line that is dropped as well.
-2. A conjunct that no continuation can satisfy any more is violated by the position read last. No
-   plan leads there: it takes an event or a failure that the vehicle could not choose.
-3. A bounded line is violated as soon as its clock has run over, by the position left last, and
-   told at once. Clocks go on over replans, pauses and takeovers (companion/ltl/bound_clock.py).
-4. What has to be met again and again waits since the position that met it last. Once two tries in a
-   row were interrupted it waits since the last of them: others may be reached where it is not.
-5. A lap of the task is over when every acceptance mark has been met since the lap before, by
-   whatever plans. A line that is dropped has no part in it.
+1. Every conjunct reads every position that is left, also if its line is dropped.
+2. A conjunct that no continuation can satisfy is violated by the position read last. No plan leads
+   there: an event or a failure that the vehicle could not choose is the cause.
+3. A bounded line is violated as soon as its clock has run out, by the position left last, and this
+   is reported at once. Clocks run on during replans, pauses and takeovers
+   (companion/ltl/bound_clock.py).
+4. An acceptance mark waits since the position that met it last. After two tries in a row were
+   interrupted, it waits since the last of them, because others may be reachable where it is not.
+5. A lap of the task is complete when every acceptance mark has been met since the previous lap, by
+   whatever plans. A dropped line does not count.
 """
 
 from __future__ import annotations
@@ -28,12 +29,12 @@ _READING_US = 40
 
 @dataclass(frozen=True, slots=True)
 class WordSoFar:
-    """What a problem has to know of the word; each field has an entry for each conjunct.
+    """What a problem needs to know of the word; each field has an entry for each conjunct.
 
     Attributes:
-        automaton_states: where the automata may be.
+        automaton_states: the possible states of the automata.
         histories: the letters that were read.
-        waiting_since_ms: since when what is to be met again and again waits.
+        waiting_since_ms: since when the longest-waiting acceptance mark waits.
         clocks_ms: what the clocks show; () without bounds.
     """
 
@@ -47,11 +48,11 @@ class TaskReadings:
     """What the conjuncts of a task have read.
 
     Attributes:
-        violated: the lines that no continuation of it can satisfy.
-        laps: how many laps of the task are over.
+        violated: the lines that no continuation of the word can satisfy.
+        laps: number of completed laps of the task.
 
     Args:
-        conjuncts: of the task.
+        conjuncts: the conjuncts of the task.
     """
 
     def __init__(self, conjuncts: Sequence[Conjunct]) -> None:
@@ -61,14 +62,14 @@ class TaskReadings:
         self._find_violated()
 
     def _find_violated(self) -> None:
-        """After every change of what was read, and of what is late."""
+        """Called after every change of what was read or is late."""
         late = self._clocks.late
         names = (r.conjunct.name for r in self._readings if not r.runs.states or r.conjunct in late)
         self.violated = tuple(dict.fromkeys(names))
 
     @property
     def have_clocks(self) -> bool:
-        """Whether a conjunct has a bound in time."""
+        """Whether a conjunct has a time bound."""
         return bool(self._clocks)
 
     @property
@@ -79,13 +80,13 @@ class TaskReadings:
     def read(
         self, letter: Letter, reached_s: float, left_s: float, dropped: Collection[str]
     ) -> tuple[Conjunct, ...]:
-        """One more position; the conjuncts that it violates, which were not violated before.
+        """Reads one more position. Returns the conjuncts that it violates for the first time.
 
         Args:
-            letter: what holds there.
-            reached_s: when the vehicle has come there.
-            left_s: when it leaves.
-            dropped: lines that have no part in laps.
+            letter: what holds at the position.
+            reached_s: when the vehicle reached it.
+            left_s: when the vehicle leaves it.
+            dropped: lines that do not count for laps.
         """
         late = self._clocks.read(letter, reached_s, left_s)
         violated = tuple(r.conjunct for r in self._readings if r.read(letter, reached_s))
@@ -101,7 +102,9 @@ class TaskReadings:
                 reading.begin_lap()
 
     def restart(self, line: str, now_s: float) -> bool:
-        """A line begins anew with the position that is left next; whether the task has it."""
+        """A line starts again at the position that is left next. Returns whether the task has the
+        line.
+        """
         own = [reading for reading in self._readings if reading.conjunct.name == line]
         for reading in own:
             reading.restart(now_s)
@@ -110,35 +113,37 @@ class TaskReadings:
         return bool(own)
 
     def run_clocks(self, now_s: float, unread: Letter | None) -> ClocksRun:
-        """Time goes on. See `BoundClocks.run`."""
+        """Lets time pass. See `BoundClocks.run`."""
         run = self._clocks.run(now_s, unread)
         if run.over:
             self._find_violated()
         return run
 
     def foresee(self, letter: Letter, event_s: float | None = None) -> None:
-        """What will be read next, as far as it is known. See `BoundClocks.see`."""
+        """Notes what will be read next, as far as it is known. See `BoundClocks.see`."""
         self._clocks.see(letter, event_s)
 
     def try_in_vain(self, letter: Letter, begun_s: float) -> None:
-        """A position with this letter was not reached."""
+        """A position with this letter was tried and not reached."""
         for reading in self._readings:
             reading.try_in_vain(letter, begun_s)
 
     def are_called(self, lines: Collection[str]) -> bool:
-        """Whether an event asks for the goal of one of some lines, and no position has read it."""
+        """Whether an event asks for the goal of one of these lines, and no position has read it
+        yet.
+        """
         return self._clocks.are_called(lines)
 
     def so_far(
         self, unread: Letter | None, reached_s: float, now_s: float, anew: Collection[str]
     ) -> WordSoFar:
-        """The word with the present position, as if that were read.
+        """The word including the present position, as if that were read.
 
         Args:
-            unread: what holds there; None if it was read.
-            reached_s: when the vehicle has come there.
-            now_s: the time, which clocks show.
-            anew: lines that begin anew there.
+            unread: what holds at the present position; None if it has been read.
+            reached_s: when the vehicle reached it.
+            now_s: the time that clocks show.
+            anew: lines that start again there.
         """
         spent(_READING_US * len(self._readings))
         readings = [r.anew(reached_s) if r.conjunct.name in anew else r for r in self._readings]

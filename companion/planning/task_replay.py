@@ -1,4 +1,4 @@
-"""Makes the changes of a task's state again, on another state of the same mission."""
+"""Repeats the recorded changes of a task's state on another state of the same mission."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from companion.planning.task_state import TaskState
 
 
 class TaskReplay:
-    """Makes changes again, on a state that has had none yet.
+    """Repeats changes on a fresh state.
 
     Args:
-        state: of the mission.
-        planner: knows its actions.
+        state: the state, of the mission.
+        planner: gives the mission's actions.
 
     Raises:
-        LookupError: by `make`: the mission has no such action or event.
+        LookupError: by `make`, if the mission has no such action or event.
     """
 
     def __init__(self, state: TaskState, planner: Planner) -> None:
@@ -32,11 +32,11 @@ class TaskReplay:
         self._actions = {action.name: action for action in (*safe, *planner.all_actions())}
 
     def action(self, name: str) -> Action:
-        """The action of a name."""
+        """The action with this name."""
         return self._actions[name]
 
     def make(self, change: TaskChange) -> Sequence[Conjunct]:
-        """One change, after those before it; the bounded lines whose clock it found run over."""
+        """Repeats the next change. Returns the bounded conjuncts whose clock then has run out."""
         self._state.now_s = change.now_s
         arguments = _READERS[change.method](self, change.arguments)
         done = getattr(self._state, change.method)(*arguments)

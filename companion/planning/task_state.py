@@ -1,23 +1,23 @@
-"""Where the task stands: facts, beliefs, and the word of the flight.
+"""The state of the task: facts, beliefs, and the word of the flight.
 
-The word of the flight (after Section III-A of the paper):
+Rules of the word (after Section III-A of the paper):
 
 1. A completed skill appends a position, with the facts that hold then.
 2. The automata read a position when the vehicle leaves it, that is, when the next skill begins.
    Until then an event may still change it. Plans are made as if it had been read.
-3. No event is missed. A letter contains each event that is true when it is read, or that has become
-   true since the letter before was read. Nor is a failure missed: a belief comes back by time only
-   after a position has been read at which it did not hold.
-4. An interrupted skill appends no position. The system moves first: the automata read next at the
-   place that the vehicle reaches. So an event can never violate `X` by itself.
-5. An interrupted flight leaves the vehicle at no place: `at(here)` holds and no other `at`.
+3. No event is missed: a letter contains each event that is true when it is read, or that has become
+   true since the letter before was read. No failure is missed: a belief returns by time only after
+   a position has been read at which it did not hold.
+4. An interrupted skill appends no position. The system moves first: the automata next read at the
+   place that the vehicle reaches. So an event alone can never violate `X`.
+5. An interrupted flight leaves the vehicle at no place: `at(here)` holds, and no other `at`.
 6. A new plan keeps what was read (the paper starts again from the automaton's initial states). Only
-   an event can make a line that must hold begin anew (`restarts`).
+   an event can make a line that must hold start again (`restarts`).
 7. An action may be barred: nobody knows whether it was done, so no plan does it again.
-8. A line that the present plan drops continues to read. If it was violated, it begins anew with the
-   plan that takes it up again; plans are made as if it had.
+8. A line that the present plan drops continues to read. If it was violated, it starts again with
+   the plan that takes it up; plans are made as if it had.
 
-task_readings.py has what the conjuncts have read.
+task_readings.py keeps what the conjuncts have read.
 """
 
 from __future__ import annotations
@@ -45,17 +45,17 @@ class TaskState:
     Attributes:
         facts: what holds, without the beliefs.
         risen: events that have risen since the last letter was read.
-        completed: how many skills were completed, each of which has appended a position.
-        positions: how many positions have been left.
-        left: those of them that nobody has collected yet.
-        now_s: the time, where clocks have to know it; 0 before the task is flown.
-        running: the action under way.
+        completed: number of completed skills; each has appended a position.
+        positions: number of positions that have been left.
+        left: those positions that nobody has collected yet.
+        now_s: the time, if the task has clocks; 0 before the task is flown.
+        running: the action that is under way.
         optional: lines of the task that may be dropped.
-        dropped: those of them that the present plan does not keep.
-        may_take_up: whether a skill was completed since it was last asked if they can be kept.
-        barred: names of actions that no plan may have.
-        on_change: told of each change, after it.
-        is_changing: whether one is under way.
+        dropped: those optional lines that the present plan does not keep.
+        may_take_up: whether a skill was completed since dropped lines were last reconsidered.
+        barred: names of actions that no plan may contain.
+        on_change: called with each change, after it.
+        is_changing: whether a change is under way.
     """
 
     def __init__(self, planner: Planner) -> None:
@@ -88,12 +88,12 @@ class TaskState:
 
     @property
     def withdrawn(self) -> frozenset[Fact]:
-        """Beliefs that were disproved, or that the map contradicts."""
+        """Beliefs that were disproved or that the map contradicts."""
         return self._beliefs.withdrawn
 
     @property
     def all_facts(self) -> frozenset[Fact]:
-        """Facts and the beliefs that are held, those about `here` included."""
+        """Facts, and the beliefs that are held, including those about `here`."""
         beliefs = self._planner.beliefs(is_en_route=AT_HERE in self.facts)
         return self.facts | (beliefs - self.withdrawn)
 
@@ -104,30 +104,30 @@ class TaskState:
 
     @property
     def violated(self) -> tuple[str, ...]:
-        """The lines that must hold, and that no continuation of the word can satisfy."""
+        """The lines that must hold but that no continuation of the word can satisfy."""
         return tuple(line for line in self._readings.violated if line not in self.optional)
 
     @property
     def violated_anew(self) -> tuple[str, ...]:
-        """Those that may be dropped, which the present plan was to keep."""
+        """The violated optional lines that the present plan was to keep."""
         kept = self.optional - self.dropped
         return tuple(line for line in self._readings.violated if line in kept)
 
     @property
     def laps(self) -> int:
-        """How many laps of the task they were."""
+        """The number of completed laps of the task."""
         return self._readings.laps
 
     def problem(
         self, fallen: Set[Fact] = frozenset(), returned: Set[Fact] = frozenset()
     ) -> tuple[Problem, list[list[Letter]]]:
-        """The planning problem from here, and what each conjunct has read with this position.
+        """The planning problem from here, and what each conjunct has read, including this position.
 
-        It has all lines of the task. Those that may be dropped, and are violated, begin anew.
+        It has all lines of the task. Optional lines that are violated start again.
 
         Args:
-            fallen: events that are supposed to hold no longer.
-            returned: beliefs that are supposed to be held again.
+            fallen: events that are assumed to hold no longer.
+            returned: beliefs that are assumed to be held again.
         """
         facts, withdrawn = self.facts - fallen, self.withdrawn - returned
         lost = self.optional.intersection(self._readings.violated)
@@ -157,7 +157,7 @@ class TaskState:
 
     @recorded
     def leave(self) -> None:
-        """The automata read the present position, once."""
+        """Lets the automata read the present position, once."""
         if self._is_read:
             return
         letter = self._letter(self.facts)
@@ -196,7 +196,7 @@ class TaskState:
 
     @recorded
     def interrupt(self) -> None:
-        """Ends the action under way without its effect."""
+        """Ends the action under way, without its effects."""
         if self.running is not None:
             letter = self._letter(self.running.apply(self.facts))
             self._readings.try_in_vain(letter, self._reached_s)
@@ -207,11 +207,11 @@ class TaskState:
 
     @recorded
     def begin_again(self, actions: Iterable[Action]) -> Action | None:
-        """Goes on with the flight that was interrupted last, as if it had not been.
+        """Resumes the flight that was interrupted last, as if it had not been interrupted.
 
         Returns:
-            the flight; None if it is none of some actions, a position was appended since, or its
-            precondition would not hold where it has begun.
+            the flight; None if it is not one of these actions, if a position was appended since, or
+            if its precondition would not hold where it began.
         """
         flight = next((action for action in actions if action is self._interrupted), None)
         if flight is None or not flight.is_applicable(
@@ -224,9 +224,10 @@ class TaskState:
 
     @recorded
     def drop(self, lines: Collection[str]) -> tuple[str, ...]:
-        """The plan from now on keeps all lines but these; which of those that it keeps begin anew.
+        """Drops these lines from now on and keeps all others. Returns the kept lines that start
+        again.
 
-        They were violated: what they have read is forgotten.
+        These were violated: what they have read is forgotten.
         """
         self.dropped, self.may_take_up = frozenset(lines), False
         anew = self.violated_anew
@@ -236,39 +237,39 @@ class TaskState:
 
     @recorded
     def keep_dropped(self) -> None:
-        """Keeps all dropped lines dropped, until a skill was completed."""
+        """Leaves all dropped lines dropped until a skill is completed."""
         self.may_take_up = False
 
     def _restart(self, line: str) -> None:
-        """The conjuncts of a line begin anew with the position that is left next."""
+        """The conjuncts of a line start again at the position that is left next."""
         if self._readings.restart(line, self._reached_s):
             self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
 
     @recorded
     def depart(self) -> None:
-        """The vehicle is at no place, and leaves the one where it is."""
+        """The vehicle leaves the place where it is, and is at no place."""
         self.leave()
         places = frozenset(f for f in self.facts if f.predicate == AT)
         self.facts, self._departed_from = self.facts - places | {AT_HERE}, places
 
     @recorded
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
-        """Gives up beliefs; from `retry_s` on, if given, they may be held again."""
+        """Withdraws beliefs; from time `retry_s` on, if given, they may be held again."""
         self._beliefs.withdraw(beliefs, retry_s)
 
     @recorded
     def bar(self, action: Action) -> None:
-        """No plan does an action again: it is not known whether it was done."""
+        """No plan does an action again, because it is not known whether it was done."""
         self.barred |= {action.name}
 
     @recorded
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
-        """Gives up all that the map contradicts, and holds again what it did before; both."""
+        """Withdraws what the map contradicts, holds again what it no longer does; returns both."""
         return self._beliefs.cut_off(beliefs)
 
     @property
     def returning(self) -> frozenset[Fact]:
-        """The withdrawn beliefs that are held again when their time has come."""
+        """The withdrawn beliefs that return by time."""
         return self._beliefs.returning
 
     @property
@@ -278,18 +279,18 @@ class TaskState:
 
     @recorded_where(bool)
     def restore(self, now_s: float, is_waiting: bool, predicates: frozenset[str]) -> list[Fact]:
-        """Holds beliefs again whose time has come, or whose predicate is named; which ones.
+        """Holds beliefs again if their time has come or their predicate is named; returns them.
 
         Args:
-            now_s: the time.
-            is_waiting: whether the vehicle waits for them, in want of a plan.
-            predicates: of beliefs that an event restores.
+            now_s: the present time.
+            is_waiting: whether the vehicle waits for them because there is no plan.
+            predicates: predicates of beliefs that an event restores.
         """
         return self._beliefs.restore(now_s, is_waiting, predicates)
 
     @recorded
     def take(self, event: Event, holds: bool) -> None:
-        """Takes over an event that has changed."""
+        """Sets the new value of an event."""
         fact = frozenset({event.fact})
         self.facts = self.facts | fact if holds else self.facts - fact
         if holds:
@@ -301,9 +302,9 @@ class TaskState:
 
     @recorded_where(lambda run: run.has_changed)
     def run_clocks(self, now_s: float) -> ClocksRun:
-        """Time goes on; which clocks have just run over.
+        """Lets time pass. Returns which clocks have just run out.
 
-        With the first call the task begins: its first position counts as reached then.
+        The first call begins the task: its first position counts as reached then.
         """
         readings = self._readings
         if not readings.have_clocks:
@@ -315,13 +316,13 @@ class TaskState:
 
     @property
     def _next_letter(self) -> Letter:
-        """What is read next, as far as it is known: between places the vehicle is at none."""
+        """What is read next, as far as it is known; between places, the vehicle is at none."""
         left = frozenset(f for f in self.facts if f.predicate == AT) if self._is_read else ()
         return self._letter(self.facts.difference(left))
 
     @property
     def is_called(self) -> bool:
-        """Whether the event of a line that is ready has come, and no position has read it."""
+        """Whether the event of a ready line has come, and no position has read it yet."""
         return self._readings.are_called(self._planner.mission.ready)
 
     @property
@@ -330,9 +331,9 @@ class TaskState:
         return max(0, self.positions - 1)
 
     def _letter(self, facts: frozenset[Fact]) -> Letter:
-        """What the automata read at a position with some facts."""
+        """What the automata read at a position with these facts."""
         return facts | self.risen | (self._planner.model.beliefs - self.withdrawn)
 
 
 def _ignore(change: TaskChange) -> None:
-    """Nobody keeps the changes."""
+    """Ignores changes: nobody records them."""

@@ -1,6 +1,7 @@
-"""The independent check of a plan's bounds in time: it is flown on paper, by the clocks themselves.
+"""The independent check of a plan's time bounds: it executes the plan with the clocks, without
+search.
 
-No search takes part, and the limits are those of the task: what plans keep in hand is not asked.
+The limits are those of the task; the margin that planning adds is not checked.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ _READING_US = 10.0
 
 @dataclass(frozen=True, slots=True)
 class _Arrival:
-    """A clock that runs where a position is reached.
+    """A clock that runs when a position is reached.
 
     Attributes:
-        number: of its conjunct.
+        number: index of its conjunct.
         elapsed_ms: what it shows before the position is read.
-        places: since it began, or since the start of the plan.
-        action: that led there.
+        places: places since it began, or since the start of the plan.
+        action: the action that led to the position.
     """
 
     number: int
@@ -37,11 +38,11 @@ class _Arrival:
 
 @dataclass(frozen=True, slots=True)
 class LongestWait:
-    """The longest that a bounded line waits in a plan.
+    """The longest wait of a bounded line in a plan.
 
     Attributes:
-        elapsed_ms: what its clock shows at most.
-        places: from where it began, or the plan did, to where it ends.
+        elapsed_ms: the most that its clock shows.
+        places: from where the clock (or the plan) began to where the wait ends.
     """
 
     conjunct: Conjunct
@@ -56,7 +57,7 @@ class LongestWait:
 
     @property
     def slack_ms(self) -> int:
-        """What is left of the limit."""
+        """The rest of the limit."""
         assert self.conjunct.bound is not None
         return self.conjunct.bound.limit_ms - self.elapsed_ms
 
@@ -72,10 +73,10 @@ class LongestWait:
 
 
 def time_fault(problem: Problem, lasso: Lasso) -> str | None:
-    """What is late in a plan that is flown for ever, in words; None if nothing is.
+    """What is late if a plan is flown for ever, in words; None if nothing is.
 
     Args:
-        problem: that the plan solves.
+        problem: the problem that the plan solves.
         lasso: the plan.
     """
     for arrival in _arrivals(problem, lasso):
@@ -90,17 +91,17 @@ def time_fault(problem: Problem, lasso: Lasso) -> str | None:
 
 
 def waits(problem: Problem, solution: Solution) -> tuple[LongestWait, ...]:
-    """How long each line with a bound in time that a plan keeps waits at most in it."""
+    """The longest wait of each line with a time bound that the plan keeps."""
     kept, _ = without_lines([each.line for each in solution.dropped], problem)
     return longest_waits(kept, solution.lasso) if kept.clocks_ms else ()
 
 
 def longest_waits(problem: Problem, lasso: Lasso) -> tuple[LongestWait, ...]:
-    """For each bounded conjunct whose clock runs in a plan, the longest that it waits.
+    """The longest wait of each bounded conjunct whose clock runs in a plan.
 
     Args:
-        problem: that the plan solves.
-        lasso: the plan, which keeps all bounds.
+        problem: the problem that the plan solves.
+        lasso: the plan; it keeps all bounds.
     """
     longest: dict[int, LongestWait] = {}
     for arrival in _arrivals(problem, lasso):
@@ -112,9 +113,9 @@ def longest_waits(problem: Problem, lasso: Lasso) -> tuple[LongestWait, ...]:
 
 
 def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
-    """The clocks that run at each position, until laps begin with clocks as before.
+    """The clocks that run at each position, until a lap begins with the same clocks as one before.
 
-    A clock that is late goes on for no more than a lap.
+    A clock that is late is followed for one more lap at most.
     """
     bounded = {n: c.bound for n, c in enumerate(problem.conjuncts) if c.bound is not None}
     clocks = {number: problem.clocks_ms[number] for number in bounded}
@@ -147,7 +148,7 @@ def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
                 clocks[number] = shown
         is_late = any(bound.is_late(clocks[number]) for number, bound in bounded.items())
         charges = any(action.charge_to is not None for action in lasso.loop)
-        now = clocks, level if charges else 0  # else it falls for ever, and nothing depends on it
+        now = clocks, level if charges else 0  # else it only falls and never matters
         if now == before or (is_late and before is not None):
             return
         before = dict(clocks), now[1]
@@ -155,7 +156,7 @@ def _arrivals(problem: Problem, lasso: Lasso) -> Iterator[_Arrival]:
 
 
 def _duration_ms(action: Action, level: int) -> int:
-    """What an action takes; a charge that begins with some level."""
+    """The duration of an action; of a charge, if it begins with this level."""
     if action.charger is None or action.charge_to is None:
         return duration_ms(action)
     return action.charger.service_ms(level, action.charge_to)

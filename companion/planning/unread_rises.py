@@ -1,8 +1,8 @@
-"""Problems whose next letter has events that have risen and fallen again since the last one.
+"""Problems with unread rises: events that have risen and fallen since the last letter.
 
-The automata take them in: one that speaks of such an event begins in a state of its own, from which
-it reads the next letter as if the event held. Facts and actions know nothing of it, so that
-preconditions see what holds now, and whoever solves the problem solves it as any other one.
+Only the automata take them in. An automaton that mentions such an event begins in an extra state,
+from which it reads the next letter as if the event held. Facts and actions do not contain the
+event, so preconditions see what holds now. The problem is solved like any other one.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class UnreadRises:
         self._found: dict[tuple[str, str, frozenset[int], frozenset[Fact]], Conjunct] = {}
 
     def with_unread(self, problem: Problem, unread: frozenset[Fact]) -> Problem:
-        """A problem whose first letter has some events besides what a plan makes of the facts."""
+        """A problem whose first letter has these events, besides what the plan's facts give."""
         conjuncts, states = [], []
         for conjunct, own in zip(problem.conjuncts, problem.automaton_states, strict=True):
             mentioned = unread & conjunct.facts
