@@ -7,7 +7,7 @@ flew 0.5 m above the ground where 1.5 m was asked for. Such places cause a notic
 flown higher, because the author may know better.
 
 Left out: what hangs above a place, because no map contains it; and the lower end of the altitude
-    band, because nothing is flown lower than the lowest place.
+band, because nothing is flown lower than the lowest place.
 """
 
 from __future__ import annotations
