@@ -55,21 +55,30 @@ def test_axe_finds_nothing_light_or_dark(width: int, address: str, open_page: Op
     replay.page.wait_for_timeout(100)  # a map without a width is no fault
 
 
-def test_the_longest_names_fit_a_telephone(open_page: Open, tmp_path: Path) -> None:
-    """Each name is of the most letters that it may have, and the widest ones."""
-    far, task, name = "A" * 40, "T" * 40, "M" * 40
+LONGEST = {"place": "A" * 40, "line": "T" * 40, "mission": "M" * 40}
+"""Each name is of the most letters that it may have."""
+
+
+@pytest.fixture
+def longest_names(tmp_path: Path) -> Iterator[str]:
+    """The address of a replay of a mission with such names; it outlasts the pages."""
+    far, line, name = LONGEST.values()
     meadow: Any = json.loads(
         json.dumps(DATA).replace('"A"', f'"{far}"').replace("at(A)", f"at({far})")
     )
     limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [29, -9], [29, 9], [-9, 9]]}
-    of_meadow = {"name": name, "limits": limits, "task": {task: f"F at({far}) & F G at(Home)"}}
+    of_meadow = {"name": name, "limits": limits, "task": {line: f"F at({far}) & F G at(Home)"}}
     simulate(load_mission(meadow | of_meadow), folder=tmp_path / "run")
     with replayed(tmp_path / "run") as address:
-        replay = open_page(address, width=360, height=740)
-        replay.until("document.querySelector('#lines')?.innerText.includes('satisfied, landed')")
-        replay.page.locator("#plan .step", has_text=far).first.wait_for()
-        assert replay.page.locator("h1").inner_text() == name
-        assert replay.has_no_horizontal_scroll()
+        yield address
+
+
+def test_the_longest_names_fit_a_telephone(longest_names: str, open_page: Open) -> None:
+    replay = open_page(longest_names, width=360, height=740)
+    replay.until("document.querySelector('#lines')?.innerText.includes('satisfied, landed')")
+    replay.page.locator("#plan .step", has_text=LONGEST["place"]).first.wait_for()
+    assert replay.page.locator("h1").inner_text() == LONGEST["mission"]
+    assert replay.has_no_horizontal_scroll()
 
 
 def test_what_is_due_and_the_edges_just_taken(address: str, open_page: Open) -> None:
