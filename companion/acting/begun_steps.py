@@ -1,33 +1,33 @@
-"""The steps of the skill under way that may not be done twice: commands to payloads, and calls.
+"""The steps of a skill that must not be done twice: commands to payloads, and calls of functions.
 
-1. A step is in the journal, on the disk, before it is begun, and stays open there until its skill
-   is completed, or it has failed.
-2. An interruption (a pause, a pilot, another plan) ends the waiting for a command, and not the
-   command. A skill that is begun anew at the same position of the word comes back to the same
-   steps, and finds what has become of them; what is done is not done again.
-3. A try that has failed is over, and the next one does its steps anew.
-4. At another position of the word they are other steps.
+1. The journal has a step on the disk before the step begins. The step stays open there until its
+   skill is completed, or the step or its try fails.
+2. An interruption (a pause, a pilot, a lost link, another plan) ends the waiting for a command, but
+   not the command. If the skill begins again at the same position of the word, it finds what has
+   become of its steps: a step that is done is not done again.
+3. When a try has failed, the next one does all of its steps again.
+4. At another position of the word, the same skill has new steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
-from companion.acting.journal import CommandIntended, CommandSettled, Journal
+from companion.acting.journal import CommandIntended, CommandSettled, JournalEntry
 from companion.mission.steps import Command
 from companion.vehicle.port import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
 class StepOwner:
-    """Which step of which skill.
+    """Identifies a step.
 
     Attributes:
         action: the skill.
-        position: of the word, at which it is done.
-        nth: of the leaves of its tree, from 0.
-        asked: of the commands that a function has asked for, from 1; 0 is the leaf's own step.
+        position: the position of the word at which the skill is done.
+        nth: which leaf of the skill's tree, from 0.
+        asked: which of the commands that a function asks for, from 1; 0 for the leaf's own step.
     """
 
     action: str
@@ -38,14 +38,15 @@ class StepOwner:
 
 @dataclass
 class BegunStep:
-    """A step that is begun, or about to be.
+    """A step that has begun, or is about to.
 
     Attributes:
         does: the command, or the text of a call.
         number: of its intention in the journal.
-        intended_s: when that was noted.
-        ticket: of the command; None before it is sent, and after its final answer.
+        intended_s: when the journal got that.
+        ticket: of the command; None before it is sent and after its final answer.
         is_done: whether it was done.
+        is_resumed: whether its skill has come back to it after an interruption.
     """
 
     does: Command | str
@@ -53,63 +54,71 @@ class BegunStep:
     intended_s: float
     ticket: int | None = None
     is_done: bool = False
+    is_resumed: bool = False
 
 
 class BegunSteps:
-    """Those of the position that the word has come to.
+    """The begun steps at the present position of the word.
 
     Args:
-        vehicle: whose payloads commands are sent to.
+        vehicle: its payloads get the commands.
+        note: adds an entry to the journal.
     """
 
-    def __init__(self, vehicle: Vehicle) -> None:
+    def __init__(self, vehicle: Vehicle, note: Callable[[JournalEntry], None]) -> None:
         self._vehicle = vehicle
+        self._note = note
         self._steps: dict[StepOwner, BegunStep] = {}
         self._intentions = 0
 
-    def come_to(
-        self, owner: StepOwner, does: Command | str, journal: Journal, now_s: float
-    ) -> BegunStep:
-        """The step that an owner has begun before, or one that is noted now.
+    def begin(self, owner: StepOwner, does: Command | str, now_s: float) -> BegunStep:
+        """Returns the step that its owner began before an interruption, or a new one.
 
         Args:
-            owner: whose step it is.
-            does: what it does; where that is something else than before, it is another step.
-            journal: keeps the intention.
+            owner: which step it is.
+            does: what it does. If that differs from before, the step is a new one.
             now_s: the time.
         """
         for other, step in [*self._steps.items()]:
             if other.position != owner.position or (other == owner and step.does != does):
                 self._forget(other)
-        if owner not in self._steps:
-            self._intentions += 1
-            self._steps[owner] = BegunStep(does, self._intentions, now_s)
-            text = does if isinstance(does, str) else does.name
-            journal.note(now_s, CommandIntended(self._intentions, owner.action, text))
-        return self._steps[owner]
+        if (before := self._steps.get(owner)) is not None:
+            before.is_resumed = True
+            return before
+        self._intentions += 1
+        self._steps[owner] = step = BegunStep(does, self._intentions, now_s)
+        text = does if isinstance(does, str) else does.name
+        self._note(CommandIntended(self._intentions, owner.action, text))
+        return step
 
-    def drop(self, owner: StepOwner, journal: Journal, now_s: float) -> None:
-        """A step has failed, or nothing of it was begun."""
+    def since_s(self, action: str, now_s: float) -> float:
+        """The time from which a reading can confirm an action whose steps are done.
+
+        It is the present time, unless the last step was done before an interruption: then what that
+        step has caused may have been heard meanwhile, and never again.
+        """
+        own = [step for o, step in self._steps.items() if o.action == action and not o.asked]
+        last = max(own, key=lambda step: step.number, default=None)
+        return last.intended_s if last is not None and last.is_resumed else now_s
+
+    def drop(self, owner: StepOwner) -> None:
+        """Ends a step that has failed, or of which nothing has begun."""
         step = self._forget(owner)
-        journal.note(now_s, CommandSettled(step.number))
+        self._note(CommandSettled(step.number))
 
-    def end_try(
-        self, journal: Journal, now_s: float, leaves: Collection[int] | None = None
-    ) -> None:
-        """A try has failed.
+    def end_try(self, leaves: Collection[int]) -> None:
+        """Ends the steps of a try that has failed.
 
         Args:
-            journal: keeps that.
-            now_s: the time.
-            leaves: that took part in it; None for all.
+            leaves: numbers of the leaves that took part in it.
         """
-        for owner in [o for o in self._steps if leaves is None or o.nth in leaves]:
-            self.drop(owner, journal, now_s)
+        for owner in [owner for owner in self._steps if owner.nth in leaves]:
+            self.drop(owner)
 
-    def end_skill(self, action: str, journal: Journal, now_s: float) -> None:
-        """A skill has failed, after all its tries."""
+    def end_skill(self, action: str) -> None:
+        """Ends the steps of a skill that has failed, after all its tries."""
         for owner in [owner for owner in self._steps if owner.action == action]:
-            self.drop(owner, journal, now_s)
+            self.drop(owner)
 
     def _forget(self, owner: StepOwner) -> BegunStep:
         step = self._steps.pop(owner)

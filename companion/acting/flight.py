@@ -9,7 +9,7 @@ from companion.acting.begun_steps import BegunSteps
 from companion.acting.docks import AnyDock, Dock
 from companion.acting.function_port import FunctionPort, NoFunctions
 from companion.acting.guidance import Guidance
-from companion.acting.journal import Journal, NoJournal
+from companion.acting.journal import Journal, JournalEntry, NoJournal
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
@@ -72,7 +72,7 @@ class Flight:
         believed_percent: of the charge, where the gauge tells more than can be; `energy_gauge.py`
             writes it.
         guidance: what the vehicle is told to fly.
-        steps: of the skill under way that may not be done twice; the leaves of its tree write them.
+        steps: those that must not be done twice; the leaves of the tree write them.
         kept_fence: of somebody else, to which it keeps; `kept_fence.py` writes it.
     """
 
@@ -97,8 +97,8 @@ class Flight:
     steps: BegunSteps = field(init=False)
 
     def __post_init__(self) -> None:
-        """Guidance goes by the flight's own time, and reports to it; steps know the payloads."""
-        self.steps = BegunSteps(self.vehicle)
+        """Guidance and steps use the flight's own time, and report to it or to its journal."""
+        self.steps = BegunSteps(self.vehicle, self.note)
         self.guidance = Guidance(
             self.vehicle, self.routes, self.profile, self.limits, lambda: self.now_s, self.report
         )
@@ -121,6 +121,10 @@ class Flight:
     def report(self, event: FlightEvent) -> None:
         """Notes something that happened now."""
         self.add_report(Stamped(round(self.now_s, 3), event))
+
+    def note(self, entry: JournalEntry) -> None:
+        """Adds an entry to the journal, with the present time."""
+        self.journal.note(self.now_s, entry)
 
     def add_report(self, stamped: Stamped) -> None:
         """Notes something that happened beside the flight, at its own time."""

@@ -24,6 +24,7 @@ command still listens: a later failure replaces the success.
 from __future__ import annotations
 
 import logging
+import math
 from dataclasses import dataclass
 
 from companion.mavlink.framing import Message, dialect, source
@@ -58,9 +59,9 @@ class Exchange:
     component: int
     command: int
     parameters: Parameters
-    deadline_s: float
     next_send_s: float
     timeout_s: float | None = None
+    deadline_s: float = math.inf
     confirmation: int = 0
     rejections: int = 0
     result: str | None = None
@@ -115,8 +116,8 @@ class Exchange:
         if self.timeout_s is None:
             self.deadline_s = deadline_s
 
-    def postpone(self, now_s: float) -> None:
-        """Lets its time begin later, as it has not been sent for the first time yet."""
+    def start_clock(self, now_s: float) -> None:
+        """Counts the time for an answer from now on."""
         patience_s = SILENCE_S if self.timeout_s is None else self.timeout_s
         self.deadline_s = now_s + patience_s
 
@@ -168,15 +169,9 @@ class CommandSender:
             timeout_s: time for the final answer; None for the protocol's own times.
         """
         self._tickets += 1
-        patience_s = SILENCE_S if timeout_s is None else timeout_s
-        self._exchanges[self._tickets] = Exchange(
-            *target,
-            command,
-            parameters,
-            deadline_s=now_s + patience_s,
-            next_send_s=now_s,
-            timeout_s=timeout_s,
-        )
+        exchange = Exchange(*target, command, parameters, now_s, timeout_s)
+        exchange.start_clock(now_s)
+        self._exchanges[self._tickets] = exchange
         return self._tickets
 
     def refuse(self, ticket: int, refusal: Refusal) -> None:
@@ -230,7 +225,7 @@ class CommandSender:
         for exchange in self._exchanges.values():
             has_to_wait = exchange.is_left or exchange.addressee in at_work
             if has_to_wait and not exchange.confirmation:
-                exchange.postpone(now_s)
+                exchange.start_clock(now_s)
             elif (message := exchange.due(now_s)) is not None:
                 messages.append(message)
         return messages

@@ -6,6 +6,7 @@ import pytest
 import short_hall
 from interference import Start
 from lockstep import Lockstep, World
+from operated import Operated
 
 from companion.mission.model import Mission
 from sitl.world.scenario import read_scenario
@@ -34,3 +35,15 @@ def start(surveillance: Mission, short_hall: World) -> Start:
 @pytest.fixture(scope="session")
 def undisturbed(surveillance: Mission, short_hall: World) -> Lockstep:
     return Lockstep(surveillance, short_hall).until_the_end()
+
+
+@pytest.fixture
+def operated(surveillance: Mission, short_hall: World) -> Operated:
+    """A mission that is flown at once; the program ends with it."""
+    return Operated(surveillance, short_hall)
+
+
+@pytest.fixture
+def hosted(surveillance: Mission, short_hall: World) -> Operated:
+    """A program that waits for operators to start the mission."""
+    return Operated(surveillance, short_hall, is_hosted=True)

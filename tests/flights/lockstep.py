@@ -13,9 +13,10 @@ from random import Random
 from typing import Any, NamedTuple
 
 from happened import Happened
+from kept_journal import KeptJournal
 
 from companion.acting.function_port import FunctionPort
-from companion.acting.journal import JournalEntry, JournalledFlight, put_together
+from companion.acting.journal import JournalledFlight, put_together
 from companion.acting.preflight.arming_terms import USUAL_ARMING, ArmingTerms
 from companion.acting.sortie_terms import SortieTerms
 from companion.app import Companion
@@ -116,22 +117,6 @@ class Deaf:
 
     def __call__(self, now_s: float, datagrams: list[bytes]) -> list[bytes]:
         return [d for d in datagrams if not (self.is_deaf and d[7:10] == self._header)]
-
-
-class KeptJournal:
-    """A journal in memory, on a disk that has everything at once.
-
-    Attributes:
-        entries: with their times.
-    """
-
-    is_kept = True
-
-    def __init__(self) -> None:
-        self.entries: list[tuple[float, JournalEntry]] = []
-
-    def note(self, now_s: float, entry: JournalEntry) -> None:
-        self.entries.append((now_s, entry))
 
 
 class AllButFinalAnswers:

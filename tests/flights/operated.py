@@ -12,9 +12,7 @@ from preparations import Polled
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached
-from companion.flight_events.sortie import (
-    RunEnded,
-)
+from companion.flight_events.sortie import RunEnded
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -22,9 +20,10 @@ from companion.mission_run import Recorder
 from companion.run_sources.hosted_runs import HostedRuns
 
 START = dialect.MAV_CMD_MISSION_START
-
-
+PAUSE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
+RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
 ACCEPTED, NOT_NOW = dialect.MAV_RESULT_ACCEPTED, dialect.MAV_RESULT_TEMPORARILY_REJECTED
+DENIED, UNSUPPORTED = dialect.MAV_RESULT_DENIED, dialect.MAV_RESULT_UNSUPPORTED
 
 
 class Operated(Lockstep):

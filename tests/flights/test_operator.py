@@ -10,8 +10,7 @@ import math
 from pathlib import Path
 
 import pytest
-from lockstep import World
-from operated import ACCEPTED, NOT_NOW, START, Operated, on_the_way_to_b
+from operated import ACCEPTED, DENIED, NOT_NOW, PAUSE, RETURN, START, Operated, on_the_way_to_b
 
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import PlanReplaced
@@ -26,118 +25,103 @@ from companion.flight_events.sortie import (
 from companion.geometry import distance, horizontal_distance
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
-from companion.mission.model import Mission
 from sitl.world.scenario import read_scenario
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-PAUSE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
-RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
 LAND = dialect.MAV_CMD_NAV_LAND
-DENIED, UNSUPPORTED = dialect.MAV_RESULT_DENIED, dialect.MAV_RESULT_UNSUPPORTED
-
-
-@pytest.fixture
-def flight(surveillance: Mission, short_hall: World) -> Operated:
-    """The mission of today: it is flown at once, and the program ends with it."""
-    return Operated(surveillance, short_hall)
-
-
-@pytest.fixture
-def hosted(surveillance: Mission, short_hall: World) -> Operated:
-    return Operated(surveillance, short_hall, is_hosted=True)
 
 
 # -- pause and go on -------------------------------------------------------------------------------
 
 
-def test_a_pause_holds_within_a_second_and_the_task_goes_on_to_its_end(flight: Operated) -> None:
-    on_the_way_to_b(flight)
-    assert flight.ask(PAUSE, 0) == ACCEPTED
-    assert flight.events[-1] == PhaseEntered(Phase.PAUSED)
-    flight.run(1.0)
-    held = flight.simulation.flight.position
-    before = len(flight.reports)
+def test_a_pause_holds_within_a_second_and_the_task_goes_on_to_its_end(operated: Operated) -> None:
+    on_the_way_to_b(operated)
+    assert operated.ask(PAUSE, 0) == ACCEPTED
+    assert operated.events[-1] == PhaseEntered(Phase.PAUSED)
+    operated.run(1.0)
+    held = operated.simulation.flight.position
+    before = len(operated.reports)
     for _ in range(200):
-        flight.tick()
-        assert distance(flight.simulation.flight.position, held) < 0.5
-    assert flight.events[before:] == []
-    assert flight.simulation.mode == "OFFBOARD"
-    assert flight.ask(PAUSE, 1) == ACCEPTED
-    flight.until_the_end()
-    resumed, replaced = flight.events[before : before + 2]
+        operated.tick()
+        assert distance(operated.simulation.flight.position, held) < 0.5
+    assert operated.events[before:] == []
+    assert operated.simulation.mode == "OFFBOARD"
+    assert operated.ask(PAUSE, 1) == ACCEPTED
+    operated.until_the_end()
+    resumed, replaced = operated.events[before : before + 2]
     assert resumed == PhaseEntered(Phase.TASK)
     assert isinstance(replaced, PlanReplaced)
     assert (replaced.number, replaced.reason) == (1, "going on")
     assert replaced.plan.prefix[0].action.startswith("move(here, ")
-    assert flight.ending == TaskSatisfied()
-    assert flight.simulation.collisions == 0
+    assert operated.ending == TaskSatisfied()
+    assert operated.simulation.collisions == 0
 
 
-def test_both_may_be_said_twice(flight: Operated) -> None:
-    on_the_way_to_b(flight)
-    assert [flight.ask(PAUSE, 0), flight.ask(PAUSE, 0)] == [ACCEPTED, ACCEPTED]
-    assert len(flight.of(PhaseEntered, phase=Phase.PAUSED)) == 1
-    assert [flight.ask(PAUSE, 1), flight.ask(PAUSE, 1)] == [ACCEPTED, ACCEPTED]
-    assert len(flight.of(PlanReplaced)) == 1
+def test_both_may_be_said_twice(operated: Operated) -> None:
+    on_the_way_to_b(operated)
+    assert [operated.ask(PAUSE, 0), operated.ask(PAUSE, 0)] == [ACCEPTED, ACCEPTED]
+    assert len(operated.of(PhaseEntered, phase=Phase.PAUSED)) == 1
+    assert [operated.ask(PAUSE, 1), operated.ask(PAUSE, 1)] == [ACCEPTED, ACCEPTED]
+    assert len(operated.of(PlanReplaced)) == 1
 
 
-def test_many_pauses_do_not_count_as_plans_that_lead_nowhere(flight: Operated) -> None:
-    on_the_way_to_b(flight)
+def test_many_pauses_do_not_count_as_plans_that_lead_nowhere(operated: Operated) -> None:
+    on_the_way_to_b(operated)
     for _ in range(8):
-        assert flight.ask(PAUSE, 0) == ACCEPTED
-        assert flight.ask(PAUSE, 1) == ACCEPTED
-    flight.until_the_end()
-    assert flight.exit_code == 0
+        assert operated.ask(PAUSE, 0) == ACCEPTED
+        assert operated.ask(PAUSE, 1) == ACCEPTED
+    operated.until_the_end()
+    assert operated.exit_code == 0
 
 
-def test_a_pause_is_refused_with_a_reason_while_it_takes_off(flight: Operated) -> None:
-    flight.until_reported(PhaseEntered, phase=Phase.TAKE_OFF)
-    assert flight.ask(PAUSE, 0) == NOT_NOW
-    assert flight.ask(PAUSE, 0.5) == DENIED
-    flight.run(1.0)
-    assert "refused: no pause while taking off" in flight.told
+def test_a_pause_is_refused_with_a_reason_while_it_takes_off(operated: Operated) -> None:
+    operated.until_reported(PhaseEntered, phase=Phase.TAKE_OFF)
+    assert operated.ask(PAUSE, 0) == NOT_NOW
+    assert operated.ask(PAUSE, 0.5) == DENIED
+    operated.run(1.0)
+    assert "refused: no pause while taking off" in operated.told
 
 
-def test_an_event_during_a_pause_is_not_lost(flight: Operated) -> None:
+def test_an_event_during_a_pause_is_not_lost(operated: Operated) -> None:
     """The target is seen on the way to B, where the vehicle is paused."""
-    flight.until_reported(MissionEventChanged, event="targetFound")
-    assert flight.ask(PAUSE, 0) == ACCEPTED
-    flight.run(3.0)
-    assert flight.ask(PAUSE, 1) == ACCEPTED
-    flight.until_the_end()
-    assert flight.ending == TaskSatisfied()
+    operated.until_reported(MissionEventChanged, event="targetFound")
+    assert operated.ask(PAUSE, 0) == ACCEPTED
+    operated.run(3.0)
+    assert operated.ask(PAUSE, 1) == ACCEPTED
+    operated.until_the_end()
+    assert operated.ending == TaskSatisfied()
 
 
 # -- home ------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("is_paused", [False, True])
-def test_a_return_flies_home_and_lands(flight: Operated, is_paused: bool) -> None:
-    on_the_way_to_b(flight)
+def test_a_return_flies_home_and_lands(operated: Operated, is_paused: bool) -> None:
+    on_the_way_to_b(operated)
     if is_paused:
-        assert flight.ask(PAUSE, 0) == ACCEPTED
-    assert flight.ask(RETURN) == ACCEPTED
-    flight.until_the_end()
-    assert flight.events[-3:] == [
+        assert operated.ask(PAUSE, 0) == ACCEPTED
+    assert operated.ask(RETURN) == ACCEPTED
+    operated.until_the_end()
+    assert operated.events[-3:] == [
         PhaseEntered(Phase.RETURNING),
         PhaseEntered(Phase.LANDING),
         ReturnedAsAsked(),
     ]
-    assert not flight.simulation.is_armed
-    assert horizontal_distance(flight.simulation.flight.position, (0.0, 0.0, 0.0)) < 0.5
-    assert flight.simulation.collisions == 0
+    assert not operated.simulation.is_armed
+    assert horizontal_distance(operated.simulation.flight.position, (0.0, 0.0, 0.0)) < 0.5
+    assert operated.simulation.collisions == 0
 
 
-def test_a_return_may_be_paused(flight: Operated) -> None:
-    on_the_way_to_b(flight)
-    assert flight.ask(RETURN) == ACCEPTED
-    flight.run(1.0)
-    assert flight.ask(PAUSE, 0) == ACCEPTED
-    flight.run(3.0)
-    assert math.hypot(*flight.simulation.flight.velocity) < 0.2
-    assert flight.ask(PAUSE, 1) == ACCEPTED
-    flight.until_the_end()
-    assert flight.ending == ReturnedAsAsked()
+def test_a_return_may_be_paused(operated: Operated) -> None:
+    on_the_way_to_b(operated)
+    assert operated.ask(RETURN) == ACCEPTED
+    operated.run(1.0)
+    assert operated.ask(PAUSE, 0) == ACCEPTED
+    operated.run(3.0)
+    assert math.hypot(*operated.simulation.flight.velocity) < 0.2
+    assert operated.ask(PAUSE, 1) == ACCEPTED
+    operated.until_the_end()
+    assert operated.ending == ReturnedAsAsked()
 
 
 def test_a_mission_with_an_event_for_it_decides_itself() -> None:
@@ -197,8 +181,8 @@ def test_a_stop_leaves_the_vehicle_to_the_pilot(hosted: Operated) -> None:
     assert hosted.simulation.mode == "AUTO.RTL"
 
 
-def test_without_a_host_a_takeover_ends_the_run(flight: Operated) -> None:
-    on_the_way_to_b(flight)
-    flight.station_chooses("AUTO.RTL")
-    flight.until_the_end()
-    assert flight.ending == RunFailed("the pilot has control, in AUTO.RTL", 5)
+def test_without_a_host_a_takeover_ends_the_run(operated: Operated) -> None:
+    on_the_way_to_b(operated)
+    operated.station_chooses("AUTO.RTL")
+    operated.until_the_end()
+    assert operated.ending == RunFailed("the pilot has control, in AUTO.RTL", 5)

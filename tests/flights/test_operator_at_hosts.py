@@ -5,9 +5,18 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-import pytest
-from lockstep import COMPANION, VEHICLE, World
-from operated import ACCEPTED, NOT_NOW, START, Operated, on_the_way_to_b
+from lockstep import COMPANION, VEHICLE
+from operated import (
+    ACCEPTED,
+    DENIED,
+    NOT_NOW,
+    PAUSE,
+    RETURN,
+    START,
+    UNSUPPORTED,
+    Operated,
+    on_the_way_to_b,
+)
 
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import MissionEventChanged
@@ -22,25 +31,8 @@ from companion.flight_events.sortie import (
     TaskSatisfied,
 )
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.mission.model import Mission
 from companion.tick import TICK_S
 from sitl.link.routing import LinkName
-
-PAUSE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
-RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
-DENIED, UNSUPPORTED = dialect.MAV_RESULT_DENIED, dialect.MAV_RESULT_UNSUPPORTED
-
-
-@pytest.fixture
-def flight(surveillance: Mission, short_hall: World) -> Operated:
-    """The mission of today: it is flown at once, and the program ends with it."""
-    return Operated(surveillance, short_hall)
-
-
-@pytest.fixture
-def hosted(surveillance: Mission, short_hall: World) -> Operated:
-    return Operated(surveillance, short_hall, is_hosted=True)
-
 
 # -- hosting ---------------------------------------------------------------------------------------
 
@@ -94,35 +86,35 @@ def test_an_armed_vehicle_is_not_started(hosted: Operated) -> None:
 # -- what is told ----------------------------------------------------------------------------------
 
 
-def test_ground_stations_hear_what_the_console_says(flight: Operated) -> None:
-    flight.until_the_end()
-    flight.tick()
-    flight.tick()
-    marks = [text for text in flight.told if text.startswith("run ")]
+def test_ground_stations_hear_what_the_console_says(operated: Operated) -> None:
+    operated.until_the_end()
+    operated.tick()
+    operated.tick()
+    marks = [text for text in operated.told if text.startswith("run ")]
     assert len(marks) == 1  # for the autopilot's log
-    told = [text.removesuffix("...") for text in flight.told if text not in marks]
-    texts = [e.text for e in flight.events if not isinstance(e, AutopilotSaid)]  # its own words
+    told = [text.removesuffix("...") for text in operated.told if text not in marks]
+    texts = [e.text for e in operated.events if not isinstance(e, AutopilotSaid)]  # its own words
     reported = ["; ".join(map(str.strip, text.splitlines())) for text in texts]
     assert len(told) == len(reported)
     assert all(whole.startswith(text) for whole, text in zip(reported, told, strict=True))
-    times = [s.time_s for s in flight.heard if s.message.get_type() == "STATUSTEXT"]
+    times = [s.time_s for s in operated.heard if s.message.get_type() == "STATUSTEXT"]
     burst = max(sum(t <= u < t + 1.0 for u in times) for t in times[:-5])
     assert burst <= 10
 
 
-def test_five_ground_stations_each_get_their_own_answers(flight: Operated) -> None:
+def test_five_ground_stations_each_get_their_own_answers(operated: Operated) -> None:
     """Four ask at once and one has stopped; nobody waits for another."""
-    flight.run(3.0)
+    operated.run(3.0)
     numbers = [RETURN, PAUSE, 31014, dialect.MAV_CMD_DO_SET_MISSION_CURRENT]
     stations = [MavlinkCodec(250 - i, 190) for i in range(5)]
     for station, number in zip(stations, numbers, strict=False):
         message = dialect.MAVLink_command_long_message(VEHICLE, COMPANION, number, 0, *[0] * 7)
-        flight._to_vehicle.append((LinkName.GCS, station.pack(message)))
-    before = len(flight.heard)
-    flight.run(0.3)
+        operated._to_vehicle.append((LinkName.GCS, station.pack(message)))
+    before = len(operated.heard)
+    operated.run(0.3)
     answers = [
         (m.target_system, m.target_component, m.command, m.result)
-        for _, m in flight.heard[before:]
+        for _, m in operated.heard[before:]
         if m.get_type() == "COMMAND_ACK"
     ]
     results = [NOT_NOW, NOT_NOW, UNSUPPORTED, DENIED]
@@ -130,51 +122,53 @@ def test_five_ground_stations_each_get_their_own_answers(flight: Operated) -> No
     assert sorted(answers) == sorted(expected)
 
 
-def test_a_speed_limit_that_was_set_in_flight_is_kept(flight: Operated) -> None:
-    flight.until_reported(PlaceReached, place="A").run(0.2)
+def test_a_speed_limit_that_was_set_in_flight_is_kept(operated: Operated) -> None:
+    operated.until_reported(PlaceReached, place="A").run(0.2)
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.8, 9)
-    flight.station_says(slow)
-    flight.until_reported(PlaceReached, place="r1")
-    since_s = flight.now_s
-    flight.until_reported(PlaceReached, place="r2")
+    operated.station_says(slow)
+    operated.until_reported(PlaceReached, place="r1")
+    since_s = operated.now_s
+    operated.until_reported(PlaceReached, place="r2")
     speeds = [
-        math.hypot(s.message.vx, s.message.vy) for s in flight.setpoints if s.time_s > since_s
+        math.hypot(s.message.vx, s.message.vy) for s in operated.setpoints if s.time_s > since_s
     ]
     assert 0.75 < max(speeds) <= 0.8 * 1.001
 
 
 def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refused(
-    flight: Operated,
+    operated: Operated,
 ) -> None:
     """Costs of plans, trajectories and the gate follow one limit; the gate never stops a flight."""
-    on_the_way_to_b(flight)
-    run = flight.companion._run
+    on_the_way_to_b(operated)
+    run = operated.companion._run
     assert run is not None
     planner, vehicle = run.sortie._executive.planner, run.vehicle
     before = {action.name: action.cost_ms for action in planner.model.actions}
-    since_s = flight.now_s
+    since_s = operated.now_s
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.5, 9)
-    flight.station_says(slow)
-    flight.run(1.5)
-    slowed = speeds_since(flight, since_s)
+    operated.station_says(slow)
+    operated.run(1.5)
+    slowed = speeds_since(operated, since_s)
     assert slowed[0] > 1.89  # the flight under way was at full speed
     assert max(a - b for a, b in pairwise(slowed)) <= 4.0 * TICK_S + 1e-6
-    assert max(speeds_since(flight, since_s + 1.0)) <= 0.5 * 1.001
+    assert max(speeds_since(operated, since_s + 1.0)) <= 0.5 * 1.001
     assert vehicle._stream._envelope.speed_mps == 0.5
-    assert math.hypot(*flight.simulation.flight.velocity) < 0.8  # it overshoots, and there is wind
-    flight.until_reported(PlanReplaced)
+    assert (
+        math.hypot(*operated.simulation.flight.velocity) < 0.8
+    )  # it overshoots, and there is wind
+    operated.until_reported(PlanReplaced)
     after = {action.name: action.cost_ms for action in planner.model.actions}
     flown = [name for name in before if name.startswith("move(")]
     assert flown and all(after[name] > 2.0 * before[name] for name in flown)
     fast = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 50.0, 9)
-    flight.station_says(fast)
-    since_s = flight.now_s
-    flight.until_the_end()
-    assert 1.9 < max(speeds_since(flight, since_s)) <= 2.0 * 1.001
-    assert flight.of(SetpointRefused) == []
+    operated.station_says(fast)
+    since_s = operated.now_s
+    operated.until_the_end()
+    assert 1.9 < max(speeds_since(operated, since_s)) <= 2.0 * 1.001
+    assert operated.of(SetpointRefused) == []
 
 
-def speeds_since(flight: Operated, since_s: float) -> list[float]:
+def speeds_since(operated: Operated, since_s: float) -> list[float]:
     """Of the setpoints that have left."""
-    sent = [s.message for s in flight.setpoints if s.time_s > since_s]
+    sent = [s.message for s in operated.setpoints if s.time_s > since_s]
     return [math.hypot(m.vx, m.vy, m.vz) for m in sent]

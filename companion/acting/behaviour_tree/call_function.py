@@ -1,8 +1,9 @@
-"""The leaf that calls a function of an installed package, and waits, holding, for its end.
+"""The leaf that calls a function of an installed package, and holds until the function ends.
 
-That it is about to be called is in the journal, on the disk, before it is; so is each command that
-it asks for. Whatever leaves the leaf cancels the call: a pause, another plan, a pilot, a landing.
-Called anew after that, it gets for a command that it asks for again what has become of the first.
+The journal has the call on the disk before it begins, and each command that the function asks for.
+Whatever leaves the leaf cancels the call: a pause, another plan, a pilot, a landing. The function
+is then called again. If it asks again for a command that it has asked for before, it gets the
+outcome of the first one.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ class CallFunction(Leaf):
     def initialise(self) -> None:
         """Writes down what is intended."""
         flight, text, self._owner = self._flight, self._step.call.text, self.owner()
-        self._begun = flight.steps.come_to(self._owner, text, flight.journal, flight.now_s)
+        self._begun = flight.steps.begin(self._owner, text, flight.now_s)
         self._begun_s, self._told_s = flight.now_s, -math.inf
         self._news: Progressed | None = None
         self._asked = 0
@@ -100,7 +101,7 @@ class CallFunction(Leaf):
         if self._ticket is not None:
             flight.functions.cancel(self._ticket)
         if not begun.is_done:
-            flight.steps.drop(self._owner, flight.journal, flight.now_s)
+            flight.steps.drop(self._owner)
         self._begun = self._ticket = self._command = None
 
     def _request(self) -> CallRequest:

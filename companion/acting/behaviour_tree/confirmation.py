@@ -14,7 +14,10 @@ CONFIRM_S = 10.0
 
 
 class Confirm(Leaf):
-    """Waits, holding, for a reading that meets a condition; one from before confirms nothing.
+    """Holds until a reading meets a condition.
+
+    Earlier readings confirm nothing, unless the last step was done before an interruption: then all
+    readings since that step count.
 
     Args:
         flight: what it acts on.
@@ -31,14 +34,15 @@ class Confirm(Leaf):
 
     def initialise(self) -> None:
         """Starts the time."""
-        self._begun_s = self._flight.now_s
+        self._begun_s = now_s = self._flight.now_s
+        self._since_s = self._flight.steps.since_s(self.owner().action, now_s)
 
     def update(self) -> Status:
         """SUCCESS once such a reading was heard."""
         flight, condition = self._flight, self._condition
         flight.guidance.hold()
-        heard_s, value = flight.heard.get(condition.signal, (self._begun_s, None))
-        is_new = heard_s > self._begun_s
+        heard_s, value = flight.heard.get(condition.signal, (self._since_s, None))
+        is_new = heard_s > self._since_s
         if is_new and condition.is_met_by(value):
             return Status.SUCCESS
         last = f"it says {value:g}" if is_new and value is not None else "nothing is heard of it"

@@ -1,4 +1,4 @@
-"""A command to a payload, as a part of a leaf: intended, sent, waited for, left, come back to."""
+"""A command to a payload, as a part of a leaf: from the intention to the final answer."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from companion.vehicle.port import Failed, Outcome, Progress
 
 
 class PayloadCommand:
-    """A command of the skill under way; the one of before, where that was interrupted.
+    """A command of the skill under way. After an interruption it is the command of before.
 
     Args:
-        flight: whose payloads take it.
-        owner: whose step it is.
+        flight: the flight; its payloads get the command.
+        owner: which step it is.
         command: what is sent.
         timeout_s: time for the final answer; None for the protocol's own times.
     """
@@ -24,13 +24,13 @@ class PayloadCommand:
     ) -> None:
         self._flight, self._owner, self._command = flight, owner, command
         self._timeout_s = timeout_s
-        self._step = flight.steps.come_to(owner, command, flight.journal, flight.now_s)
+        self._step = flight.steps.begin(owner, command, flight.now_s)
         self._has_ended = self._step.is_done
         if self._step.ticket is not None:
             flight.vehicle.payloads.come_back(self._step.ticket)
 
     def progress(self) -> Outcome:
-        """How far it has come; once a tick, until it has ended."""
+        """Continues with the command and returns its outcome; once a tick, until it has ended."""
         flight, command, step = self._flight, self._command, self._step
         if step.is_done:
             return Progress.DONE
@@ -43,12 +43,12 @@ class PayloadCommand:
         return self._after(flight.vehicle.payloads.outcome(step.ticket))
 
     def leave(self) -> None:
-        """Nobody waits for it now; its answer still counts."""
+        """Stops waiting. The answer still counts if the skill comes back to the command."""
         flight, step = self._flight, self._step
         if self._has_ended:
             return
         if step.ticket is None:
-            flight.steps.drop(self._owner, flight.journal, flight.now_s)
+            flight.steps.drop(self._owner)
         else:
             flight.vehicle.payloads.leave(step.ticket)
 
@@ -56,7 +56,7 @@ class PayloadCommand:
         flight, step = self._flight, self._step
         if isinstance(outcome, Failed):
             self._has_ended = True
-            flight.steps.drop(self._owner, flight.journal, flight.now_s)
+            flight.steps.drop(self._owner)
         elif outcome is Progress.DONE and step.ticket is not None:
             self._has_ended = step.is_done = True
             flight.vehicle.payloads.forget(step.ticket)

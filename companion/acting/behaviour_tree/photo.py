@@ -86,7 +86,7 @@ class TakePhoto(Leaf):
                 sequence=ready.sequence,
                 image_count=ready.image_count,
             )
-            flight.journal.note(flight.now_s, intended)
+            flight.note(intended)
         is_kept = kept(flight, self._intended_s)
         if is_kept is not Progress.DONE:
             return self.status_of(is_kept)

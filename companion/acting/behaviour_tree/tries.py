@@ -1,4 +1,4 @@
-"""Retries of a skill's steps, and those of a tree by hand with what an action below knows of them.
+"""Retries: of the steps of a skill, and of a tree written by hand.
 
 An action that fails, and is tried again, has not failed yet: what it assumes is still believed.
 """
@@ -14,9 +14,9 @@ from companion.acting.flight import Flight
 
 
 class RetrySteps(Retry):
-    """The child again after a failure, so many times at most: MAX_TRY(m) of Fig. 6.
+    """Tries its child again after a failure, a limited number of times: MAX_TRY(m) of Fig. 6.
 
-    What a failed try has done is done anew by the next one.
+    Each try does all of its steps, including those that a failed try has done.
     """
 
     def __init__(self, flight: Flight, child: Behaviour, tries: int) -> None:
@@ -25,36 +25,27 @@ class RetrySteps(Retry):
 
     def update(self) -> Status:
         """RUNNING before another try."""
-        flight = self._flight
         if self.decorated.status is Status.FAILURE:
-            leaves = {leaf.nth for leaf in leaves_of(self.decorated)}
-            flight.steps.end_try(flight.journal, flight.now_s, leaves)
+            self._flight.steps.end_try({leaf.nth for leaf in leaves_of(self.decorated)})
         return super().update()
 
 
-class RetryByHand(Retry):
-    """The child again after a failure, so many times at most.
+class RetryByHand(RetrySteps):
+    """The retry of a tree written by hand.
 
     Attributes:
-        began_on_ground: where the first try has begun.
+        began_on_ground: whether the first try began on the ground.
     """
 
     def __init__(self, flight: Flight, child: Behaviour, tries: int) -> None:
-        super().__init__(f"retry {tries}", child, tries)
-        self._flight = flight
+        super().__init__(flight, child, tries)
+        self.name = f"retry {tries}"
         self.began_on_ground = False
 
     def initialise(self) -> None:
         """Begins with the first try."""
         super().initialise()
         self.began_on_ground = self._flight.progress.is_landed_by_plan
-
-    def update(self) -> Status:
-        """RUNNING before another try."""
-        flight = self._flight
-        if self.decorated.status is Status.FAILURE:
-            flight.steps.end_try(flight.journal, flight.now_s)
-        return super().update()
 
     def terminate(self, new_status: Status) -> None:
         """There is no other try after something above has interrupted."""

@@ -199,4 +199,4 @@ class EnergyMeter:
         self.energy.known = known
         flying, gauge = known.flying, known.gauge
         learnt = EnergyLearnt(flying.mean, flying.deviation, gauge.mean, gauge.deviation)
-        self.flight.journal.note(self.flight.now_s, learnt)
+        self.flight.note(learnt)

@@ -35,7 +35,7 @@ _ROUTE_US = 3_000
 def keep_to(flight: Flight, fence: KeptFence) -> bool:
     """Nothing is flown outside a fence from now on; whether that leaves less room for routes."""
     flight.kept_fence = fence
-    flight.journal.note(flight.now_s, fence)
+    flight.note(fence)
     flight.vehicle.keep_within(fence)
     return flight.routes.keep_within(fence.within, fence.keep_out)
 

@@ -5,41 +5,25 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from kept_journal import KeptJournal
 from rig import Rig
-from synthetic import command, mission
+from synthetic import command, mission, reading
 
 from companion.acting.executive_states import TaskStatus
 from companion.acting.journal import (
     CommandIntended,
     CommandSettled,
     FlightBegun,
-    JournalEntry,
     put_together,
 )
 from companion.flight_events.skills import SkillCompleted, SkillFailed
+from companion.mission.conditions import parse_condition
 from companion.mission.model import Command, Mission, Wait
 from companion.planning.task_changes import TaskChange
 from companion.vehicle.port import Failed, Outcome, Progress
 
+BEGUN = FlightBegun("m", "m.yaml", "0a", 0.0)
 ONE, TWO = (Command(25, 31009 + n, f"MAV_CMD_USER_{n}", (float(n),)) for n in (1, 2))
-
-
-class Kept:
-    """A journal whose entries are on the disk at once."""
-
-    is_kept = True
-
-    def __init__(self) -> None:
-        self.entries: list[JournalEntry] = [FlightBegun("m", "m.yaml", "0a", 0.0)]
-
-    def note(self, now_s: float, entry: JournalEntry) -> None:
-        self.entries.append(entry)
-
-    @property
-    def unsettled(self) -> list[str]:
-        flight = put_together((0.0, entry) for entry in self.entries)
-        assert flight is not None
-        return [each.command for each in flight.unsettled]
 
 
 def doing(*steps: Command | Wait, **fields: object) -> Mission:
@@ -49,7 +33,8 @@ def doing(*steps: Command | Wait, **fields: object) -> Mission:
 
 def begin(flown: Mission, *answers: tuple[float, Outcome]) -> Rig:
     rig = Rig(flown)
-    rig.flight.journal = journal = Kept()
+    rig.flight.journal = journal = KeptJournal()
+    journal.note(0.0, BEGUN)
     rig.flight.task.on_change = lambda change: journal.note(rig.flight.now_s, change)
     rig.vehicle.payloads.answers = [*answers]
     return rig.begin()
@@ -57,8 +42,10 @@ def begin(flown: Mission, *answers: tuple[float, Outcome]) -> Rig:
 
 def unsettled(rig: Rig) -> list[str]:
     journal = rig.flight.journal
-    assert isinstance(journal, Kept)
-    return journal.unsettled
+    assert isinstance(journal, KeptJournal)
+    flight = put_together(journal.entries)
+    assert flight is not None
+    return [each.command for each in flight.unsettled]
 
 
 def tick(rig: Rig, duration_s: float) -> None:
@@ -119,6 +106,29 @@ def test_a_try_that_has_run_out_of_time_does_all_of_it_anew() -> None:
     assert sent(rig) == [1.0, 2.0, 1.0, 2.0]
 
 
+@pytest.mark.parametrize(("heard_s", "is_confirmed"), [(0.2, False), (1.5, True), (4.0, True)])
+def test_what_was_heard_since_the_command_confirms_it_after_an_interruption(
+    heard_s: float, is_confirmed: bool
+) -> None:
+    """The sensor speaks once: before the command, while the payload works, or after its answer."""
+    loaded = parse_condition("NAMED_VALUE_INT[load].value > 0")
+    steps = doing(Wait(0.5), ONE, confirmed_by=loaded, timeout_s=30.0)
+    rig = begin(steps, (2.0, Progress.DONE))
+    tick(rig, heard_s if heard_s < 1.0 else 1.0)
+    if not is_confirmed:
+        rig.tick(reading("load"))
+        tick(rig, 0.8)
+    rig.executive.pause()
+    while rig.flight.now_s < 6.0:
+        rig.pass_time()
+        is_heard = is_confirmed and abs(rig.flight.now_s - heard_s) < 0.01
+        rig.executive.sense([reading("load")] if is_heard else [])
+    rig.executive.resume()
+    tick(rig, 2.0)
+    assert bool(rig.of(SkillCompleted)) is is_confirmed
+    assert sent(rig) == [1.0]
+
+
 # -- the journal -----------------------------------------------------------------------------------
 
 
@@ -143,7 +153,7 @@ def test_nothing_is_open_of_a_skill_that_has_failed() -> None:
 def test_a_command_that_was_not_sent_yet_is_not_open() -> None:
     rig = begin(doing(ONE))
     journal = rig.flight.journal
-    assert isinstance(journal, Kept)
+    assert isinstance(journal, KeptJournal)
     journal.is_kept = False
     tick(rig, 0.5)
     rig.executive.pause()
@@ -152,7 +162,7 @@ def test_a_command_that_was_not_sent_yet_is_not_open() -> None:
 
 def test_an_interruption_settles_nothing() -> None:
     intended = CommandIntended(1, "do", "MAV_CMD_USER_1")
-    entries = [FlightBegun("m", "m.yaml", "0a", 0.0), intended, TaskChange("interrupt", ())]
+    entries = [BEGUN, intended, TaskChange("interrupt", ())]
     flight = put_together((0.0, entry) for entry in entries)
     assert flight is not None and flight.unsettled == (intended,)
     flight = put_together((0.0, entry) for entry in [*entries, CommandSettled(1)])

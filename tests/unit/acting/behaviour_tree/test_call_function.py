@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from kept_journal import KeptJournal
 from leaves import a_rig, later, run, tick
 from py_trees.common import Status
 from rig import Rig
@@ -12,7 +13,7 @@ from scripted_functions import ScriptedFunctions
 
 from companion.acting.behaviour_tree.call_function import CALL_S, CallFunction
 from companion.acting.behaviour_tree.kept_intention import DISK_S
-from companion.acting.journal import CommandIntended, CommandSettled, JournalEntry
+from companion.acting.journal import CommandIntended, CommandSettled
 from companion.flight_events.skills import SkillProgressed
 from companion.mission.python_call import Named, PythonCall
 from companion.skills.authoring import FunctionKind
@@ -30,17 +31,6 @@ STEP = PythonCall(
     Function(FunctionKind.SKILL, "weigh"), (Named("A"), 2.5), components=(("gripper", 25),)
 )
 GRIP = CommandAsked("gripper", "MAV_CMD_DO_GRIPPER", (1.0, 0.0))
-
-
-class SlowJournal:
-    """Keeps entries; the test says when they are on the disk."""
-
-    def __init__(self) -> None:
-        self.entries: list[JournalEntry] = []
-        self.is_kept = True
-
-    def note(self, now_s: float, entry: JournalEntry) -> None:
-        self.entries.append(entry)
 
 
 def leaf_of(
@@ -84,33 +74,33 @@ def test_a_function_that_does_not_end_is_left(timeout_s: float | None, limit_s: 
 
 def test_nothing_is_called_before_the_journal_has_it() -> None:
     rig, functions, leaf = leaf_of([(0.0, Returned())])
-    journal = SlowJournal()
+    journal = KeptJournal()
     rig.flight.journal, journal.is_kept = journal, False
     for _ in range(20):
         assert tick(rig, leaf) is Status.RUNNING
     assert functions.requests == []
-    assert journal.entries == [CommandIntended(1, "", "python(weigh, A, 2.5)")]
+    assert journal.noted == [CommandIntended(1, "", "python(weigh, A, 2.5)")]
     journal.is_kept = True
     assert run(rig, leaf) is Status.SUCCESS
-    assert len(journal.entries) == 1  # the end of the skill settles it
+    assert len(journal.noted) == 1  # the end of the skill settles it
 
 
 def test_a_disk_that_takes_nothing_fails_the_skill() -> None:
     rig, functions, leaf = leaf_of([(0.0, Returned())])
-    rig.flight.journal = journal = SlowJournal()
+    rig.flight.journal = journal = KeptJournal()
     journal.is_kept = False
     assert run(rig, leaf, 2 * DISK_S) is Status.FAILURE
     assert functions.requests == []
-    assert journal.entries[-1] == CommandSettled(1)
+    assert journal.noted[-1] == CommandSettled(1)
 
 
 def test_what_interrupts_it_cancels_the_call_and_it_begins_anew() -> None:
     rig, functions, leaf = leaf_of([], [(0.0, Returned())])
-    rig.flight.journal = journal = SlowJournal()
+    rig.flight.journal = journal = KeptJournal()
     assert tick(rig, leaf) is Status.RUNNING
     leaf.stop(Status.INVALID)
     assert functions.cancelled == [1]
-    assert journal.entries[-1] == CommandSettled(1)
+    assert journal.noted[-1] == CommandSettled(1)
     assert run(rig, leaf) is Status.SUCCESS
     assert len(functions.requests) == 2
 
@@ -129,12 +119,12 @@ def test_progress_is_told_now_and_then_the_newest() -> None:
 
 def test_a_command_that_it_asks_for_is_sent_once_when_the_journal_has_it() -> None:
     rig, functions, leaf = leaf_of([(0.5, GRIP), (0.5, Returned())])
-    rig.flight.journal = journal = SlowJournal()
+    rig.flight.journal = journal = KeptJournal()
     rig.vehicle.payloads.answers = [(1.0, Progress.DONE)]
     assert run(rig, leaf) is Status.SUCCESS
     assert rig.vehicle.payloads.sent == [(25, 211, (1.0, 0.0))]
     assert functions.replies == [None]
-    assert [each.command for each in journal.entries if isinstance(each, CommandIntended)] == [
+    assert [each.command for each in journal.noted if isinstance(each, CommandIntended)] == [
         "python(weigh, A, 2.5)",
         "MAV_CMD_DO_GRIPPER",
     ]
@@ -157,11 +147,11 @@ def test_a_command_that_is_none_is_refused_by_its_reply(asked: CommandAsked, say
 
 def test_a_command_that_fails_is_replied_and_settled() -> None:
     rig, functions, leaf = leaf_of([(0.0, GRIP), (0.0, Returned())])
-    rig.flight.journal = journal = SlowJournal()
+    rig.flight.journal = journal = KeptJournal()
     rig.vehicle.payloads.answers = [(0.5, Failed("denied"))]
     assert run(rig, leaf) is Status.SUCCESS
     assert functions.replies == ["denied"]
-    assert CommandSettled(2) in journal.entries
+    assert CommandSettled(2) in journal.noted
 
 
 def test_a_call_that_is_left_waits_for_its_command_no_longer() -> None:

@@ -41,7 +41,7 @@ class Stretch:
             vehicle=SimpleNamespace(state=state),
             task=SimpleNamespace(running=None, completed=0),
             progress=SimpleNamespace(is_landed_by_plan=False),
-            journal=SimpleNamespace(note=lambda *_: None),
+            note=lambda entry: None,
             report=self.reports.append,
             now_s=0.0,
         )

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from kept_journal import KeptJournal
 from sortie_rig import SortieRig
 from synthetic import mission
 
-from companion.acting.journal import FlightBegun, JournalEntry, put_together
+from companion.acting.journal import FlightBegun, put_together
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.preflight.kept_fence import keep_to
 from companion.flight_events.fence import FenceKept
@@ -35,20 +36,8 @@ def rig(*areas: FenceArea, asked: Mission = ASKED) -> SortieRig:
     run = SortieRig(asked, arming=ArmingTerms(fence=UploadPolicy.KEEP))
     run.vehicle.fence.nowhere = None
     run.vehicle.fence.stored = StoredFence(areas, 4 * len(areas))
-    run.rig.flight.journal = run.journal = Kept()  # type: ignore[attr-defined]
+    run.rig.flight.journal = run.journal = KeptJournal()  # type: ignore[attr-defined]
     return run
-
-
-class Kept:
-    """A journal in memory."""
-
-    is_kept = True
-
-    def __init__(self) -> None:
-        self.entries: list[tuple[float, JournalEntry]] = []
-
-    def note(self, now_s: float, entry: JournalEntry) -> None:
-        self.entries.append((now_s, entry))
 
 
 def refused(run: SortieRig) -> str:
