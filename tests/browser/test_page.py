@@ -122,7 +122,7 @@ def test_the_map_follows_the_vehicle_until_it_is_moved(address: str, open_page: 
     follow.click()
     replay.until(f"{CENTRE} < 4")
     replay.page.keyboard.press("Shift+ArrowLeft")
-    replay.until(f"document.querySelector('#clock').innerText.startsWith('00:4') && {CENTRE} < 4")
+    replay.until(f"document.querySelector('#clock').innerText.startsWith('00:39') && {CENTRE} < 4")
     replay.page.locator("#hall").focus()
     replay.page.keyboard.press("ArrowLeft")
     assert follow.get_attribute("aria-pressed") == "false"
