@@ -1,7 +1,8 @@
-"""Places above the sea, where the ground lies that a mission begins on.
+"""Moves places given above the sea to where they are, once the height of home is known.
 
-They were read as if they lay in the middle of the mission's altitudes (coordinates.py). How high
-home is, the autopilot says when the vehicle stands there; from then on all altitudes are above it.
+Until then they are planned as if they lay in the middle of the mission's altitudes
+(coordinates.py). The autopilot reports how high home is as soon as the vehicle stands there. From
+then on all altitudes count from home.
 """
 
 from __future__ import annotations
@@ -13,11 +14,11 @@ from companion.mission.model import Mission, Place
 
 
 def above_ground(mission: Mission, ground_amsl_m: float | None) -> Mission:
-    """The mission with its places where they are, above a home of known height.
+    """The mission with its places at their altitudes above a home of known height.
 
     Args:
-        mission: may have places above the sea.
-        ground_amsl_m: height of home above mean sea level; None while that is not known.
+        mission: may have places given above the sea.
+        ground_amsl_m: height of home above mean sea level; None while it is not known.
 
     Raises:
         MissionError: one of these places lies outside the mission's altitudes.

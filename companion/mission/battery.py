@@ -1,4 +1,4 @@
-"""The battery of a mission, checked."""
+"""Reads and checks what a mission file says about its battery."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from companion.vehicle_profile import DEFAULT_VEHICLE, VehicleProfile
 
 FEWEST_W = 1.0
 LEAST_PERCENT = 1.0
-"""A reserve between 0 and this is a share."""
+"""A reserve between 0 and this was probably written as a share instead of in per cent."""
 
 
 @dataclass(frozen=True, slots=True)
 class MissionBattery:
-    """What plans reckon with.
+    """The battery that plans reckon with.
 
     Attributes:
-        profile: what it holds, and what flying takes.
-        reserve: the share of the energy kept for what nobody foresees.
-        wind: where the air is expected to move to, m/s.
+        profile: how much energy it holds, and how much power flying takes.
+        reserve: the share of the energy that is kept for what nobody foresees.
+        wind: the expected motion of the air, m/s.
     """
 
     profile: BatteryProfile
@@ -33,7 +33,7 @@ class MissionBattery:
     wind: NorthEast = (0.0, 0.0)
 
     def times(self, factor: float) -> MissionBattery:
-        """The same for a vehicle that takes so many times the power."""
+        """The same battery for a vehicle that takes `factor` times the power."""
         level_w, climb_w = (
             tuple((speed_mps, factor * power_w) for speed_mps, power_w in points)
             for points in (self.profile.level_w, self.profile.climb_w)
@@ -44,10 +44,11 @@ class MissionBattery:
 def read_battery(
     entry: BatteryEntry | None, vehicle: VehicleProfile, document: Document
 ) -> MissionBattery | None:
-    """The battery of a mission; None if it says nothing of one.
+    """The battery of a mission; None if the file has no battery.
 
     Raises:
-        MissionError: figures that cannot be, or none for a vehicle that is not the default one.
+        MissionError: the figures are impossible, or are missing for a vehicle other than the
+            default.
     """
     if entry is None:
         return None

@@ -1,4 +1,4 @@
-"""The model of what a mission file says of its battery."""
+"""The model of the key `battery` of a mission file."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from companion.mission.keys import given
 
 
 def _pair(value: Any) -> Any:
-    """Makes a tuple of a list: where a key is optional, a validation that is strict wants one."""
+    """Makes a tuple of a list, since strict validation of an optional key wants a tuple."""
     return tuple(value) if isinstance(value, list) else value
 
 

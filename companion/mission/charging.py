@@ -1,4 +1,4 @@
-"""Skills that charge as far as a plan says."""
+"""Checks the skills that charge for as long as the plan says."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def charge_rate_of(
     file: MissionFile,
     document: Document,
 ) -> Points | None:
-    """How fast a skill charges; None for one that does not charge as a plan says.
+    """How fast a skill charges; None for a skill whose charge is not set by the plan.
 
     Raises:
-        MissionError: the figures cannot be, or one of charge(auto), charge_rate and battery is
+        MissionError: the figures are impossible, or one of charge(auto), charge_rate and battery is
             missing.
     """
     places = [i for i, step in enumerate(execute) if step == Charge(None)]
@@ -57,10 +57,10 @@ def charge_rate_of(
 
 
 def refuse_charge_nowhere(skill: Skill, document: Document) -> None:
-    """Refuses a skill of which nobody knows where it charges.
+    """Refuses a skill that charges at an unknown place.
 
     Raises:
-        MissionError: at its place in the file.
+        MissionError: with the skill's place in the file.
     """
     goes_there = any(isinstance(step, Fly | Do) for step in skill.execute)
     if skill.charge_rate is not None and skill.origin is None and not goes_there:
@@ -72,7 +72,7 @@ def refuse_charge_nowhere(skill: Skill, document: Document) -> None:
 
 
 def refuse_charge_in_the_air(skills: Mapping[str, Skill], document: Document) -> None:
-    """Refuses to charge in a mission in which nothing lands.
+    """Refuses charging in a mission in which no skill lands.
 
     Raises:
         MissionError: at the step that charges.

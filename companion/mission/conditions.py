@@ -1,4 +1,4 @@
-"""Conditions on MAVLink fields, and on what detectors report: the `when` and `until` of events.
+"""Reads conditions on MAVLink fields and detectors' reports: the `when` and `until` of events.
 
     MESSAGE.field OP NUMBER              BATTERY_STATUS.battery_remaining < 30
     MESSAGE[instance].field OP NUMBER    NAMED_VALUE_INT[target].value > 0
@@ -6,9 +6,9 @@
     EVENT[name] OP NUMBER                EVENT[persons] > 0, as another program reports it
     ... is silent                        EVENT[persons] is silent: not heard for `stale_s`
 
-OP is one of < <= > >= == !=. Messages, fields and commands are checked against pymavlink's
-`common` dialect, the one that the vehicle link speaks. Instances exist where MAVLink has them:
-in messages with a field `name`. Names of reports are any words; they come by `--events`.
+OP is one of < <= > >= == !=. Messages, fields and commands are checked against pymavlink's `common`
+dialect, which the vehicle link speaks. Only messages with a field `name` have instances. Reports
+may have any name; they arrive by `--events`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ COMMANDS: dict[str, int] = {
 _PREFIX = "MAV_CMD_"
 
 PERCENT = range(-1, 101)
-"""Values of a field in per cent; -1 is not known."""
+"""The values of a field in per cent; -1 means unknown."""
 
 _MESSAGES = {message.msgname: message for message in common.mavlink_map.values()}
 
@@ -64,7 +64,7 @@ def parse_condition(text: str) -> AnyCondition:
     COMMAND.MAV_CMD_USER_1 EVENT[persons] > 0
 
     Raises:
-        FormulaError: not a condition, or a message, field or command that is not in `common`.
+        FormulaError: it is no condition, or names something that `common` does not have.
     """
     match = _compared(text)
     if match is None:
@@ -95,7 +95,7 @@ def _compared(text: str) -> re.Match[str] | None:
 
 
 def _remedy(text: str, offset: int) -> str:
-    """What to write in place of what follows an offset."""
+    """What to write instead of the text after an offset."""
     rest = text[offset:].strip()
     if rest.startswith("MAV_CMD_"):
         return f"write COMMAND.{rest}"
@@ -118,11 +118,11 @@ def _remedy(text: str, offset: int) -> str:
 
 
 def _without_unit(begun: re.Match[str], unit: str) -> str:
-    """What to write in place of a threshold with a unit behind it.
+    """What to write instead of a threshold that is followed by a unit.
 
     Args:
-        begun: the condition up to its threshold.
-        unit: what follows.
+        begun: the condition up to the threshold.
+        unit: the text that follows.
     """
     message, threshold = _MESSAGES.get(begun["message"]), begun["threshold"]
     units = message.fieldunits_by_name if message is not None else {}
@@ -132,7 +132,7 @@ def _without_unit(begun: re.Match[str], unit: str) -> str:
 
 
 def _demand_change(condition: Condition, match: re.Match[str]) -> None:
-    """Refuses a percentage that is compared with what it never is, or always."""
+    """Refuses a comparison of a percentage that is always true, or never."""
     message = _MESSAGES.get(condition.signal.message)
     units = message.fieldunits_by_name if message is not None else {}
     if units.get(condition.signal.field) != "%":

@@ -1,15 +1,15 @@
-"""The coordinates of a mission file as local NED: the one place where they change their meaning.
+"""Converts the coordinates of a mission file to local NED; no other module does.
 
-    frame: enu      metres east, north and up of home
-    frame: wgs84    degrees north and east, metres above home or above the sea
+        frame: enu      metres east, north and up from home
+        frame: wgs84    degrees north and east, metres above home or above the sea
 
-Degrees become metres by PX4's own projection about the place where the mission begins, so that all
+Degrees become metres by PX4's own projection, centred at the place where the mission begins. So all
 planning is in metres and needs no vehicle. Where that place lies in the local frame of an autopilot
-is found at the start (vehicle/mission_frame.py).
+is found out at the start (vehicle/mission_frame.py).
 
-How high home lies above the sea is not known before the start either. Places that are given above
-the sea are planned as if they lay in the middle of the altitudes that the mission allows, which is
-so if any home fits them; altitudes.py puts them where they are.
+Before the start nobody knows how high above the sea home lies. Places given above the sea are
+planned as if they lay in the middle of the altitudes that the mission allows; if any height of home
+fits them all, this one does. Later altitudes.py moves them to where they are.
 """
 
 from __future__ import annotations
@@ -33,18 +33,20 @@ from companion.mission.world_schema import PlaceEntry, PointEntry
 
 METRES, DEGREES = ("east_m", "north_m"), ("lat_deg", "lon_deg")
 USUAL_HOME_AMSL_M = 488.0
-"""Where nothing says how high home lies; nothing is flown by it."""
+"""Height of home if the file tells nothing about it; no flight relies on it."""
 
 
 class Coordinates(Protocol):
-    """What the coordinates of one file mean; `keys` lead to where one stands in it."""
+    """What the coordinates of one file mean. `keys` are the path to a coordinate in the file."""
 
     @property
     def anchor(self) -> GlobalOrigin | None:
-        """Where north 0, east 0 lies on the earth, and up 0 is assumed; None in metres."""
+        """Where north 0, east 0 lies on the earth, with the assumed altitude of up 0; None for
+        metres.
+        """
 
     def corner(self, corner: tuple[float, float], *keys: str | int) -> NorthEast:
-        """A corner of a polygon, as the file lists it."""
+        """A corner of a polygon, from how the file lists it."""
 
     def point(self, entry: PointEntry, *keys: str | int) -> NorthEast:
         """A point on the ground plan."""
@@ -53,23 +55,24 @@ class Coordinates(Protocol):
         """A point in the air."""
 
     def in_words(self, point: NorthEast) -> str:
-        """A point as the file would say it, with its keys."""
+        """A point in words, with the keys that the file uses."""
 
     def as_corner(self, point: NorthEast) -> str:
-        """A point as the file would list it as a corner."""
+        """A point as a corner is written in the file."""
 
 
 def coordinates_of(file: MissionFile, document: Document) -> Coordinates:
     """What the coordinates of a file mean.
 
     Raises:
-        MissionError: the place where it begins lies nowhere, or no home fits its altitudes.
+        MissionError: the place where the mission begins has no coordinates, or its altitudes fit no
+            home.
     """
     return LatLon(file, document) if file.frame == "wgs84" else EastNorth(document)
 
 
 class EastNorth:
-    """Metres from home."""
+    """Coordinates in metres from home."""
 
     anchor: GlobalOrigin | None = None
 
@@ -106,11 +109,11 @@ class EastNorth:
 
 
 class LatLon:
-    """Degrees on the earth.
+    """Coordinates in degrees on the earth.
 
     Args:
         file: the mission.
-        document: where it stands.
+        document: the YAML that the mission is from.
 
     Raises:
         MissionError: as `coordinates_of`.
@@ -173,7 +176,7 @@ class LatLon:
     def _near(
         self, degrees: tuple[float, float], name: str, where: Location | KeyPath
     ) -> NorthEast:
-        """A point about the anchor, if it is not too far away."""
+        """A point in metres from the anchor, if it is not too far away."""
         north, east, _ = self.anchor.to_local(*degrees, self.anchor.altitude_m)
         away_m = horizontal_distance((north, east), (0.0, 0.0))
         if away_m <= FAR_M:
@@ -200,7 +203,9 @@ class LatLon:
         )
 
     def _home_amsl_m(self, file: MissionFile) -> float:
-        """How high home lies if the places above the sea are in the middle of the altitudes."""
+        """The height of home with which the places above the sea are in the middle of the
+        altitudes.
+        """
         heights = [e.amsl_m for e in file.places.values() if e.amsl_m is not None]
         if not heights:
             return USUAL_HOME_AMSL_M
@@ -216,7 +221,7 @@ class LatLon:
 
 
 def begins_at(file: MissionFile) -> str | None:
-    """The place where the mission begins; None where it does not say so, or of no known place."""
+    """The place where the mission begins; None if the file names none, or an unknown one."""
     for text in file.initially:
         try:
             fact = parse_fact(text)
@@ -230,7 +235,7 @@ def begins_at(file: MissionFile) -> str | None:
 def _pair(
     entry: PointEntry, wanted: tuple[str, str], document: Document, keys: tuple[str | int, ...]
 ) -> tuple[float, float]:
-    """The two coordinates of a point, if it has these and no others."""
+    """The two coordinates of a point; refused unless the entry has exactly these keys."""
     frame, other = ("enu", DEGREES) if wanted == METRES else ("wgs84", METRES)
     for key in other:
         if getattr(entry, key) is not None:

@@ -1,4 +1,4 @@
-"""Whether two missions are the same, whatever files they come from."""
+"""Tells whether two missions are the same, whatever files they come from."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from companion.mission.model import Mission
 
 
 def digest(mission: Mission) -> str:
-    """A hash of all that a mission is made of: its text, its map, and what PDDL files say.
+    """A hash of everything in a mission: its text, its map, and the contents of its PDDL files.
 
     >>> from companion import load_mission
     >>> len(digest(load_mission("missions/surveillance.yaml")))

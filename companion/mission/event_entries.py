@@ -1,4 +1,4 @@
-"""Events of a mission file, read and checked."""
+"""Reads and checks the events of a mission file."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from companion.mission.task_lines import line_names
 def read_events(
     file: MissionFile, document: Document, reading: DocumentReading
 ) -> dict[str, Event]:
-    """The events of a mission, by their names.
+    """The events of a mission, by name.
 
-    Left out are those whose condition cannot be read, or whose keys contradict each other.
+    Events with an unreadable condition or contradictory keys are left out.
     """
     lines = line_names(file) if reading.knows("task") else None
     events = {}
@@ -51,7 +51,7 @@ def _event(
     lines: Collection[str] | None,
     document: Document,
 ) -> Event:
-    """An event; `lines` are the names of the task's, None if they are not known."""
+    """One event; `lines` are the names of the task's lines, None if they are not known."""
     when, until = conditions
     if until is not None and entry.latch:
         raise MissionError(
@@ -92,7 +92,7 @@ def _check_silence(
     conditions: tuple[AnyCondition, AnyCondition | None],
     document: Document,
 ) -> None:
-    """What is asked for silence needs a time for it, and the other way round."""
+    """Refuses a test for silence without a time for it, and a time without a test."""
     is_asked = any(isinstance(condition, Silence) for condition in conditions)
     if is_asked and entry.stale_s is None:
         raise MissionError(
@@ -109,10 +109,10 @@ def _check_silence(
 
 
 def check_restored(file: MissionFile, skills: Mapping[str, Skill], document: Document) -> None:
-    """Refuses an event that restores what no skill assumes.
+    """Refuses an event that restores a belief which no skill assumes.
 
     Raises:
-        MissionError: with what skills assume.
+        MissionError: with the beliefs that skills assume.
     """
     beliefs = sorted({atom.predicate for skill in skills.values() for atom in skill.assumes})
     for name, entry in file.events.items():

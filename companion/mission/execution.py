@@ -1,4 +1,4 @@
-"""The steps of a skill's `execute`: what it does to the vehicle and its payloads.
+"""Reads the steps of a skill's `execute`: what it does to the vehicle and its payloads.
 
 fly(parameter)    wait(seconds)    land()    land_on(parameter)    take_off()
 charge(percent or auto)
@@ -47,7 +47,7 @@ class _Known(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Argument:
-    """One argument and the text that it stands in."""
+    """One argument, and the text that it is part of."""
 
     word: str
     offset: int
@@ -63,7 +63,7 @@ def parse_execution(
     components: Mapping[str, int],
     skills: Collection[str] = (),
 ) -> Execution:
-    """Reads a step: a primitive, or another skill, whose arguments are not checked here.
+    """Reads a step: a primitive or a call of another skill, whose arguments are checked elsewhere.
 
     Args:
         text: e.g. `fly(to)`.
@@ -173,12 +173,12 @@ def _gripper(action: int, arguments: list[_Argument], known: _Known) -> Command:
 
 
 def _python(arguments: list[_Argument], known: _Known) -> PythonCall:
-    """Reads the whole step anew: there may be commas in its texts."""
+    """Reads the whole step again, because its texts may contain commas."""
     return parse_python(arguments[0].text, known.components)
 
 
 def _addressee(component: _Argument, known: _Known) -> int:
-    """The id of a component that is named."""
+    """The component id of a name."""
     components = known.components
     if component.word not in components:
         hint = (
@@ -222,16 +222,16 @@ def _number(argument: _Argument) -> float:
 
 
 AUTO = "auto"
-"""As far as the plan says."""
+"""The argument of `charge` that leaves the percentage to the plan."""
 
 
 class StepKind(NamedTuple):
     """A kind of step.
 
     Attributes:
-        form: how it is written.
-        fewest, most: numbers of arguments.
-        read: makes the step of its arguments.
+        form: how the step is written.
+        fewest, most: limits of the number of arguments.
+        read: makes the step from its arguments.
     """
 
     form: str
@@ -258,7 +258,7 @@ KINDS = {
     "take_off": StepKind("take_off()", 0, 0, lambda *_: TakeOff()),
     "python": StepKind(PYTHON, 1, MAX_ARGUMENTS, _python),
 }
-"""What `execute` may be."""
+"""All kinds of steps, by name."""
 
 _ELSEWHERE = {
     **dict.fromkeys(("goto", "go", "go_to", "move", "fly_to", "waypoint"), "fly"),
@@ -266,7 +266,7 @@ _ELSEWHERE = {
     **dict.fromkeys(("sleep", "delay", "hover", "loiter", "hold"), "wait"),
     **dict.fromkeys(("picture", "image", "take_photo", "take_picture"), "photo"),
 }
-"""What other programs call a step -> ours."""
+"""The name of a step in other programs -> its name here."""
 
 _NO_STEP = {
     **dict.fromkeys(
@@ -277,4 +277,4 @@ _NO_STEP = {
         ("arm", "disarm"), "The vehicle is armed for the flight, and disarmed after it."
     ),
 }
-"""What other programs have as steps, and is none here."""
+"""Steps of other programs that do not exist here."""

@@ -1,10 +1,10 @@
-"""Facts and atoms: what may hold in a mission's world, and the same with variables.
+"""Facts and atoms: statements about a mission's world, without and with variables.
 
-An atom is a predicate over parameters and constants, as skills are written with: `at(to)`. A fact
-is an atom without variables: `at(A)`. The formula language knows neither; its propositions are
-texts. A fact *is* the proposition of its spelling, so that automata read sets of facts as they
-are, and it has its predicate and arguments besides: no text is taken apart after the mission and
-its formulas were read.
+An atom is a predicate over parameters and constants, as skills contain it: `at(to)`. A fact is an
+atom without variables: `at(A)`. The formula language knows neither: its propositions are texts. A
+fact *is* the text of its proposition, so automata can read sets of facts directly. It also has a
+predicate and arguments, so no text needs to be parsed once the mission and its formulas have been
+read.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 AT = "at"
-"""The predicate of the vehicle's place."""
+"""The predicate that says where the vehicle is."""
 HERE = "here"
-"""The place between places, where an interrupted flight leaves the vehicle."""
+"""The pseudo-place between places, where the vehicle is after an interrupted flight."""
 ANYWHERE = "*"
-"""Where the vehicle happens to be, in trees written by hand: a place, or `here`."""
+"""In trees written by hand: wherever the vehicle happens to be, a place or `here`."""
 
 _facts: dict[str, Fact] = {}
 _by_parts: dict[tuple[str, tuple[str, ...]], Fact] = {}
@@ -26,8 +26,8 @@ _by_parts: dict[tuple[str, tuple[str, ...]], Fact] = {}
 class Fact(str):
     """A proposition about the world: a predicate and its arguments.
 
-    Facts are interned: the same predicate and arguments are the same object. As a str a fact is
-    its spelling in the formula language.
+    Facts are interned: equal predicates and arguments give the same object. As a str, a fact is its
+        spelling in the formula language.
 
     >>> Fact("trans_ok", ("A", "B"))
     'trans_ok(A, B)'
@@ -41,7 +41,7 @@ class Fact(str):
     arguments: tuple[str, ...]
 
     def __new__(cls, predicate: str, arguments: tuple[str, ...] = ()) -> Fact:
-        """The fact with a predicate and arguments, the same one each time."""
+        """The fact with this predicate and these arguments, the same object each time."""
         fact = _by_parts.get((predicate, arguments))
         if fact is not None:
             return fact
@@ -57,11 +57,11 @@ class Fact(str):
 
     @classmethod
     def parse(cls, proposition: str) -> Fact:
-        """The fact of a proposition in the formula language's canonical spelling."""
+        """The fact that a proposition in canonical spelling stands for."""
         return _facts.get(proposition) or cls(*_parts(proposition))
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuses: who holds the same fact would see another one."""
+        """Refuses any change, because others hold the same object."""
         raise AttributeError(f"{name} of a fact cannot be set")
 
     def __reduce__(self) -> tuple[type[Fact], tuple[str, tuple[str, ...]]]:
@@ -77,7 +77,7 @@ class Atom:
 
     @classmethod
     def parse(cls, proposition: str) -> Atom:
-        """The atom of a proposition in the formula language's canonical spelling.
+        """The atom that a proposition in canonical spelling stands for.
 
         >>> Atom.parse("trans_ok(from, to)")
         Atom(predicate='trans_ok', arguments=('from', 'to'))
@@ -85,7 +85,7 @@ class Atom:
         return cls(*_parts(proposition))
 
     def instantiate(self, binding: Mapping[str, str]) -> Fact:
-        """The fact under a binding; names without a binding stand for themselves.
+        """The fact under a binding; names without a binding stay as they are.
 
         >>> Atom("at", ("from",)).instantiate({"from": "A"})
         'at(A)'

@@ -1,7 +1,8 @@
-"""The files of a mission: itself, its map with the image, its vehicle profile, its PDDL files.
+"""Lists the files of a mission: itself, its map with the image, vehicle profile, PDDL files.
 
-A door: it reads the mission and its map's YAML, as far as they name other files. Whoever takes
-missions from strangers names the folder that all of them have to be in; nothing else is opened.
+A door: it reads the mission and its map's YAML to find the names of the other files. A caller that
+accepts missions from strangers passes the folder in which all files have to be; no other file is
+opened.
 """
 
 from __future__ import annotations
@@ -20,12 +21,11 @@ from companion.vehicle_files import profile_path
 def files_of(path: Path, within: Path) -> tuple[Path, ...]:
     """Returns the files that a mission needs, itself last.
 
-    Args:
-        path: of the mission.
-        within: the folder that all of them have to be in.
+    path: the mission file.
+    within: the folder in which all files have to be.
 
     Raises:
-        MissionError: the mission or its map cannot be read, or a file lies elsewhere.
+        MissionError: the mission or its map cannot be read, or a file lies outside the folder.
     """
     source = read_source(path, "mission")
     refuse_other_files(source)
@@ -45,7 +45,7 @@ def files_of(path: Path, within: Path) -> tuple[Path, ...]:
 
 
 def _map_files(folder: Path, name: str, within: Path, document: Document) -> tuple[Path, Path]:
-    """Returns the image of a map file, and the file."""
+    """Returns the image of a map file, and the map file itself."""
     path = folder / name
     _check_within(path, within, name, document, ["map"])
     try:

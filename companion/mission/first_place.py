@@ -1,8 +1,8 @@
-"""Where a mission in metres begins, and what to write where that is not [0, 0].
+"""Checks that a mission in metres begins at [0, 0], and says how to change one that does not.
 
-Its metres count from the autopilot's home position, at which the vehicle stands when its first
-flight since the autopilot's start begins. So a mission that begins elsewhere is refused there:
-walls would be where none stand. The same mission with other figures begins at [0, 0].
+A mission's metres count from where the vehicle stands when its first flight since the autopilot's
+start begins. So a mission that begins elsewhere is refused at its start, because its walls would be
+in the wrong place. The author can shift its figures so that it begins at [0, 0].
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ from companion.mission.model import Place
 
 
 def begins_at_zero(home: Place) -> bool:
-    """Whether [0, 0] is where a mission begins, as near as that place is wide."""
+    """Whether [0, 0] lies in the region of the place where a mission begins."""
     return math.hypot(*home.position[:2]) <= home.inner_m
 
 
 def as_begun_at_zero(home: Place) -> str:
-    """What to write so that a mission begins at [0, 0], in words.
+    """Says in words how to shift a mission so that it begins at [0, 0].
 
     >>> from companion.motion.region import Disc
     >>> as_begun_at_zero(Place("Home", (-3.0, 8.25, -2.0), Disc(0.5)))
     'write 8.25 m less for all that is east, and 3 m more for all that is north, its map included'
 
     Args:
-        home: where it begins.
+        home: the place where it begins.
     """
     north, east, _ = home.position
     shifts = [

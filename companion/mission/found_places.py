@@ -1,4 +1,4 @@
-"""Places that are found in flight: where in their region they are, another program reports.
+"""Places found in flight: another program reports where in their region they are.
 
     places:
       Person: {east_m: 20, north_m: 10, up_m: 4, radius_m: 15, found_by: personSeen}
@@ -7,9 +7,9 @@
     task:
       help: G (personSeen -> F at(Person))
 
-Until the event has come nothing flies to such a place. What the mission says is a region in which
-it may lie, which is checked as that of any place; a report outside is refused. So no report leads
-anywhere that the author has not allowed.
+Nothing flies to such a place before the event has come. The mission gives a region in which the
+place may lie; it is checked like the region of any other place. A report outside is refused, so no
+report leads the vehicle anywhere that the author has not allowed.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from companion.mission.model import Event, Place, PointOfInterest, Skill
 from companion.mission.signals import Condition
 
 FOUND = 1.0
-"""The value of a signal whose report was taken over."""
+"""The value of the signal once a report has been accepted."""
 
 
 def report_of(event: Event) -> str:
@@ -42,7 +42,7 @@ def check_found(
     """Checks the places that are found in flight.
 
     Raises:
-        MissionError: at the key that says something else than what a report can find.
+        MissionError: at the key that does not fit a place found by a report.
     """
     found = {name: place.found_by for name, place in places.items() if place.found_by}
     reports: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""Whether the functions that a mission calls are installed, and take what they are called with."""
+"""Checks that the functions a mission calls are installed and accept their arguments."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ _TAKES: Mapping[str, tuple[tuple[type, ...], str]] = {
     "int": ((int,), "a whole number"),
     "bool": ((bool,), "true or false"),
 }
-"""What a parameter with an annotation takes; others are the function's own affair."""
+"""The types that an annotated parameter accepts; the function itself checks all others."""
 
 
 def calls_of(
     skills: Mapping[str, Skill], places: Mapping[str, Place]
 ) -> Iterator[tuple[PythonCall, Keys]]:
-    """The calls of a mission, and where they stand."""
+    """The calls in a mission, each with its place in the file."""
     for name, skill in skills.items():
         for index, step in enumerate(skill.execute):
             if isinstance(step, PythonCall):
@@ -53,7 +53,7 @@ def check_installed(
     document: Document,
     read: InstalledReader,
 ) -> None:
-    """Refuses a call of a function that is not installed, or does not take its arguments.
+    """Refuses a call of a function that is not installed or does not accept the arguments.
 
     Raises:
         MissionError: at the first such call.
@@ -69,7 +69,7 @@ def check_installed(
 
 
 def _one(function: Function, catalogue: Catalogue, where: Location | KeyPath) -> Installed:
-    """Who offers a function, alone."""
+    """The only package that offers a function."""
     word, offers = WORDS[function.kind], catalogue.get(function, ())
     what = f"the {word} {function.name}"
     if not offers:

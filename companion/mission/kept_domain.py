@@ -1,7 +1,7 @@
-"""What the PDDL files of a mission say, kept beside it, so that nobody has to parse them again.
+"""Keeps what a mission's PDDL files say beside the mission, so that they are parsed only once.
 
-Their parser takes 70 MB and a second. So the child that checks an upload keeps what it has read,
-and the process that flies reads that: JSON, in the words of a mission file.
+The PDDL parser takes 70 MB and a second. So the child process that checks an upload saves what it
+has read, and the process that flies loads that. The file is JSON, in the terms of a mission file.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from companion.mission.pddl_domain import Predicates, with_domain
 from companion.mission.schema import MissionFile
 
 KEPT = ".domain.json"
-"""Beside the mission; no client of MAVLink FTP can use this name."""
+"""Ending of the saved file; no client of MAVLink FTP can use this name."""
 
 
 def read_and_keep(
     file: MissionFile, document: Document, folder: Path
 ) -> tuple[MissionFile, Predicates]:
-    """The same as `with_domain`; what it returns is kept.
+    """Does the same as `with_domain`, and saves the result.
 
     Raises:
-        MissionError: as there; or it cannot be kept.
+        MissionError: as `with_domain`; or the result cannot be saved.
     """
     merged, predicates = with_domain(file, document, folder)
     if file.domain is not None:
@@ -41,10 +41,10 @@ def read_and_keep(
 def kept_domain(
     file: MissionFile, document: Document, folder: Path
 ) -> tuple[MissionFile, Predicates]:
-    """What was kept of a mission in its folder; of one without PDDL files there is nothing to read.
+    """Loads what was saved beside a mission; without PDDL files there is nothing to load.
 
     Raises:
-        MissionError: it is missing, or damaged.
+        MissionError: the file is missing or damaged.
     """
     if file.domain is None:
         return with_domain(file, document, folder)

@@ -1,8 +1,7 @@
-"""Where a mission lands: markers of places, and what stands below `land()` and `land_on()`.
+"""Checks where a mission lands: markers of places, and the ground below `land()` and `land_on()`.
 
-A marker lies on level ground: on that of home, or on a wall with `up_m`, which is a roof then. On
-such a wall nothing but a marker tells the vehicle where the edge is, so `land()` above one is
-refused.
+A marker lies on level ground: at the height of home, or on a wall with `up_m`, which then is a
+roof. On a roof only a marker tells the vehicle where the edge is, so `land()` above one is refused.
 """
 
 from __future__ import annotations
@@ -21,10 +20,10 @@ from companion.motion.grid import OccupancyGrid
 from companion.vehicle_profile import VehicleProfile
 
 LEAST_ABOVE_M = 1.0
-"""Of a place above its marker."""
+"""The least height of a place above its marker."""
 LEVEL_M = 0.05
 MANY = 60
-"""Points of a region that are looked at."""
+"""Number of points of a region that are checked."""
 
 
 def with_markers(
@@ -37,7 +36,7 @@ def with_markers(
     """The places of a mission with their markers.
 
     Raises:
-        MissionError: at the first marker that nobody sees, or on which there is no room to land.
+        MissionError: at the first marker that no component sees, or that has no room to land on it.
     """
     found = {}
     for name, place in places.items():
@@ -90,10 +89,10 @@ def check_landings(
     vehicle: VehicleProfile,
     document: Document,
 ) -> None:
-    """Refuses landings on walls without a marker, and on markers that there are not.
+    """Refuses landings on walls without a marker, and landings on markers that do not exist.
 
     Raises:
-        MissionError: at the skill that lands so.
+        MissionError: at the skill that lands.
     """
     for skill in skills.values():
         where = document.where("skills", skill.name, "execute")
@@ -141,11 +140,11 @@ def _check_ground(
 
 @dataclass(frozen=True, slots=True)
 class _Landing:
-    """A landing of a skill.
+    """One landing of a skill.
 
     Attributes:
-        here: the parameter or place where the vehicle is; None if nothing says so.
-        marker_of: on whose marker; None for `land()`.
+        here: the parameter or place where the vehicle is; None if it is unknown.
+        marker_of: the place whose marker it lands on; None for `land()`.
     """
 
     here: str | None
@@ -153,7 +152,7 @@ class _Landing:
 
 
 def _landings(skill: Skill, skills: Mapping[str, Skill]) -> Iterator[_Landing]:
-    """All landings of a skill and of those that refine it, in its own names."""
+    """All landings of a skill and of the skills that refine it, in the names of the skill."""
     atoms = (literal.atom for literal in skill.precondition if literal.is_positive)
     here = next((atom.arguments[0] for atom in atoms if atom.predicate == AT), None)
     names = {name: name for name, _ in skill.parameters}
@@ -163,11 +162,11 @@ def _landings(skill: Skill, skills: Mapping[str, Skill]) -> Iterator[_Landing]:
 def _walk(
     skill: Skill, skills: Mapping[str, Skill], names: Mapping[str, str], here: list[str | None]
 ) -> Iterator[_Landing]:
-    """The landings of steps.
+    """The landings in some steps.
 
     Args:
-        names: what the skill's parameters are in the names of the outermost one.
-        here: where the vehicle is; its one entry is replaced on the way.
+        names: the skill's parameters in the names of the outermost skill.
+        here: where the vehicle is, as a list of one entry, which the steps replace.
     """
     for step in skill.execute:
         match step:

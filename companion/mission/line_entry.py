@@ -1,4 +1,4 @@
-"""The key `task` of a mission file: lines that must hold, and lines that may be dropped."""
+"""The model of the key `task` of a mission file: its lines, required or optional."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Priority = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
 class LineEntry(DrawnModel):
-    """A line of the task; a line with a priority is dropped if no plan keeps it."""
+    """A line of the task. A line with a priority is dropped if no plan keeps it."""
 
     formula: Annotated[Text, Field(description="What must hold, in linear temporal logic.")]
     priority: Annotated[

@@ -1,7 +1,7 @@
-"""Facts and literals in preconditions, effects and lists of beliefs.
+"""Reads the facts and literals of preconditions, effects and lists of beliefs.
 
-Facts are read by the formula language's own parser, so that they are written the same
-everywhere; of its operators only & and ! may be used here, and -> in effects.
+The parser of the formula language reads them, so facts are spelled alike everywhere. Of its
+operators only & and ! may be used here, and -> in effects.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def parse_literals(text: str) -> tuple[Literal, ...]:
     ['at', 'at']
 
     Raises:
-        FormulaError: not a formula, or one with other operators than & and !.
+        FormulaError: it is no formula, or has operators other than & and !.
     """
     return tuple(_literal(part, text) for part in conjuncts(parse(text)))
 
@@ -34,7 +34,7 @@ def parse_effect(text: str) -> tuple[tuple[Literal, ...], tuple[ConditionalEffec
     (2, [2])
 
     Raises:
-        FormulaError: not a formula, or one with other operators than &, ! and ->.
+        FormulaError: it is no formula, or has operators other than &, ! and ->.
     """
     plain: list[Literal] = []
     conditional: list[ConditionalEffectTemplate] = []
@@ -53,7 +53,8 @@ def parse_fact(text: str) -> Atom:
     """Reads one fact, e.g. at(Home).
 
     Raises:
-        FormulaError: anything else, half a fact among them: a YAML list splits at commas.
+        FormulaError: it is anything else, such as half a fact, which a YAML list splits at its
+            comma.
     """
     if text.count("(") > text.count(")"):
         raise FormulaError(

@@ -1,12 +1,15 @@
 """Reads a mission with its map, and checks that it can be flown as it is written.
 
-A door: it opens files. In goes a file, a text or data, out comes the frozen `Mission` of model.py
-in SI units and local NED, or one MissionError with file:line:column (for data: the path of keys).
-In the order of the checks: the YAML and its keys (documents, schema.py), then each part by itself
-as far as it can be read (parts.py), and last whether the parts, all of them whole, fit together.
-One run tells all mistakes that are mistakes for certain.
+A door: it opens files. The input is a file, a text or data. The output is the frozen `Mission` of
+model.py, in SI units and local NED, or one MissionError with file:line:column (for data: the path
+of keys).
 
-Whether the task can be fulfilled is found by the planner.
+1. The YAML and its keys are checked (documents, schema.py).
+2. Each part is read by itself, as far as possible (parts.py).
+3. If all parts are whole, it is checked that they fit together.
+
+One run reports all mistakes that are certain. Whether the task can be fulfilled is the planner's
+question.
 """
 
 from __future__ import annotations
@@ -60,17 +63,18 @@ def load_mission(
     ('surveillance', ['Home', 'A', 'B', 'C', 'r1', 'r2', 'r3'], 'G(targetReported -> X at(Home))')
 
     Args:
-        source: the path of a YAML file; the YAML text itself, which has a line break; or a dict.
-        folder: what the names of map and PDDL files are relative to; by default the folder of
-            the mission's own file, or the current one.
+        source: the path of a YAML file; or the YAML text, which contains a line break; or a dict.
+        folder: where the names of map and PDDL files begin; by default the folder of the mission
+            file, or the current one.
         domain_of: reads the PDDL files.
-        installed: says which functions are installed, if the mission calls any; None to read a
-            mission that is not to be flown here.
+        installed: says which functions are installed, if the mission calls any; None if the mission
+            is not to be flown here.
 
     Raises:
-        MissionError: a file is missing, or something in it cannot be used: where, as file, line and
-            column (`<mission>` for the file of a text), or as keys of data, e.g. `task.search`.
-        CompanionError: the folder is no path.
+        MissionError: a file is missing, or something in it cannot be used. It says where: file,
+            line and column (`<mission>` as the file of a text), or keys of data, e.g.
+            `task.search`.
+        CompanionError: the folder is not a path.
     """
     within = path_of(folder, "the path of a folder") if folder is not None else None
     mission, document = _read_mission(source, within, domain_of)
@@ -86,7 +90,7 @@ def _read_mission(
     refuse_other_files(read)
     file, document, reading = begin_reading(read.content, read.name, MissionFile, STAND_INS)
     if file.domain or not all(map(reading.is_whole, ("domain", "problem"))):
-        reading.tell()  # what skills and facts there are, a domain says
+        reading.tell()  # the domain says what skills and facts there are
     file, declared = domain_of(file, document, read.folder)
     parts = read_parts(file, declared, read.folder, document, reading)
     mission = _fitted(file, declared, parts, read, document)
@@ -145,7 +149,7 @@ def _fitted(
 
 
 def _text(source: Source, document: Document) -> str:
-    """The mission as a YAML text; data are written as JSON, which is YAML too."""
+    """The mission as YAML text; data is written as JSON, which is also YAML."""
     if isinstance(source.content, str):
         return source.content
     return json.dumps(document.data(), indent=2, ensure_ascii=False) + "\n"
@@ -177,11 +181,11 @@ def _check_reachable_names(
     events: Mapping[str, Event],
     document: Document,
 ) -> None:
-    """Refuses a condition that nothing ever makes true, such as a misspelt one.
+    """Refuses a condition that nothing can make true, such as a misspelt one.
 
     Args:
-        given: names of facts that need no skill: what holds at the start, what PDDL declares.
-        events: need none either.
+        given: names of facts that need no skill: those true at the start, those that PDDL declares.
+        events: names of events, which need no skill either.
     """
     sources = {*given, *events}
     for skill in skills.values():

@@ -1,4 +1,4 @@
-"""What skills look at: `look_at` names a parameter, a place, or a point."""
+"""Checks what skills look at: `look_at` names a parameter, a place, or a point."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from companion.motion.heading import FACING_M
 def look_at(
     name: str, entry: SkillEntry, file: MissionFile, document: Document, coordinates: Coordinates
 ) -> str | PointOfInterest | None:
-    """The parameter of a skill, or the point, that it looks at.
+    """The parameter of a skill, or the point, at which the skill looks.
 
     Raises:
-        MissionError: there is no such parameter or place, or the parameter may be an object.
+        MissionError: the parameter or place does not exist, or the parameter may be an object.
     """
     wanted, where = entry.look_at, document.where("skills", name, "look_at")
     if isinstance(wanted, LookAtEntry):
@@ -49,10 +49,10 @@ def look_at(
 
 
 def gimbal_of(name: str, entry: SkillEntry, file: MissionFile, document: Document) -> int | None:
-    """The component with which a skill looks at something, beside the vehicle.
+    """The gimbal with which a skill looks at something, besides turning the vehicle.
 
     Raises:
-        MissionError: there is no such component, or nothing that is looked at.
+        MissionError: the component does not exist, or the skill looks at nothing.
     """
     if entry.gimbal is None:
         return None
@@ -73,11 +73,11 @@ def check_looking(
     sets: Mapping[str, tuple[str, ...]],
     document: Document,
 ) -> None:
-    """Refuses what can never be looked at.
+    """Refuses a `look_at` that can never be carried out.
 
     Raises:
-        MissionError: a skill has no step in which the companion turns the vehicle; or it stays at a
-            place, and looks at one that lies there.
+        MissionError: the companion turns the vehicle in no step of the skill; or the skill stays at
+            a place and looks at a point above or below it.
     """
     for skill in skills.values():
         if skill.look_at is None:
@@ -105,7 +105,7 @@ def check_looking(
 def _pairs(
     skill: Skill, places: Mapping[str, Place], sets: Mapping[str, tuple[str, ...]]
 ) -> Iterator[tuple[Place, PointOfInterest]]:
-    """Where it may stay, and what it looks at from there."""
+    """Each place where the skill may stay, with what it looks at from there."""
     members = {name: sets[set_name] for name, set_name in skill.parameters}
     target = skill.look_at
     if isinstance(target, str):
@@ -122,6 +122,6 @@ def _pairs(
 
 
 def _stays(skill: Skill) -> list[str]:
-    """The parameter or place at which it begins; none if it says nothing of that."""
+    """The parameter or place at which the skill begins; empty if it does not say."""
     atoms = [literal.atom for literal in skill.precondition if literal.is_positive]
     return [atom.arguments[0] for atom in atoms if atom.predicate == AT]

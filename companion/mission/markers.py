@@ -1,4 +1,4 @@
-"""Markers on which a vehicle can land: what a mission says of one."""
+"""The landing markers of a mission."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from dataclasses import dataclass
 class LandingMarker:
     """A marker at a place, on which the vehicle can land.
 
-    Attributes:
-        component: MAVLink component id of who sees it.
-        number: that is read off it, `target_num` of LANDING_TARGET.
-        up_m: height of what it lies on, above home: 0 on the ground, or the end of a low wall.
+    component: MAVLink component id of the component that sees the marker.
+    number: the number on the marker, `target_num` of LANDING_TARGET.
+    up_m: height above home of the surface that it lies on: 0 on the ground, or the top of a low
+    wall.
     """
 
     component: int

@@ -1,7 +1,7 @@
 """A mission as the rest of the program sees it: frozen, checked, in SI units and local NED.
 
-`loader.py` makes it from YAML. Nothing here knows about files or YAML. Names (places, skills,
-events, components) are the mission's own and are the same in logs, messages and tests.
+`loader.py` makes it from YAML; this module knows nothing of files. Names (places, skills, events,
+components) are the mission's own, and are the same in logs, messages and tests.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ class PointOfInterest:
     """What the vehicle looks at: a place, or a point to which it need not be able to fly.
 
     Attributes:
-        up_m: how high above home; of a place, the ground there.
-        gimbal: component that looks at it too; None for none.
+        up_m: height above home; for a place, the height of the ground there.
+        gimbal: component that also looks at it; None for none.
     """
 
     name: str
@@ -57,12 +57,12 @@ class Place:
     """A named point with a region around it; `at(name)` holds inside the region.
 
     Attributes:
-        heading_rad: with which the vehicle arrives, clockwise from north; None for any.
-        amsl_m: its altitude above mean sea level, if it was given so.
-        marker: below it; None if there is none.
-        suggesters, tests: installed functions that propose waypoints of it, and judge them.
-        found_by: the event that comes when it is found in flight, somewhere in its region; "" for a
-            place that is known from the beginning.
+        heading_rad: the vehicle's heading on arrival, clockwise from north; None for any.
+        amsl_m: its altitude above mean sea level, if the mission gives that.
+        marker: the marker below it; None if there is none.
+        suggesters, tests: installed functions that propose waypoints in it, and judge them.
+        found_by: the event that reports where in its region the place is; "" for a place that is
+            known from the beginning.
     """
 
     name: str
@@ -77,7 +77,7 @@ class Place:
 
     @property
     def inner_m(self) -> float:
-        """Radius of the disc about it that its region holds."""
+        """Radius of the largest disc around the point that the region contains."""
         return self.region.inner_m(self.position)
 
     @property
@@ -88,16 +88,16 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Bounds that no setpoint leaves.
+    """Limits that no setpoint exceeds.
 
     Attributes:
         speed_mps: greatest speed.
         up_m: lowest and highest flight altitude above home.
         fence: polygon of north-east corners.
-        keep_out: the same of each area that is never entered, by name.
-        is_fence_written: the mission has a fence of its own; else it is the edge of its map.
-        is_beyond_sight: a vehicle with a range finder may fly faster than it can stop within what
-            that sees.
+        keep_out: the polygon of each area that is never entered, by name.
+        is_fence_written: whether the mission gives a fence; if not, the map's edge is the fence.
+        is_beyond_sight: whether a vehicle with a range finder may fly too fast to stop within the
+            distance that it sees.
     """
 
     speed_mps: float
@@ -110,15 +110,15 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """A fact that the vehicle cannot choose, read off the wire (Section III-B).
+    """A fact that the vehicle cannot choose; it comes from received messages (Section III-B).
 
-    It becomes true when `when` has held for `for_s`; false when `until` (default: not `when`)
-    has held for `for_s`, or never again if `latch`. A command has no duration: it counts at once.
-    What was not heard for `stale_s` is not known: it changes nothing, but where silence is what is
-    asked for.
-    When the event becomes true, the conjuncts named in `restarts` begin anew: what they still
-    demanded from positions before is dropped; and withdrawn beliefs with a predicate of `restores`
-    are held again.
+    It becomes true when `when` has held for `for_s`. It becomes false when `until` (default: not
+    `when`) has held for `for_s`, or never if `latch`. A command has no duration: it counts at once.
+    A signal that was not heard for `stale_s` is unknown: it changes nothing, except where the
+    condition is silence.
+    When the event becomes true, the conjuncts named in `restarts` start again, and what they still
+    demanded because of earlier positions is dropped; withdrawn beliefs with a predicate in
+    `restores` are held again.
     """
 
     name: str
@@ -132,17 +132,17 @@ class Event:
 
     @property
     def fact(self) -> Fact:
-        """What holds when it has become true."""
+        """The fact that holds while the event is true."""
         return Fact(self.name)
 
     @property
     def is_pulse(self) -> bool:
-        """Whether it falls in the moment in which it rises."""
+        """Whether the event becomes false again at the moment at which it becomes true."""
         return self.when.signal.is_pulse and self.until is None and not self.latch
 
     @property
     def duration(self) -> str:
-        """When it holds, in words."""
+        """How long the event is true, in words."""
         if self.is_pulse:
             return f"at the moment of {self.when}, once in the word for each"
         delay = f"; a change counts after {self.for_s:g} s" if self.for_s else ""
@@ -162,7 +162,7 @@ class Literal:
 
 @dataclass(frozen=True, slots=True)
 class ConditionalEffectTemplate:
-    """An effect that only comes if a condition holds before the skill."""
+    """An effect that happens only if a condition holds before the skill."""
 
     condition: tuple[Literal, ...]
     effect: tuple[Literal, ...]
@@ -170,27 +170,27 @@ class ConditionalEffectTemplate:
 
 @dataclass(frozen=True, slots=True)
 class Skill:
-    """The paper's action template (Section II-E) with beliefs and its refinement.
+    """The paper's action template (Section II-E), with beliefs and a refinement.
 
     Attributes:
-        parameters: (parameter name, set name) in order.
+        parameters: (parameter name, set name), in order.
         precondition: conjunction of literals over the parameters.
-        assumes: beliefs that are taken for true until the skill fails.
+        assumes: beliefs that are assumed to be true until the skill fails.
         effect: literals that hold afterwards.
-        conditional: further effects, each under a condition.
-        distinct: groups of parameters, places and objects, no two of which are the same.
-        cost_s: constant cost in seconds; None means what its steps take, flights on the map.
-        execute: its refinement, one step after the other.
-        tries: how often its refinement is tried before it has failed (MAX_TRY, Fig. 6).
-        timeout_s: longest time of one try; None for no limit.
-        is_planned: whether the planner may use it; if not it only refines other skills.
-        retry_after_s: time after which a belief that its failure withdrew is held again.
-        look_at: what the vehicle looks at meanwhile: one of its parameters, or always the same.
-        is_repeatable: its commands may be sent again where it is not known whether they were done.
-        confirmed_by: what has to be heard after its last step; None for nothing.
-        gimbal: component that looks at it, too; None for the vehicle alone.
-        energy_wh: what it takes beside flying or hovering.
-        charge_rate: pairs of the charge, 0 to 1, and of its rise a second; falling.
+        conditional: further effects, each with a condition.
+        distinct: groups of parameters, places and objects whose members must all differ.
+        cost_s: constant cost in seconds; None for the time of its steps, with flights on the map.
+        execute: its refinement, a sequence of steps.
+        tries: how often the refinement is tried before the skill fails (MAX_TRY, Fig. 6).
+        timeout_s: longest duration of one try; None for no limit.
+        is_planned: whether the planner may use it; if not, it only refines other skills.
+        retry_after_s: time after which beliefs that its failure withdrew are held again.
+        look_at: what the vehicle looks at meanwhile: the place of a parameter, or a fixed point.
+        is_repeatable: whether commands may be sent again if it is unknown whether they were done.
+        confirmed_by: the condition that has to be heard after its last step; None for nothing.
+        gimbal: component that also looks at it; None if only the vehicle turns.
+        energy_wh: the energy that it takes in addition to flying or hovering.
+        charge_rate: pairs of the charge (0 to 1) and its rise per second, which falls.
     """
 
     name: str
@@ -215,7 +215,7 @@ class Skill:
 
     @property
     def origin(self) -> str | None:
-        """The parameter that names where it begins: p with precondition at(p); None without one."""
+        """The parameter p of a precondition at(p), where the skill begins; None without one."""
         names = [name for name, _ in self.parameters]
         for literal in self.precondition:
             atom = literal.atom
@@ -225,11 +225,11 @@ class Skill:
 
 
 PATIENCE_S = 60.0
-"""How long a vehicle without a plan holds, where the mission does not say."""
+"""How long a vehicle without a plan holds, unless the mission says otherwise."""
 
 
 class Otherwise(Enum):
-    """The behaviour when no plan exists."""
+    """What the companion does when no plan exists."""
 
     RETURN_HOME = "return_home"
     LAND = "land"
@@ -238,7 +238,7 @@ class Otherwise(Enum):
 
 @dataclass(frozen=True, slots=True)
 class LandAtSafePlace:
-    """The same: to land at one of some places, at the one that is reached soonest.
+    """When no plan exists, the vehicle lands at whichever of these places it reaches soonest.
 
     >>> print(LandAtSafePlace(("Home", "North", "South")))
     Home, North or South
@@ -253,23 +253,23 @@ class LandAtSafePlace:
 
 @dataclass(frozen=True, slots=True)
 class Mission:
-    """Everything the mission file says.
+    """Everything that the mission file says.
 
     Attributes:
-        sets: members of each set: places, and objects that are no places.
+        sets: members of each set: places, and objects that are not places.
         task: named lines, in the order of the file; a plain goal is the line `goal`.
-        ready: lines that shall hold whenever their event may come.
-        lines_at: where each line stands in the file, or in the data, for messages.
+        ready: lines that plans must be able to keep whenever their event comes.
+        lines_at: where each line is in the file, or in the data, for messages.
         priorities: of the lines that may be dropped; the higher, the more important.
-        initially: facts that hold at the start, beliefs left out; all others are false.
-        grid: what the vehicle is told of the map beforehand.
-        map_file, walls: the file it is read from, or "" and what the mission draws.
-        battery: what plans reckon with; None for plans that know of no energy.
-        tree: the plan, if it was written by hand; the task is then not planned for.
-        vehicle: what it is written for.
-        patience_s: how long a vehicle without a plan holds, where one may become possible again.
+        initially: facts that hold at the start, without beliefs; all others are false.
+        grid: the map, as the vehicle knows it before the flight.
+        map_file, walls: the map's file, or "" and the walls that the mission draws itself.
+        battery: the battery that plans reckon with; None if plans ignore energy.
+        tree: the plan, if it is written by hand; then the planner makes no plan for the task.
+        vehicle: the vehicle for which the mission is written.
+        patience_s: how long the vehicle holds without a plan, if a plan may become possible again.
         anchor: where north 0, east 0 lies on the earth, in a mission with frame: wgs84; its
-            altitude is an assumption. None for metres from wherever home is.
+            altitude is an assumption. None for a mission in metres from home.
     """
 
     name: str
@@ -297,12 +297,12 @@ class Mission:
 
     @property
     def is_above_sea(self) -> bool:
-        """Whether a place of it was given above the sea."""
+        """Whether any place was given above the sea."""
         return any(place.amsl_m is not None for place in self.places.values())
 
     @property
     def optional(self) -> tuple[str, ...]:
-        """The lines that may be dropped, the most important first, ties in file order."""
+        """The lines that may be dropped, the most important first; ties are in file order."""
         return tuple(sorted(self.priorities, key=lambda line: -self.priorities[line]))
 
     @property
@@ -312,12 +312,12 @@ class Mission:
 
     @property
     def is_timed(self) -> bool:
-        """Whether its task has bounds in time."""
+        """Whether any line of the task has a time bound."""
         return any(isinstance(line, TimedFormula) for line in self.task.values())
 
     @property
     def speed_limits(self) -> SpeedLimits:
-        """The limits of its flights: the vehicle's, and no faster than the mission allows."""
+        """The speed limits of the vehicle, with the speed capped at the limit of the mission."""
         vehicle = self.vehicle
         return SpeedLimits(
             min(self.limits.speed_mps, vehicle.speed_mps),
@@ -334,7 +334,7 @@ class Mission:
 
     @property
     def safe_places(self) -> tuple[str, ...]:
-        """Where the vehicle is to land when no plan exists, at any of them; () for nowhere."""
+        """The places at one of which the vehicle lands when no plan exists; () if it does not."""
         match self.otherwise:
             case LandAtSafePlace(places):
                 return places
@@ -344,6 +344,6 @@ class Mission:
 
     @property
     def task_facts(self) -> frozenset[Fact]:
-        """The facts that the task speaks of."""
+        """The facts that the task mentions."""
         lines = map(untimed, self.task.values())
         return frozenset(Fact.parse(p) for line in lines for p in atoms(line))

@@ -1,4 +1,4 @@
-"""The names of a mission: what they cannot be, and the members of its sets."""
+"""Checks the names of a mission and the members of its sets."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _SHOWN = 20  # names listed in a message
 
 
 def check_names(file: MissionFile, document: Document, reading: DocumentReading) -> None:
-    """Refuses names that formulas cannot use or that mean two things, and wrong members of sets."""
+    """Refuses names that formulas cannot use, ambiguous names, and wrong members of sets."""
     if HERE in file.places:
         reading.read(partial(_refuse_here, document))
     for name in file.events:
@@ -79,7 +79,7 @@ def _listing(names: Iterable[str]) -> str:
 
 
 def _operator(name: str) -> Operator | None:
-    """Returns the operator that a name is in formulas; None if it cannot stand alone."""
+    """Returns the operator that formulas would read instead of a name; None if there is none."""
     try:
         return parse(name).operator
     except FormulaError:

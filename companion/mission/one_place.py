@@ -1,11 +1,11 @@
-"""The vehicle is at one place: what every effect has to keep, checked on the templates.
+"""Checks on the templates that every effect keeps the vehicle at exactly one place.
 
-An action template is written once for many places, and a forgotten `!at(from)` makes plans in which
-the vehicle is at two of them. So each effect is looked at with its parameters as they stand: given
-that the vehicle is at one place before, it has to be at one afterwards.
+An action template is written once for many places. If `!at(from)` is forgotten, plans contain
+states in which the vehicle is at two places. So each effect is checked with its parameters unbound:
+if the vehicle is at one place before, it has to be at one place afterwards.
 
 Source: Helmert, Concise finite-domain representations for PDDL planning tasks, AIJ 2009, section 5,
-whose invariants of one fact are found on templates in the same way.
+which finds invariants of one fact on templates in the same way.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def check_one_place(
     """Refuses an effect after which the vehicle would be at two places, or at none.
 
     Raises:
-        MissionError: at the first such effect, with what to add to it.
+        MissionError: at the first such effect, with what is missing in it.
     """
     for skill in skills.values():
         if not skill.is_planned:
@@ -40,13 +40,13 @@ def check_one_place(
 
 @dataclass(frozen=True, slots=True)
 class _Change:
-    """What an effect does about places; places are parameters or constants.
+    """What an effect changes about places; a place is given by a parameter or a constant.
 
     Attributes:
-        before: where the vehicle is, each name for the same place.
-        left, reached: what the effect deletes and adds.
+        before: where the vehicle is; all these names stand for the same place.
+        left, reached: the places whose `at` the effect deletes and adds.
         places: all constants.
-        distinct: groups of names no two of which are the same.
+        distinct: groups of names whose members all differ.
     """
 
     before: frozenset[str]
@@ -94,12 +94,12 @@ class _Change:
 
     @property
     def is_possible(self) -> bool:
-        """Whether the names of where the vehicle is may all stand for one place."""
+        """Whether all names in `before` can stand for one place."""
         return all(self._may_be_one(a, b) for a, b in combinations(self.before, 2))
 
 
 def _changes(skill: Skill, places: Collection[str]) -> Iterable[_Change]:
-    """The effect without its conditional parts, and with one or two of those about places."""
+    """The effect without conditional parts, and with each one or two parts that change places."""
     about_places = [
         when
         for when in skill.conditional
@@ -121,7 +121,7 @@ def _changes(skill: Skill, places: Collection[str]) -> Iterable[_Change]:
 
 
 def _named(literals: Iterable[Literal], is_positive: bool) -> frozenset[str]:
-    """The places of the `at` among some literals."""
+    """The places of the `at` facts among some literals."""
     return frozenset(
         literal.atom.arguments[0]
         for literal in literals

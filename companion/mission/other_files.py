@@ -1,6 +1,7 @@
-"""Files that are taken for missions and are none: worlds, plans of ground stations, drawings.
+"""Recognizes files that look like missions but are something else: worlds, ground station plans,
+drawings.
 
-The first characters tell what a file is; nothing is read.
+The first characters are enough to tell what a file is; nothing is parsed.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ _PLANS = {
     r'\s*\{[\s\S]*"type"\s*:\s*"(FeatureCollection|Feature)"': "GeoJSON",
     r"\s*<(\?xml|kml)": "KML, or another XML",
 }
-"""How a file begins -> what it is; `companion import` reads these."""
+"""How a file begins -> what it is; `companion import` reads these files."""
 
 
 def refuse_other_files(source: Source) -> None:
-    """Refuses what is certainly no mission.
+    """Refuses a source that is certainly not a mission.
 
     Raises:
-        MissionError: it is something else; with what to do with that.
+        MissionError: it is something else; the hint says what to do with it.
     """
     if not isinstance(source.content, str):
         return

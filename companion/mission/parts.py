@@ -1,9 +1,9 @@
-"""The parts of a mission, each read as far as it can be without those that cannot be used.
+"""Reads the parts of a mission, each as far as possible without the parts that are unusable.
 
-In goes what the file says (schema.py), out come all parts, or one MissionError that tells what is
-wrong with any of them. A part that cannot be read is remembered as unread (documents/reading.py):
-its names stay known, and what would need it is not looked at. Whether the parts fit together is
-looked at by loader.py, which is handed whole ones alone.
+The input is what the file says (schema.py). The output is all parts, or one MissionError that lists
+what is wrong in all of them. A part that cannot be read is marked as unread (documents/reading.py):
+its names stay known, and whatever needs it is not checked. loader.py checks whether the parts fit
+together; it only receives whole ones.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from companion.vehicle_profile import VehicleProfile
 
 
 class MissionParts(NamedTuple):
-    """What a mission file says; as in `Mission`."""
+    """What a mission file says; the attributes are those of `Mission`."""
 
     coordinates: Coordinates
     vehicle: VehicleProfile
@@ -57,17 +57,17 @@ def read_parts(
     document: Document,
     reading: DocumentReading,
 ) -> MissionParts:
-    """All parts of a mission.
+    """Reads all parts of a mission.
 
     Args:
-        file: what of it could be read.
+        file: the mission file, as far as it could be read.
         declared: facts that a PDDL domain declares.
-        folder: what the names of other files are relative to.
-        document: where its keys stand.
-        reading: what is wrong, and unread, so far.
+        folder: where relative names of other files begin.
+        document: where the file's keys are.
+        reading: what has been found wrong, and is unread, so far.
 
     Raises:
-        MissionError: with all that is wrong.
+        MissionError: with everything that is wrong.
     """
     check_names(file, document, reading)
     coordinates = _coordinates(file, document, reading)
@@ -110,7 +110,7 @@ def read_parts(
 def _coordinates(
     file: MissionFile, document: Document, reading: DocumentReading
 ) -> Coordinates | None:
-    """What coordinates mean; on the earth that depends on where the mission begins."""
+    """The meaning of coordinates; in degrees it depends on where the mission begins."""
     needed: list[tuple[str, ...]] = [("frame",)]
     if file.frame == "wgs84":
         home = begins_at(file)
@@ -121,7 +121,7 @@ def _coordinates(
 
 
 def _vocabulary(file: MissionFile, declared: Predicates, reading: DocumentReading) -> Vocabulary:
-    """The facts that there may be; the skills add theirs."""
+    """The facts that may exist; the skills add theirs later."""
     unread = [members for name, members in file.sets.items() if not reading.is_whole("sets", name)]
     return Vocabulary(
         file.places,
@@ -141,7 +141,7 @@ def _initially(
     """The facts that are listed; exactly one of them says where the vehicle is."""
     facts, is_split = [], False
     for index, text in enumerate(file.initially):
-        if not (is_split and text.count(")") > text.count("(")):  # else the rest of half a fact
+        if not (is_split and text.count(")") > text.count("(")):  # else half a fact
             part = partial(_listed_fact, index, file, document, vocabulary)
             facts.append(reading.read(part, "initially", index))
         is_split = text.count("(") > text.count(")")
@@ -160,7 +160,7 @@ def _listed_fact(index: int, file: MissionFile, document: Document, vocabulary: 
 
 
 def _refuse_nowhere(file: MissionFile, document: Document, facts: list[Fact]) -> None:
-    """Refuses a vehicle that is nowhere, or at two places."""
+    """Refuses a vehicle that is at no place, or at two."""
     indices = [index for index, fact in enumerate(facts) if fact.predicate == AT]
     if not indices:
         hint = f"add to initially the place where it starts, e.g. at({next(iter(file.places))})"

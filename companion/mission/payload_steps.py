@@ -1,4 +1,4 @@
-"""The steps of skills that act on payloads and are done when their effect was observed."""
+"""The steps of skills that use payloads; they are done once their effect has been observed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Photo:
-    """Primitive: make one photo, which is done when the camera has it.
+    """Primitive: take one photo; done when the camera has stored it.
 
     Attributes:
         component: MAVLink component id of the camera.
@@ -20,10 +20,10 @@ class Photo:
 
 @dataclass(frozen=True, slots=True)
 class PointGimbal:
-    """Primitive: point a gimbal, which is done when it points there.
+    """Primitive: point a gimbal; done when it points there.
 
     Attributes:
-        component: MAVLink component id of its manager.
+        component: MAVLink component id of the gimbal's manager.
         gimbal: its name in the mission.
         pitch_rad: up is positive.
         yaw_rad: clockwise from the vehicle's heading.

@@ -1,14 +1,14 @@
-"""A PDDL domain as part of a mission: its actions are skills, its types sets.
+"""Reads a PDDL domain as part of a mission: its actions become skills, its types become sets.
 
-The domain and problem files (`pddl_files.py`) are written in the mission's own terms, as if the
-author had: facts such as `in(p1, Home)`, effects such as
-`free & (wants(c, x) -> delivered(x))`. So they are checked, and errors are explained, in the
-same way. What an action does in the world (`execute`) stands in the mission file.
+The domain and problem files (`pddl_files.py`) are rewritten in the terms of a mission file, as if
+the author had written facts such as `in(p1, Home)` and effects such as `free & (wants(c, x) ->
+delivered(x))`. So they are checked, and errors are explained, in the same way. What an action does
+in the world (`execute`) is given in the mission file.
 
-PDDL does not tell upper from lower case; a name that the mission file has is spelled as there,
-all others in lower case. `-` becomes `_`. Preconditions are conjunctions of facts and negated
-facts, and parameters that differ; effects may be conditional and universal. What a mission cannot
-say (numbers other than the total cost, durations, disjunctions, ...) is refused, never left out.
+PDDL ignores case. A name that the mission file also has is spelled as it is there; all others are
+in lower case. `-` becomes `_`. Preconditions are conjunctions of facts, negated facts, and
+inequalities of parameters. Effects may be conditional and universal. What a mission cannot express
+(numbers other than the total cost, durations, disjunctions, ...) is refused, never left out.
 
 Source: McDermott et al., PDDL, 1998; the paper, last point of Section III-C.
 """
@@ -36,23 +36,23 @@ TOTAL_COST = "total-cost"
 MAX_EXPANSION = 10_000  # choices for the variables of all forall together
 
 Binding = Mapping[str, str]
-"""What stands for the variables of a universal effect."""
+"""The values of the variables of a universal effect."""
 
 Predicates = Mapping[str, tuple[tuple[str, ...], ...]]
-"""Name: what each argument may be."""
+"""The name of each predicate, and what each of its arguments may be."""
 
 DomainReader = Callable[[MissionFile, Document, Path], tuple[MissionFile, Predicates]]
-"""What `with_domain` is."""
+"""The type of `with_domain`."""
 
 
 def with_domain(
     file: MissionFile, document: Document, folder: Path
 ) -> tuple[MissionFile, Predicates]:
-    """Returns the mission file with what its PDDL files say, and the predicates they declare.
+    """Returns the mission file completed by its PDDL files, and the predicates that they declare.
 
     Raises:
-        MissionError: a file cannot be read, uses what is not supported, or contradicts the
-            mission file.
+        MissionError: a file cannot be read, uses what is not supported, or contradicts the mission
+            file.
     """
     if file.domain is None:
         if file.problem is None:
@@ -66,7 +66,7 @@ def with_domain(
 
 @dataclass(frozen=True)
 class _Import:
-    """A parsed PDDL problem in the words of a mission file."""
+    """A parsed PDDL problem, translated into the terms of a mission file."""
 
     file: MissionFile
     document: Document
@@ -74,7 +74,7 @@ class _Import:
     expanded: Iterator[int] = field(default_factory=itertools.count)
 
     def merged(self) -> MissionFile:
-        """Returns the mission file with all of it."""
+        """Returns the mission file completed by the whole PDDL problem."""
         file = self.file
         self._refuse_one_name_for_two()
         actions = self.problem.actions
@@ -96,7 +96,7 @@ class _Import:
         )
 
     def predicates(self) -> Predicates:
-        """Returns the predicates of which a fact may exist."""
+        """Returns the predicates of which facts may exist."""
         declared: dict[str, tuple[tuple[str, ...], ...]] = {}
         for fluent in self.problem.fluents:
             name = self._spelled(fluent.name, self.file.events)
@@ -107,7 +107,7 @@ class _Import:
         return declared
 
     def _refuse_predicate(self, name: str, arity: int) -> None:
-        """Refuses words of the formula language, and `at` with another meaning."""
+        """Refuses words of the formula language, and an `at` with another meaning."""
         try:
             parse_fact(f"{name}(a)" if arity else name)
         except FormulaError:
@@ -210,7 +210,9 @@ class _Import:
             yield f"({condition} -> {text})" if condition else text
 
     def _cost(self, name: str, action: Action) -> float | None:
-        """Returns what an action adds to the total cost; the reader moves it into the metric."""
+        """Returns what an action adds to the total cost, which the PDDL reader moves into the
+        metric.
+        """
         costs = [effect.value for effect in action.effects if _is_cost(effect)]
         for metric in self.problem.quality_metrics:
             if metric.is_minimize_action_costs():
@@ -233,7 +235,7 @@ class _Import:
         return " & ".join(self._literal(*part, "the goal") for part in parts) or None
 
     def _conjuncts(self, node: FNode, binding: Binding) -> Iterator[tuple[FNode, Binding]]:
-        """Yields the parts of a conjunction, a universal one written out; none of true."""
+        """Yields the parts of a conjunction, with universal ones written out; nothing for true."""
         if node.is_and():
             for part in node.args:
                 yield from self._conjuncts(part, binding)
@@ -257,7 +259,7 @@ class _Import:
             yield {**outer, **dict(zip(names, members, strict=True))}
 
     def _sets(self) -> dict[str, list[str]]:
-        """Returns the types that have members; the others must be sets of the mission file."""
+        """Returns the types with members; those without must be sets of the mission file."""
         sets: dict[str, list[str]] = {}
         for kind in self.problem.user_types:
             name = self._set_name(kind)
@@ -271,7 +273,7 @@ class _Import:
         return sets
 
     def _members(self, kind: Type) -> list[str]:
-        """Returns the members of a type; those of the mission file where PDDL has none."""
+        """Returns the members of a type; if PDDL lists none, those in the mission file."""
         members = [self._member(thing.name) for thing in self.problem.objects(kind)]
         return members or self.file.sets.get(self._set_name(kind), [])
 
@@ -301,7 +303,7 @@ class _Import:
         return self._spelled(kind.name, self.file.sets)
 
     def _spelled(self, name: str, known: Iterable[str]) -> str:
-        """Returns a name as the mission file spells it, if it is there."""
+        """Returns a name as the mission file spells it, if the file has it."""
         plain = _plain(name)
         return next((other for other in known if other.lower() == plain.lower()), plain)
 

@@ -1,7 +1,7 @@
-"""A mission's PDDL files, read by unified-planning.
+"""Reads a mission's PDDL files with unified-planning.
 
-Its reader checks little and fails in many ways; here each failure becomes an error that says what
-is wrong, where, and what PDDL may use.
+Its reader checks little and can fail in any way. Here each failure becomes an error that says what
+is wrong, where it is, and what PDDL may be used.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from companion.mission.schema import MissionFile
 if TYPE_CHECKING:
     from unified_planning.model import Problem
 
-MAX_BYTES = 65_536  # as of a mission file
+MAX_BYTES = 65_536  # as for a mission file
 _KEYS = ("domain", "problem")
 
 _FEATURES = (
@@ -36,7 +36,7 @@ _FOREIGN = {
     "HIERARCHICAL": "tasks and methods",
     "CONTINGENT": "unknown facts and observations",
 }
-"""Features of unified-planning that a mission has no word for."""
+"""Features of unified-planning that a mission cannot express."""
 
 _PLACE = re.compile(
     r"[.,]? *(?:\(at char \d+\), \(|(?:error )?(?:in expression )?(?:found )?(?:from|at)? *)"
@@ -52,11 +52,11 @@ def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
     Args:
         folder: where the files are.
         file: names the domain, and perhaps a problem.
-        document: of the mission file, for the places of its keys.
+        document: the mission file, for the places of its keys.
 
     Raises:
-        MissionError: a file cannot be read, or has what a mission has no word for; with the file's
-            own line and column if they are known.
+        MissionError: a file cannot be read, or contains what a mission cannot express; with the
+            file's own line and column if they are known.
     """
     from unified_planning.environment import get_environment
 
@@ -64,7 +64,7 @@ def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
     texts = [_text(folder / name, document, key) for name, key in zip(names, _KEYS, strict=False)]
     # A type and an object may share a name. The reader needs its global environment for forall.
     get_environment().error_used_name = False
-    read = [  # the domain alone first, so that an error is known to be in one file
+    read = [  # the domain is read alone first, so that each error can be attributed to one file
         _parsed(texts[: last + 1], folder / name, document, key)
         for last, (name, key) in enumerate(zip(names, _KEYS, strict=False))
     ]
@@ -72,14 +72,14 @@ def parsed(folder: Path, file: MissionFile, document: Document) -> Problem:
 
 
 def _parsed(texts: list[str], path: Path, document: Document, key: str) -> Problem:
-    """What the texts say together; the last of them is that of the file."""
+    """Reads the texts together; the last one is the text of the file."""
     from unified_planning.io import PDDLReader
 
     try:
         with warnings.catch_warnings(action="ignore"):
             problem = PDDLReader().parse_problem_string(*texts)
         features = problem.kind.features
-    except Exception as error:  # the reader checks little and fails in any way on bad input
+    except Exception as error:  # the reader fails in any way on bad input
         reason, place = _reason(error)
         where = Location(str(path), *place) if place else document.where(key)
         what = f"{path.name} cannot be read as PDDL: {reason[:300]}"
@@ -92,7 +92,7 @@ def _parsed(texts: list[str], path: Path, document: Document, key: str) -> Probl
 
 
 def _reason(error: Exception) -> tuple[str, tuple[int, int] | None]:
-    """Returns what the reader found, in one line, with line and column if it gives them."""
+    """Returns the reader's error in one line, with line and column if it gives them."""
     if isinstance(error, RecursionError):
         return "it is nested too deeply", None
     if isinstance(error, KeyError):

@@ -1,8 +1,8 @@
-"""The step `python(name, arguments)`, a call of a function of an installed package.
+"""Reads the step `python(name, arguments)`, a call of a function of an installed package.
 
-An argument is a parameter of the skill, a place or an object, by its name; a number; true or false;
-or a text in quotes. Arguments are given by position or by name, as in Python. Whether the function
-is installed, and takes them, is asked in installed_calls.py.
+An argument is one of: the name of a parameter of the skill, of a place or of an object; a number;
+true or false; a text in quotes. Arguments are given by position or by name, as in Python.
+installed_calls.py checks that the function is installed and accepts them.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ Argument: TypeAlias = "Value | Named"
 
 @dataclass(frozen=True, slots=True)
 class PythonCall:
-    """Primitive: call a function of an installed package, and wait until it has ended.
+    """Primitive: call a function of an installed package, and wait until it ends.
 
     Attributes:
         keywords: arguments by name.
-        components: of the mission, whose names the function may use in commands.
+        components: the mission's components, whose names the function may use in commands.
     """
 
     function: Function
@@ -48,12 +48,12 @@ class PythonCall:
 
     @property
     def names(self) -> frozenset[str]:
-        """The parameters, places and objects among the arguments."""
+        """The arguments that are parameters, places or objects."""
         given = (*self.arguments, *(argument for _, argument in self.keywords))
         return frozenset(argument.word for argument in given if isinstance(argument, Named))
 
     def bound(self, binding: Mapping[str, str]) -> PythonCall:
-        """The call under a binding of the skill's parameters."""
+        """The call with the skill's parameters bound."""
 
         def of(argument: Argument) -> Argument:
             if not isinstance(argument, Named):
@@ -65,7 +65,7 @@ class PythonCall:
 
     @property
     def call(self) -> Call:
-        """What is called, when all parameters are bound."""
+        """The call to make, once all parameters are bound."""
         return Call(
             self.function,
             tuple(map(_value, self.arguments)),
@@ -91,7 +91,7 @@ _INTEGER = re.compile(r"[-+]?\d{1,15}", re.ASCII)
 def parse_python(
     text: str, components: Mapping[str, int] | None = None, kind: FunctionKind = FunctionKind.SKILL
 ) -> PythonCall:
-    """Reads a call; what its names mean is not checked here.
+    """Reads a call; the meaning of its names is checked elsewhere.
 
     >>> parse_python("python(weigh, r, limit_kg=2.5)").call.text
     'python(weigh, r, limit_kg=2.5)'
@@ -99,7 +99,7 @@ def parse_python(
     Args:
         text: the step.
         components: name -> MAVLink component id.
-        kind: what the function is for.
+        kind: the purpose of the function.
 
     Raises:
         FormulaError: it is no such call.
@@ -131,7 +131,7 @@ def parse_python(
 
 
 def _arguments(match: re.Match[str]) -> list[tuple[str, str | None, int]]:
-    """The arguments as written, their names, and where each stands."""
+    """The arguments as written, each with its name and offset."""
     text, at, end = match.string, match.start("arguments"), match.end("arguments")
     found: list[tuple[str, str | None, int]] = []
     while text[at:end].strip():
@@ -167,12 +167,12 @@ def _argument(word: str, text: str, at: int) -> Argument:
 def check_names(
     step: PythonCall, of_what: str, known: Collection[str], where: Location | KeyPath
 ) -> None:
-    """Refuses a name that is nothing of the mission.
+    """Refuses a name that does not exist in the mission.
 
     Args:
-        of_what: what has the call, e.g. the name of a skill.
+        of_what: what contains the call, e.g. the name of a skill.
         known: parameters, places and objects.
-        where: the call stands.
+        where: place of the call.
 
     Raises:
         MissionError: at the first such name.

@@ -1,4 +1,4 @@
-"""What skills do, through those that refine them, and what confirms them."""
+"""Answers questions about skills together with the skills that refine them."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from companion.mission.signals import Signal
 
 
 def flies(skill: Skill, skills: Mapping[str, Skill]) -> bool:
-    """Whether a skill, or one of those that refine it, flies to a place."""
+    """Whether a skill, or a skill that refines it, flies to a place."""
     return _does(skill, skills, Fly)
 
 
 def turns(skill: Skill, skills: Mapping[str, Skill]) -> bool:
-    """Whether the companion has the vehicle in its hands in one of its steps."""
+    """Whether the companion steers the vehicle in one of the skill's steps."""
     return _does(skill, skills, (Fly, Command, Photo, PointGimbal, PythonCall, Wait))
 
 
 def looks_while_holding(skill: Skill, skills: Mapping[str, Skill]) -> bool:
-    """Whether it holds the vehicle for something else than to point a gimbal."""
+    """Whether the vehicle holds in a step other than one that points a gimbal."""
     return _does(skill, skills, (Command, Photo, PythonCall, Wait))
 
 

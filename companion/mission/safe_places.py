@@ -1,7 +1,7 @@
-"""What a mission does when no plan exists; where it lands then, and whether it can land there.
+"""Reads what a mission does when no plan exists, and checks the places where it then lands.
 
-The autopilot lands where the vehicle is, without looking. So a safe place lies where it is known
-from the beginning, above the ground, and nowhere near a wall that has a top.
+The autopilot lands where the vehicle is, without looking. So a safe place has to be known from the
+beginning, lie above the ground, and have no wall with a top nearby.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ def read_otherwise(
     """What a mission does when no plan exists.
 
     Args:
-        places: of the mission, checked.
+        places: the mission's places, checked.
         grid: its map.
-        vehicle: that lands.
-        document: where it stands.
+        vehicle: the vehicle that lands.
+        document: the mission's YAML.
 
     Raises:
-        MissionError: at the first safe place that is none.
+        MissionError: at the first place that is not safe.
     """
     if isinstance(file.otherwise, str):
         return Otherwise(file.otherwise)

@@ -1,12 +1,12 @@
 """The model of a mission file's YAML, key by key.
 
-This is the written form, in people's units (east, north, up; seconds). loader.py makes the
-checked `Mission` of model.py from it. The descriptions become the JSON Schema
-(missions/mission.schema.json, by scripts/make_schema.py) that editors complete from, and the
-hints of error messages; so they are written for the author of a mission. Limits and places are in
-world_schema.py, drawn maps in companion/drawn_maps.py.
+This is the written form, in people's units (east, north, up; seconds). loader.py makes the checked
+`Mission` of model.py from it. The descriptions are written for the author of a mission: they become
+the JSON Schema (missions/mission.schema.json, by scripts/make_schema.py) from which editors
+complete, and the hints of error messages. Limits and places are in world_schema.py, drawn maps in
+companion/drawn_maps.py.
 
-Small languages inside texts are not parsed here: formulas and facts (companion/ltl/formula.py),
+Texts with a syntax of their own are not parsed here: formulas and facts (companion/ltl/formula.py),
 conditions (conditions.py), `execute` (execution.py).
 """
 

@@ -1,4 +1,4 @@
-"""Signals, the numbers that events are made of, and conditions on them."""
+"""Signals, the numbers from which events are made, and conditions on them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 COMMAND = "COMMAND"
-"""Stands in the place of a message's name for commands sent to the companion."""
+"""Used in place of a message's name for commands sent to the companion."""
 
 REPORT = "EVENT"
-"""Stands in the place of a message's name for what other programs report (detections.py)."""
+"""Used in place of a message's name for reports of other programs (detections.py)."""
 
 COMPARISONS: dict[str, Callable[[float, float], bool]] = {
     "<": operator.lt,
@@ -39,12 +39,12 @@ class Signal:
 
     @property
     def is_pulse(self) -> bool:
-        """Whether it has its value at the moment of its arrival alone."""
+        """Whether it has its value only at the moment of arrival."""
         return self.message == COMMAND
 
     @property
     def is_battery(self) -> bool:
-        """Whether it tells of the battery.
+        """Whether it is about the battery.
 
         >>> Signal("SYS_STATUS", "", "battery_remaining").is_battery
         True
@@ -54,7 +54,7 @@ class Signal:
 
     @property
     def is_report(self) -> bool:
-        """Whether another program reports it, and not MAVLink."""
+        """Whether another program reports it, instead of MAVLink."""
         return self.message == REPORT
 
     def __str__(self) -> str:
@@ -77,13 +77,13 @@ class Condition:
         return f"{self.signal} {self.comparison} {self.threshold:g}"
 
     def is_met_by(self, value: float | None) -> bool:
-        """Whether it holds for a value of the signal; for one that is not known it does not."""
+        """Whether the condition holds for a value of the signal; never for an unknown value."""
         return value is not None and COMPARISONS[self.comparison](value, self.threshold)
 
 
 @dataclass(frozen=True, slots=True)
 class Silence:
-    """A signal was not heard for the time after which an event takes it for unknown."""
+    """A condition: a signal was not heard for `stale_s`, so the event treats it as unknown."""
 
     signal: Signal
 

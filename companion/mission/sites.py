@@ -18,14 +18,14 @@ from companion.vehicle_profile import VehicleProfile
 
 USUAL_UP_M = 500.0
 USUAL_REACH_M = 5_000.0
-"""Beyond these, a limit was probably written in another unit."""
+"""A limit beyond this was probably meant in another unit."""
 
 
 def check_band(up_m: tuple[float, float], document: Document) -> None:
     """Checks the lowest and the highest altitude.
 
     Raises:
-        MissionError: nothing is between them.
+        MissionError: there is no altitude between them.
     """
     lowest, highest = up_m
     if not 0 <= lowest < highest:
@@ -37,12 +37,12 @@ def check_band(up_m: tuple[float, float], document: Document) -> None:
 
 
 def check_reach(limits: Limits, is_unusual: bool, document: Document) -> None:
-    """Refuses limits that are probably written in another unit.
+    """Refuses limits that were probably meant in another unit.
 
     Args:
-        limits: of the mission.
-        is_unusual: the author says that they are meant.
-        document: where they stand.
+        limits: those of the mission.
+        is_unusual: whether the author says that such limits are intended.
+        document: the mission's YAML.
 
     Raises:
         MissionError: at the altitudes or the fence.
@@ -69,10 +69,10 @@ def check_places(
     document: Document,
     reading: DocumentReading,
 ) -> None:
-    """Tells of places that are too near to an obstacle, outside the fence or the altitude band.
+    """Reports places too near to an obstacle, outside the fence, or outside the altitude band.
 
     Args:
-        vehicle: that has room at them.
+        vehicle: the vehicle that needs room at them.
     """
     zoned = cells_of(grid, limits.keep_out.values())
 
@@ -116,10 +116,10 @@ def _room_problem(
     clearance_m: float,
     coordinates: Coordinates,
 ) -> tuple[str, str] | None:
-    """A place on the map whose cell has no room all over: no route leads to it.
+    """The problem of a place in a cell without enough room, to which no route leads.
 
     Args:
-        kept: the map, on which keep-out zones are occupied, too.
+        kept: the map, with keep-out zones marked as occupied.
     """
     north_east = place.position[:2]
     cell = grid.cell(north_east)
@@ -155,7 +155,9 @@ def _nearest_free(position: NorthEast, grid: OccupancyGrid, clearance_m: float) 
 def _fence_problem(
     place: Place, limits: Limits, margin_m: float, coordinates: Coordinates
 ) -> tuple[str, str] | None:
-    """A place outside the fence, or where the gate would hold the vehicle short of it."""
+    """The problem of a place outside the fence, or so near to it that the gate would stop the
+    vehicle.
+    """
     is_inside = is_in_polygon(place.position, limits.fence)
     gap_m = min(_distances_to_edges(place.position, limits.fence))
     if is_inside and gap_m >= margin_m:
@@ -174,7 +176,7 @@ def _distances_to_edges(position: Ned, fence: tuple[NorthEast, ...]) -> list[flo
 
 
 def _zone_problem(place: Place, limits: Limits, clearance_m: float) -> tuple[str, str] | None:
-    """A place in a keep-out zone, or too near to one."""
+    """The problem of a place in a keep-out zone, or too near to one."""
     for name, zone in limits.keep_out.items():
         advice = f"move it, or change limits.keep_out.{name}"
         if is_in_polygon(place.position, zone):

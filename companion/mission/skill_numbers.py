@@ -1,4 +1,4 @@
-"""What the skills of a mission have to keep together: calls that end, and numbers to plan with."""
+"""Checks all skills of a mission together: calls end, and the planner can handle their number."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from companion.mission.python_call import PythonCall, check_names
 from companion.mission.schema import MissionFile
 
 MAX_INSTANCES = 50_000  # actions of all skills; 220 places give `move` about that many
-MAX_CONDITIONAL = 50_000  # conditional effects of all actions
-MAX_STEPS = 100_000  # of all actions, refined down to primitives
+MAX_CONDITIONAL = 50_000  # conditional effects of all actions together
+MAX_STEPS = 100_000  # steps of all actions, refined down to primitives
 
 
 def check_skills(skills: Mapping[str, Skill], file: MissionFile, document: Document) -> None:
     """Checks all skills of a mission together.
 
     Raises:
-        MissionError: they are too many to plan with, or one is refined into itself, or calls
-            another one with arguments that it does not have.
+        MissionError: there are too many to plan with, a skill refines itself, or a skill calls
+            another one with the wrong number of arguments.
     """
     _check_numbers(skills, file, document)
     for name in skills:
@@ -32,7 +32,7 @@ def check_skills(skills: Mapping[str, Skill], file: MissionFile, document: Docum
 
 
 def _check_numbers(skills: Mapping[str, Skill], file: MissionFile, document: Document) -> None:
-    """Refuses more actions than can be planned with."""
+    """Refuses more actions than the planner can handle."""
     instances = effects = 0
     for name, entry in file.skills.items():
         own = math.prod(len(file.sets[s]) for s in entry.parameters.values())
@@ -52,7 +52,7 @@ def _check_numbers(skills: Mapping[str, Skill], file: MissionFile, document: Doc
 
 
 def _check_steps(skills: Mapping[str, Skill], file: MissionFile, document: Document) -> None:
-    """Refuses refinements that multiply: of 20 skills, each done by the next one twice."""
+    """Refuses refinements that multiply, such as 20 skills that each call the next one twice."""
 
     @cache
     def steps(name: str) -> int:
@@ -103,7 +103,7 @@ def _check_calls(
 
 
 def _called(name: str, skills: Mapping[str, Skill], seen: frozenset[str]) -> frozenset[str]:
-    """Returns a skill and all that refine it, directly or not."""
+    """Returns a skill and all skills that refine it, directly or not."""
     if name in seen:
         return seen
     seen |= {name}

@@ -13,7 +13,7 @@ from companion.mission.world_schema import LookAtEntry
 
 
 def _listed(value: Any) -> Any:
-    """Makes a list of a single fact."""
+    """Makes a list from a single fact."""
     return [value] if isinstance(value, str) else value
 
 

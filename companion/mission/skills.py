@@ -1,7 +1,7 @@
-"""The checked skills of a mission, made from their entries in its file.
+"""Makes the checked skills of a mission from their entries in its file.
 
-Every name in a skill is checked here: its sets, the arguments of its facts, the component and
-command that it executes. The facts that skills name become part of the mission's vocabulary.
+Every name in a skill is checked here: its sets, the arguments of its facts, the component and the
+command that it uses. The facts that skills name are added to the mission's vocabulary.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from companion.mission.skill_numbers import check_skills
 from companion.mission.skill_schema import SkillEntry
 from companion.mission.vocabulary import Domain, Vocabulary
 
-WAIT = "wait"  # the planner's own action, one step of rest
+WAIT = "wait"  # the planner's own action: one step of rest
 
 T = TypeVar("T")
 
@@ -49,12 +49,13 @@ def build_skills(
     coordinates: Coordinates | None,
     reading: DocumentReading,
 ) -> dict[str, Skill]:
-    """Returns the skills of a mission file; their facts are added to the vocabulary.
+    """Returns the skills of a mission file, and adds their facts to the vocabulary.
 
-    Left out are skills that cannot be used. The vocabulary is left open for what they may say.
+    Unusable skills are left out; then the vocabulary stays open for the facts that they may
+    contain.
 
     Args:
-        coordinates: None if it is not known what they mean.
+        coordinates: None if their meaning is unknown.
     """
     skills: dict[str, Skill] = {}
     for name, entry in file.skills.items():
@@ -67,11 +68,11 @@ def build_skills(
 
 
 Effect = tuple[tuple[Literal, ...], tuple[ConditionalEffectTemplate, ...]]
-"""The literals of an effect, and its parts with a condition."""
+"""The literals of an effect, and its conditional parts."""
 
 
 class _Texts(NamedTuple):
-    """What is written in a skill, read by itself."""
+    """The texts of a skill, each parsed by itself."""
 
     domains: Mapping[str, Domain]
     precondition: tuple[Literal, ...]
@@ -92,7 +93,7 @@ class _SkillBuilder:
     reading: DocumentReading
 
     def build(self) -> Skill | None:
-        """The skill; None if something in it, or that it needs, cannot be used."""
+        """The skill; None if something in it, or something that it needs, is unusable."""
         texts, reading = self._texts(), self.reading
         has_names = all(map(reading.knows, ("places", "sets", "components")))
         if texts is None or self.coordinates is None or not has_names:
@@ -105,7 +106,7 @@ class _SkillBuilder:
         return ("skills", self.name, *keys)
 
     def _texts(self) -> _Texts | None:
-        """What is written in it, each key by itself; None if one of them cannot be read."""
+        """The texts of the skill, each key parsed by itself; None if one of them cannot be read."""
         read, knows = self.reading.read, self.reading.knows
         ranges = [name for name in self.entry.parameters.values() if name in self.file.sets]
         has_sets = knows("sets") and all(self.reading.is_whole("sets", name) for name in ranges)
@@ -122,7 +123,7 @@ class _SkillBuilder:
         return _Texts(domains, precondition, assumes, *effect, execute) if execute else None
 
     def _checked(self, texts: _Texts, coordinates: Coordinates) -> Skill:
-        """The skill, if what is written in it fits together."""
+        """The skill, if its texts fit together."""
         entry, execute = self.entry, texts.execute
         effect, conditional = texts.effect, texts.conditional
         if self.name == WAIT:
@@ -245,7 +246,7 @@ class _SkillBuilder:
         parse: Callable[[str], T],
         *keys: str | int,
     ) -> T:
-        """What a text says; its names are looked at if it is known what parameters may be."""
+        """What a text says; its names are checked if the values of the parameters are known."""
         with self.document.locating("skills", self.name, *keys):
             parsed = parse(text)
             if domains is not None:
@@ -253,7 +254,7 @@ class _SkillBuilder:
         return parsed
 
     def _assumes(self, domains: Mapping[str, Domain] | None) -> tuple[Atom, ...]:
-        """The beliefs, whose key may hold one text or a list."""
+        """The beliefs; the key may hold one text or a list."""
         atoms = []
         for index, text in enumerate(self.entry.assumes):
             atom = self._facts(text, domains, parse_fact, "assumes", index)

@@ -1,6 +1,6 @@
-"""Reads what a mission file says of space: its map, its limits and its places.
+"""Reads what a mission file says about space: its map, its limits and its places.
 
-What coordinates mean is up to the mission's frame (coordinates.py).
+The mission's frame decides what coordinates mean (coordinates.py).
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from companion.motion.region import Area, Disc, Region
 from companion.skills.authoring import FunctionKind
 
 RADIUS_M = 0.6
-"""Of the region of a place that says nothing of it."""
+"""Radius of a place's region if the place does not give one."""
 
 
 class Space(NamedTuple):
-    """Where a mission takes place; as in `Mission`."""
+    """Where a mission takes place; the attributes are those of `Mission`."""
 
     grid: OccupancyGrid
     map_file: str
@@ -48,14 +48,14 @@ def read_space(
     document: Document,
     reading: DocumentReading,
 ) -> Space | None:
-    """The map and the limits of a mission; None if something of them cannot be used.
+    """The map and the limits of a mission; None if some of them are unusable.
 
     Args:
         file: the mission.
-        folder: what the name of a map file is relative to.
-        coordinates: what they mean.
-        document: where its keys stand.
-        reading: of the mission.
+        folder: where the relative name of a map file begins.
+        coordinates: the meaning of coordinates.
+        document: where the file's keys are.
+        reading: the reading of the mission.
     """
     reading.read(partial(check_band, file.limits.up_m, document), "limits", "up_m")
     fence = None
@@ -63,7 +63,7 @@ def read_space(
         fence = reading.read(partial(_fence, file, coordinates, document), "limits", "fence")
     has_edge = reading.is_whole("limits", "fence")
     drawn = None
-    if has_edge or isinstance(file.map, str):  # an area that is drawn may be that of the fence
+    if has_edge or isinstance(file.map, str):  # a drawn area may have the extent of the fence
         part = partial(_map, file, coordinates, document, folder=folder, fence=fence)
         drawn = reading.read(part, "map")
     if drawn is None or not has_edge:
@@ -94,7 +94,7 @@ def read_space(
 def read_places(
     file: MissionFile, coordinates: Coordinates, document: Document, reading: DocumentReading
 ) -> dict[str, Place]:
-    """The places of a mission; those that cannot be used are left out."""
+    """The places of a mission; unusable ones are left out."""
     places = {}
     for name, entry in file.places.items():
         part = partial(_place, name, entry, file, coordinates, document)
@@ -104,10 +104,10 @@ def read_places(
 
 
 def check_corners(space: Space, places: Iterable[Place], document: Document) -> None:
-    """Refuses more corners than can be looked at for each setpoint.
+    """Refuses more corners than can be checked for each setpoint.
 
     Raises:
-        MissionError: with the greatest number.
+        MissionError: with the greatest allowed number.
     """
     limits, regions = space.limits, (place.region.outline() or () for place in places)
     fence = limits.fence if limits.is_fence_written else ()
@@ -128,7 +128,7 @@ def _map(
     folder: Path,
     fence: tuple[NorthEast, ...] | None,
 ) -> tuple[str, tuple[Wall, ...], OccupancyGrid]:
-    """The name of its file, its walls, and the map itself."""
+    """The name of the map's file, the walls, and the map itself."""
     with _located(document, "map"):
         map_file = str(folder / file.map) if isinstance(file.map, str) else ""
         entry = file.map if isinstance(file.map, MapEntry) else MapEntry()
@@ -239,7 +239,7 @@ def _zone(
 
 @contextmanager
 def _located(document: Document, *keys: str) -> Iterator[None]:
-    """Gives an error that has no place that of a value."""
+    """Gives an error without a place the place of a value."""
     try:
         yield
     except MissionError as error:

@@ -1,7 +1,7 @@
-"""What the reader of a mission goes on with in place of parts that cannot be read.
+"""The values that replace unreadable parts of a mission, so that the reader can continue.
 
-They keep names known and the model whole, so that what is there can be looked at. Nothing is
-told of them, and no mission with a mistake is ever handed on.
+They keep names known and the model complete, so that the other parts can be checked. No error is
+reported about them, and a mission with a mistake is never passed on.
 """
 
 from __future__ import annotations

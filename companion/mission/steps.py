@@ -1,6 +1,6 @@
-"""The steps of skills as values: primitives, and other skills. `model.py` hands them on.
+"""The steps of skills as values: primitives, and calls of other skills. `model.py` re-exports them.
 
-Those that payloads do are in payload_steps.py, calls of functions in python_call.py.
+Steps that use payloads are in payload_steps.py, calls of functions in python_call.py.
 """
 
 from __future__ import annotations
@@ -56,17 +56,17 @@ class LandOn:
 
 @dataclass(frozen=True, slots=True)
 class TakeOff:
-    """Primitive: arm, climb to the altitude of the place, go on in OFFBOARD."""
+    """Primitive: arm, climb to the altitude of the place, and continue in OFFBOARD."""
 
 
 @dataclass(frozen=True, slots=True)
 class Charge:
-    """Primitive: wait on the ground until the battery has so much.
+    """Primitive: wait on the ground until the battery has reached a level.
 
     Attributes:
-        percent: None for as much as the plan says.
-        called_percent: with so much it ends as soon as the event of a line that is ready comes;
-            None where no event ends it.
+        percent: the level; None for the one that the plan says.
+        called_percent: at or above this level, the event of a ready line ends the charge; None if
+            no event does.
     """
 
     percent: float | None
@@ -75,7 +75,7 @@ class Charge:
 
 @dataclass(frozen=True, slots=True)
 class Do:
-    """Another skill, which refines this one; arguments are parameters or constants."""
+    """Calls another skill, which refines this one; arguments are parameters or constants."""
 
     skill: str
     arguments: tuple[str, ...]

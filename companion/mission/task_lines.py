@@ -1,7 +1,7 @@
 """Reads the lines of a mission's task: formulas by name, and which of them may be dropped.
 
-A plain goal is a line as well, of the name `goal`. A line with a priority may be dropped where no
-plan keeps it. One line at least has none: it says when the mission is done, and when it has failed.
+A plain goal is a line with the name `goal`. A line with a priority may be dropped if no plan keeps
+it. At least one line has no priority: it decides when the mission is done, and when it has failed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from companion.mission.literals import parse_literals
 from companion.mission.schema import MissionFile
 from companion.mission.vocabulary import Vocabulary
 
-GOAL = "goal"  # name of the line that a plain goal makes
+GOAL = "goal"  # the name of a plain goal
 _TASK_HINT = "add task: {NAME: FORMULA}, what must hold, or goal: FACTS, what must hold once"
 
 
@@ -30,7 +30,7 @@ def line_names(file: MissionFile) -> list[str]:
 
 
 def lines_at(file: MissionFile, document: Document) -> dict[str, Location | KeyPath]:
-    """Where each line stands: its formula, or the goal."""
+    """Where each line stands in the document: its formula, or the goal."""
     at = {name: document.where("task", name, "formula") for name in file.task}
     return {**at, GOAL: document.where(GOAL)} if file.goal is not None else at
 
@@ -38,7 +38,7 @@ def lines_at(file: MissionFile, document: Document) -> dict[str, Location | KeyP
 def read_task(
     file: MissionFile, document: Document, vocabulary: Vocabulary, reading: DocumentReading
 ) -> dict[str, Line]:
-    """The formulas of all lines; left out are those that are none."""
+    """The formulas of all lines; lines that are no formula are left out."""
 
     def read(name: str, text: str) -> Line:
         with document.locating("task", name, "formula"):
@@ -67,7 +67,7 @@ def read_task(
 
 
 def _check_lines(file: MissionFile, document: Document) -> None:
-    """Refuses a task of no lines, and two lines of one name."""
+    """Refuses a task without lines, and two lines with the same name."""
     if file.goal is None and not file.task and not file.tree:
         raise MissionError(
             "the mission has neither a task nor a goal nor a tree", document.where(), _TASK_HINT
@@ -81,10 +81,10 @@ def _check_lines(file: MissionFile, document: Document) -> None:
 
 
 def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) -> tuple[str, ...]:
-    """The lines that shall hold whenever their event may come.
+    """The lines that have to be keepable whenever their event comes.
 
     Raises:
-        MissionError: one is no line, asks for no place in time, or plans cannot keep it.
+        MissionError: a name is no line, the line demands no place in time, or plans cannot keep it.
     """
     for index, name in enumerate(file.ready):
         where = document.where("ready", index)
@@ -115,10 +115,10 @@ def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) 
 
 
 def priorities_of(file: MissionFile, document: Document) -> dict[str, int]:
-    """The priorities of lines that may be dropped.
+    """The priorities of the lines that may be dropped.
 
     Raises:
-        MissionError: all of them may be.
+        MissionError: all lines may be dropped.
     """
     given = {name: line.priority for name, line in file.task.items() if line.priority is not None}
     if given and len(given) == len(line_names(file)) and not file.tree:

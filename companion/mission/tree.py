@@ -1,20 +1,21 @@
 """A plan written by hand: the behaviour tree of a mission file (Section IV-A of the paper).
 
-    text                        an action of a skill, `move(A, B)`, or facts to hold, `lit & !late`
-    wait(seconds)               succeeds after a time
-    [node, ...]                 one after the other, until one fails
-    {fallback: [node, ...]}     the first that succeeds
-    {parallel: [node, ...]}     all at a time, until all have succeeded or one has failed
-    {inverter: [node, ...]}     the sequence; its failure is a success, its success a failure
-    {repeat: [node, ...]}       the sequence for ever, or `times` times; ends when it fails
-    {retry: [node, ...], times: n}      the sequence, n times at most, until it succeeds
-    {timeout: [node, ...], duration_s: s}       the sequence, which fails after a time
-    {watch: facts, do: [node, ...]}     the sequence while facts hold; it is interrupted if not
-    {subtree: name}             the sequence of that name under `subtrees`
+        text                        an action of a skill, `move(A, B)`, or facts to hold, `lit &
+        !late`
+        wait(seconds)               succeeds after a time
+        [node, ...]                 one after the other, until one fails
+        {fallback: [node, ...]}     one after the other, until one succeeds
+        {parallel: [node, ...]}     all at once, until all have succeeded or one has failed
+        {inverter: [node, ...]}     the sequence, with success and failure exchanged
+        {repeat: [node, ...]}       the sequence for ever, or `times` times; ends when it fails
+        {retry: [node, ...], times: n}      the sequence, at most n times, until it succeeds
+        {timeout: [node, ...], duration_s: s}       the sequence, which fails after a time
+        {watch: facts, do: [node, ...]}     the sequence while the facts hold, else interrupted
+        {subtree: name}             the sequence of that name under `subtrees`
 
-The names are those of py_trees and BehaviorTree.CPP where they agree. An interrupted flight leaves
-the vehicle between places, at `here`: `move(here, B)` flies on, and `move(*, B)` begins wherever
-the vehicle is.
+The names are those of py_trees and BehaviorTree.CPP where these agree. After an interrupted flight
+the vehicle is between places, at `here`: `move(here, B)` flies on from there, and `move(*, B)`
+begins wherever the vehicle is.
 """
 
 from __future__ import annotations
@@ -61,16 +62,16 @@ FORMS: Mapping[str, frozenset[str]] = {
     "watch": frozenset({"watch", "do"}),
     "subtree": frozenset({"subtree"}),
 }
-"""The kinds of nodes that are tables, each with its keys."""
+"""The kinds of nodes that are written as tables, each with its keys."""
 MAX_NODES = 2000
-"""A tree is ticked 20 times a second, and subtrees in subtrees multiply."""
+"""Limits the nodes, because a tree is ticked 20 times a second and nested subtrees multiply."""
 MAX_NESTED = 8
-"""Subtrees in one another."""
+"""Limits how deep subtrees may be nested."""
 _HINT = f"a node is a text, a list, or one of {', '.join([*FORMS][:-1])} and {[*FORMS][-1]}"
 
 
 class Extent(NamedTuple):
-    """How large a tree is: its nodes, and how deep subtrees are nested in it."""
+    """The size of a tree: its nodes, and how deep its subtrees are nested."""
 
     nodes: int
     nested: int
@@ -88,14 +89,14 @@ def read_tree(
     """Reads the tree under the key `tree`, and all subtrees.
 
     Args:
-        data: under the key.
-        subtrees: by name, as they are written.
-        document: that all of it is from.
-        skills, sets, vocabulary: of the mission.
-        pulses: names of events that are there for a moment, which no node sees.
+        data: the value of the key.
+        subtrees: the subtrees as they are written, by name.
+        document: the document that contains all of it.
+        skills, sets, vocabulary: those of the mission.
+        pulses: names of events that are true only for a moment, which no node could notice.
 
     Raises:
-        MissionError: with the place of the first node that cannot be used.
+        MissionError: with the place of the first unusable node.
     """
     reader = _WrittenTreeReader(document, subtrees, skills, sets, vocabulary, pulses)
     for name in subtrees:
@@ -107,7 +108,7 @@ def read_tree(
 
 @dataclass(frozen=True, slots=True)
 class _WrittenTreeReader:
-    """Reads nodes; `within` are the subtrees around one, outermost first."""
+    """Reads nodes; `within` are the subtrees around a node, the outermost first."""
 
     document: Document
     subtrees: Mapping[str, object]
@@ -130,7 +131,7 @@ class _WrittenTreeReader:
     # -- subtrees ------------------------------------------------------------------------------
 
     def subtree(self, name: str, keys: Keys, within: tuple[str, ...]) -> Subtree:
-        """The subtree of a name, which is used at `keys`."""
+        """The subtree with this name, as it is used at `keys`."""
         if name in within:
             path = " -> ".join([*within[within.index(name) :], name])
             raise MissionError(
@@ -231,7 +232,7 @@ class _WrittenTreeReader:
         return self.subtree(name, keys, within)
 
     def _parallel(self, steps: Steps, keys: Keys) -> Parallel:
-        """Refuses two branches with actions: there is one vehicle, and it does one at a time."""
+        """Refuses actions in two branches, because the vehicle can only do one at a time."""
         acting = [i for i, branch in enumerate(steps.nodes) if actions(branch)]
         if len(acting) > 1:
             one, other = (min(actions(steps.nodes[i])) for i in acting[:2])

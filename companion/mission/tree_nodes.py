@@ -1,4 +1,4 @@
-"""The nodes of a behaviour tree written by hand; tree.py reads them, acting builds them."""
+"""The nodes of a behaviour tree written by hand: tree.py reads them, acting/ builds them."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from companion.mission.facts import Fact
 
 @dataclass(frozen=True, slots=True)
 class Act:
-    """An action by its name, e.g. "move(A, B)"; `*` is wherever the vehicle is."""
+    """An action by name, e.g. "move(A, B)"; `*` stands for wherever the vehicle is."""
 
     action: str
 
 
 @dataclass(frozen=True, slots=True)
 class Check:
-    """Facts that have to hold, and facts that must not; `text` as it was written."""
+    """Facts that have to hold, and facts that must not; `text` is how the mission writes them."""
 
     text: str
     requires: frozenset[Fact]
@@ -47,21 +47,21 @@ class Fallback:
 
 @dataclass(frozen=True, slots=True)
 class Parallel:
-    """All nodes at a time; succeeds when all have succeeded, fails as soon as one does."""
+    """Runs all nodes at once; succeeds when all have succeeded, fails as soon as one does."""
 
     nodes: tuple[Tree, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Inverter:
-    """The steps; fails when they succeed, and succeeds when they fail."""
+    """Runs the steps; fails when they succeed, and succeeds when they fail."""
 
     steps: Steps
 
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """The steps a number of times, None for ever; fails when they fail."""
+    """Runs the steps a number of times (None: for ever); fails when they fail."""
 
     steps: Steps
     times: int | None
@@ -69,7 +69,7 @@ class Repeat:
 
 @dataclass(frozen=True, slots=True)
 class Retry:
-    """The steps again after a failure, so many times at most."""
+    """Runs the steps again after a failure, up to a number of times."""
 
     steps: Steps
     times: int
@@ -77,7 +77,7 @@ class Retry:
 
 @dataclass(frozen=True, slots=True)
 class Timeout:
-    """The steps; interrupted, and a failure, after a time."""
+    """Runs the steps; after a time it interrupts them and fails."""
 
     steps: Steps
     duration_s: float
@@ -85,7 +85,7 @@ class Timeout:
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """The steps while the facts hold; fails as soon as they do not."""
+    """Runs the steps while the facts hold; fails as soon as they do not."""
 
     condition: Check
     steps: Steps
@@ -93,7 +93,7 @@ class Watch:
 
 @dataclass(frozen=True, slots=True)
 class Subtree:
-    """Steps that the mission has given a name."""
+    """Steps to which the mission has given a name."""
 
     name: str
     steps: Steps

@@ -1,9 +1,8 @@
-"""The facts that exist in a mission, and the most similar one to a fact that does not.
+"""Knows which facts exist in a mission, and finds the most similar one to a fact that does not.
 
 A fact exists if it is an event, if some skill names its predicate with arguments from the same
-sets, or if a PDDL domain declares it. `at(p)` exists for every place. Facts are not enumerated: a
-predicate keeps the sets that its arguments range over, so a mission with many places costs
-nothing here.
+sets, or if a PDDL domain declares it. `at(p)` exists for every place. Facts are not enumerated:
+each predicate stores the sets of its arguments, so many places cost nothing here.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from companion.ltl.patterns import PATTERNS
 from companion.mission.facts import AT, Atom, spelled
 
 Domain = tuple[str, ...]
-"""The places or objects that one argument of a predicate may be."""
+"""The places or objects that an argument of a predicate may be."""
 
 _SHOWN = 20  # names listed in a message
 _BY_ITSELF = {
@@ -30,7 +29,7 @@ _BY_ITSELF = {
         "The vehicle takes off before the first skill, by itself.",
     ),
 }
-"""What other programs are told to do -> what happens here."""
+"""Commands of other programs -> what the companion does by itself instead."""
 
 
 class Vocabulary:
@@ -39,12 +38,12 @@ class Vocabulary:
     Args:
         places: names of all places.
         events: names of all events.
-        objects: names of things that are no places.
-        declared: predicates with what each argument may be, besides those that skills name.
-        skills: what each makes true, as it is written; for advice alone.
-        things_are_known: whether there are no other places and objects.
-        is_open: whether there may be other facts: not all that makes some could be read.
-        told: facts that are said to be unknown already.
+        objects: names of things that are not places.
+        declared: predicates in addition to those that skills name, with what each argument may be.
+        skills: what each skill makes true, as it is written; only for advice.
+        things_are_known: whether all places and objects are known.
+        is_open: whether other facts may exist, because some of their sources could not be read.
+        told: facts that have already been reported as unknown.
     """
 
     def __init__(
@@ -70,19 +69,19 @@ class Vocabulary:
             self._uses.setdefault(name, [domains])
 
     def leave_open(self) -> None:
-        """From now on there may be facts that are not known."""
+        """From now on, facts may exist that are not known here."""
         self._is_open = True
 
     def learn(self, text: str, domains: Mapping[str, Domain]) -> None:
-        """Adds the facts of a skill's text, where new predicates may appear.
+        """Adds the facts in a skill's text, which may have new predicates.
 
         Args:
             text: literals or one fact.
-            domains: the skill's parameters and what they range over.
+            domains: the skill's parameters, and their possible values.
 
         Raises:
-            FormulaError: an argument is neither a parameter nor a place or object, a known
-                predicate has another number of arguments, or `at` one that is no place.
+            FormulaError: an argument is not a parameter, place or object; a known predicate has
+                another number of arguments; or the argument of `at` is not a place.
         """
         for fact, offset, length in occurrences(text):
             atom = Atom.parse(fact)
@@ -109,10 +108,10 @@ class Vocabulary:
             self._uses.setdefault(atom.predicate, []).append(use)
 
     def check(self, text: str) -> None:
-        """Checks every fact of a formula. What was told once, counts as known afterwards.
+        """Checks every fact of a formula. A fact that was reported once counts as known afterwards.
 
         Raises:
-            FormulaError: at those that do not exist.
+            FormulaError: at the first fact that does not exist.
         """
         unknown = []
         for fact, *place in occurrences(text):
@@ -123,7 +122,7 @@ class Vocabulary:
             raise unknown[0].beside(unknown[1:])
 
     def _mistake(self, fact: str, text: str, offset: int, length: int) -> FormulaError | None:
-        """Why a fact does not exist; None if it does, or may."""
+        """Why a fact does not exist; None if it does or may exist."""
         atom = Atom.parse(fact)
         if atom.predicate not in self._uses:
             if self._is_open:

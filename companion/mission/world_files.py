@@ -1,6 +1,6 @@
-"""How a mission file and the file of its simulated world are called: NAME.yaml, NAME.sim.yaml.
+"""The names of a mission file and of its simulated world's file: NAME.yaml, NAME.sim.yaml.
 
-Both may end with .yml as well. Nothing is read.
+Both may end with .yml as well. No file is read.
 """
 
 from __future__ import annotations
@@ -8,13 +8,13 @@ from __future__ import annotations
 from pathlib import Path
 
 YAML = (".yaml", ".yml")
-"""How a YAML file ends."""
+"""The endings of a YAML file."""
 WORLD = tuple(f".sim{ending}" for ending in YAML)
-"""How the file of a world ends."""
+"""The endings of the file of a world."""
 
 
 def worlds_beside(mission: Path) -> list[Path]:
-    """The files that may be a mission's world; first the one that ends as the mission does.
+    """The possible world files of a mission; the one with the mission's own ending comes first.
 
     >>> [path.name for path in worlds_beside(Path("hall.yml"))]
     ['hall.sim.yml', 'hall.sim.yaml']
@@ -24,7 +24,7 @@ def worlds_beside(mission: Path) -> list[Path]:
 
 
 def mission_of(world: str) -> str:
-    """The mission file whose world a file is; "" if it is called as none.
+    """The mission file that belongs to a world file; "" if the name is not that of a world.
 
     >>> mission_of("hall.sim.yml"), mission_of("hall.yaml")
     ('hall.yml', '')
@@ -34,6 +34,6 @@ def mission_of(world: str) -> str:
 
 
 def missions_in(folder: Path) -> list[Path]:
-    """The YAML files in a folder that are no worlds, sorted."""
+    """The YAML files in a folder that are not worlds, sorted."""
     found = (path for ending in YAML for path in folder.glob(f"*{ending}"))
     return sorted(path for path in found if not path.name.endswith(WORLD))
