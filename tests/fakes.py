@@ -178,7 +178,9 @@ class FakeVehicle:
                 self.change(position=(north, east, -(takeoff_up_m or self.takeoff_up_m)))
         return outcome
 
-    def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
+    def fly(
+        self, setpoint: Setpoint, *, is_for_task: bool = False, is_landing: bool = False
+    ) -> None:
         self.flown.append(setpoint)
 
     def keep_within(self, fence: KeptFence) -> None:

@@ -150,12 +150,12 @@ class Guidance:
             heading_rad: to which it turns, as fast as the profile allows; None to keep the heading.
         """
         self._stop = None
-        self._stream(sample, heading_rad, self.is_for_task)
+        self._stream(sample, heading_rad, is_for_task=self.is_for_task)
 
     def descend(self, sample: Sample) -> None:
         """Streams a moment of the way down to a marker, or of the search for it."""
         self._stop = None
-        self._stream(sample, None, self.is_for_task, is_landing=True)
+        self._stream(sample, None, is_for_task=self.is_for_task, is_landing=True)
 
     def stop_along(self, stop: Stop, time_s: float) -> None:
         """Comes to rest along a path, and stays at its end.
@@ -231,6 +231,7 @@ class Guidance:
         self,
         sample: Sample,
         heading_rad: float | None,
+        *,
         is_for_task: bool = False,
         is_landing: bool = False,
     ) -> None:
@@ -246,7 +247,7 @@ class Guidance:
         setpoint, low = self._ground.kept_off(setpoint, self._vehicle.state, is_landing)
         if low is not None:
             self._report(low)
-        self._vehicle.fly(setpoint, is_for_task, is_landing)
+        self._vehicle.fly(setpoint, is_for_task=is_for_task, is_landing=is_landing)
 
     def _turned(self, heading_rad: float | None) -> float:
         """The next heading: the one before, turned no faster than the profile allows."""

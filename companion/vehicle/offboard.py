@@ -33,7 +33,7 @@ from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.control_watch import ControlState, ControlWatch
 from companion.vehicle.fence_service import FenceService
 from companion.vehicle.flight_memory import FlightMemory
-from companion.vehicle.gate import Envelope
+from companion.vehicle.gate import Envelope, Request
 from companion.vehicle.gimbals import MavlinkGimbals
 from companion.vehicle.goal_pursuit import GoalPursuit
 from companion.vehicle.heard_time import HeardTime
@@ -231,9 +231,11 @@ class MavlinkVehicle:
         """Why a hold is sent in place of the setpoint; None if none is."""
         return self._stream.refusal
 
-    def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
+    def fly(
+        self, setpoint: Setpoint, *, is_for_task: bool = False, is_landing: bool = False
+    ) -> None:
         """Streams a setpoint; the caller renews it before its lease ends."""
-        self._stream.fly(setpoint, self._moment.now_s, is_for_task, is_landing)
+        self._stream.request(Request(setpoint, self._moment.now_s, is_for_task, is_landing))
 
     def set_speed_limit(self, speed_mps: float) -> None:
         """Sets the gate's speed limit."""

@@ -329,7 +329,9 @@ class Vehicle(Protocol):
         A take-off leads to `takeoff_up_m` above home; None stands for the mission's own altitude.
         """
 
-    def fly(self, setpoint: Setpoint, is_for_task: bool = False, is_landing: bool = False) -> None:
+    def fly(
+        self, setpoint: Setpoint, *, is_for_task: bool = False, is_landing: bool = False
+    ) -> None:
         """Stream a setpoint from now on.
 
         The flags say whether it belongs to the task's plan, and to the descent to a marker or the

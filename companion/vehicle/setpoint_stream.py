@@ -14,7 +14,6 @@ from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, Request, Verdict, admit
-from companion.vehicle.port import Setpoint
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.velocity_bias import STILL
 from companion.vehicle.wire import AUTOPILOT
@@ -41,11 +40,9 @@ class SetpointStream:
         self._verdict: Verdict | None = None
         self._is_violated = False
 
-    def fly(
-        self, setpoint: Setpoint, now_s: float, is_for_task: bool, is_landing: bool = False
-    ) -> None:
-        """Requests a setpoint, for the time of its lease."""
-        self._request = Request(setpoint, now_s, is_for_task, is_landing)
+    def request(self, request: Request) -> None:
+        """Streams a setpoint in place of the one before, for the time of its lease."""
+        self._request = request
 
     def end(self) -> None:
         """Drops the request."""

@@ -145,7 +145,7 @@ def test_the_gate_knows_what_is_of_the_task_and_whether_that_is_violated(meeting
     in_offboard(meeting)
     meeting.vehicle.set_violated(True)
     for is_for_task, refusal in ((True, Refusal("the task is violated")), (False, None)):
-        meeting.vehicle.fly(AHEAD, is_for_task)
+        meeting.vehicle.fly(AHEAD, is_for_task=is_for_task)
         meeting.tick()
         assert meeting.vehicle.refusal == refusal
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from fakes import on_hold
 
-from companion.vehicle.gate import Envelope
+from companion.vehicle.gate import Envelope, Request
 from companion.vehicle.port import Mode, Setpoint
 from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.velocity_bias import MOST_MPS, VelocityBias
@@ -37,7 +37,7 @@ def sent(setpoint: Setpoint, off_mps: tuple[float, float], **differs: Any) -> tu
         velocity_bias=bias(off_mps),
     )
     stream = SetpointStream(telemetry, ENVELOPE)
-    stream.fly(setpoint, NOW_S, is_for_task=True)
+    stream.request(Request(setpoint, NOW_S, is_for_task=True))
     (message,) = stream.due(NOW_S, 1, is_entering=False)
     return (message.vx, message.vy, message.vz)
 
