@@ -1,4 +1,4 @@
-"""`python -m sitl` is `sitl`."""
+"""Makes `python -m sitl` the same as `sitl`."""
 
 from sitl.cli import main
 

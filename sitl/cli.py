@@ -1,8 +1,8 @@
-"""The simulator's command line: one simulation on PX4's ports, in scaled real time.
+"""The simulator's command line: one simulation on PX4's ports, in real or scaled time.
 
-Simulated time runs F times as fast as the monotonic clock, as PX4 does with
-PX4_SIM_SPEED_FACTOR. A machine that cannot keep up slows simulated time down instead of letting
-it jump. Options default to PX4's environment variables.
+Simulated time runs F times as fast as the monotonic clock, as with PX4's PX4_SIM_SPEED_FACTOR. On a
+machine that cannot keep up, simulated time slows down and never jumps. Options default to PX4's
+environment variables.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ Reports = Annotated[
     ),
 ]
 PERIOD_S = 0.004  # the loop looks at the clock this often, and at once when a datagram arrives
-MAX_JUMP_S = 0.1  # wall time; more than this behind, simulated time slows down
+MAX_JUMP_S = 0.1  # wall time; if the loop is further behind than this, simulated time slows down
 
 
 class _Stop:
-    """Set by SIGINT and SIGTERM and, if it is attended, by the end of standard input."""
+    """Set by SIGINT and SIGTERM and, if the simulator is attended, by the end of standard input."""
 
     def __init__(self, is_attended: bool) -> None:
         self._is_attended = is_attended
@@ -63,17 +63,17 @@ class _Stop:
 
     @property
     def is_set(self) -> bool:
-        """True once it is to end."""
+        """True once the simulation is to end."""
         if self._is_attended and not self._is_set and select.select([sys.stdin], [], [], 0.0)[0]:
             self._is_set = not os.read(sys.stdin.fileno(), 1024)
         return self._is_set
 
 
 def parse_home(text: str) -> GlobalOrigin:
-    """Home from "LAT,LON,ALT" in degrees and metres above the sea.
+    """The home position from "LAT,LON,ALT", in degrees and in metres above sea level.
 
     Raises:
-        typer.BadParameter: something else.
+        typer.BadParameter: the text has another form.
     """
     try:
         latitude, longitude, altitude = (float(part) for part in text.split(","))
@@ -85,7 +85,7 @@ def parse_home(text: str) -> GlobalOrigin:
 
 
 def default_home(environment: dict[str, str]) -> GlobalOrigin:
-    """PX4_HOME_LAT, PX4_HOME_LON and PX4_HOME_ALT where set, else PX4's own home."""
+    """PX4_HOME_LAT, PX4_HOME_LON and PX4_HOME_ALT; PX4's own home for those that are not set."""
     latitude, longitude, altitude = (
         environment.get(f"PX4_HOME_{name}", str(default))
         for name, default in (
@@ -197,7 +197,7 @@ def simulate(
 
 
 def _world(path: Path | None, home: GlobalOrigin | None) -> tuple[Scenario, OccupancyGrid | None]:
-    """A scenario, and its map if it has one; home on the command line wins over the file's."""
+    """The scenario and its map, if it has one; home on the command line overrides the file's."""
     fallback = home or default_home(dict(os.environ))
     if path is None:
         return Scenario(home=fallback), None
@@ -216,7 +216,7 @@ def _simulate(
     stop: _Stop,
     signing: Signing | None,
 ) -> bool:
-    """Simulates until it is to end, and on until the vehicle is at rest; whether it is damaged."""
+    """Simulates until asked to end and the vehicle is at rest; returns whether it is damaged."""
     from sitl.simulation import Simulation
 
     instance = server.instance
@@ -246,12 +246,12 @@ def _simulate(
 
 
 def _report_sender(address: str | None) -> AbstractContextManager[ReportSender | None]:
-    """What sends reports while the context lasts; nothing without an address."""
+    """A sender of reports that is open in this context; None without an address."""
     return nullcontext() if address is None else closing(ReportSender(address))
 
 
 def _tell(simulation: Simulation, told: int, is_quiet: bool) -> int:
-    """Tells what is new in the world; returns how much was told so far."""
+    """Prints the events of the world that are new; returns how many are printed so far."""
     for time_s, text in simulation.event_log[told:]:
         if not is_quiet:
             print(f"sitl: {time_s:.2f} s: {printable(text)}", flush=True)

@@ -1,8 +1,8 @@
-"""Simulator and companion in lockstep in one process: as fast as the machine, deterministic.
+"""Runs simulator and companion in lockstep in one process: fast and deterministic.
 
-Both are state machines over time and datagrams, so they need neither sockets nor a clock. Each
-tick is one of the companion; what one side sends arrives at the other in the next one. What the
-companion answers at once arrives at once, as it does in real time.
+Both are state machines over time and datagrams, so they need neither sockets nor a clock. Each tick
+is one tick of the companion. What one side sends arrives at the other in the next tick, except the
+companion's immediate answers, which arrive at once, as they do in real time.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class LockstepFlight:
     Attributes:
         companion: stepped second in each tick.
         simulation: stepped first.
-        truth: time, and where the vehicle truly was then, of each tick.
+        truth: time and true position of the vehicle, for each tick.
     """
 
     def __init__(self, companion: Companion, simulation: Simulation) -> None:
@@ -53,7 +53,7 @@ class LockstepFlight:
         self._ticks += 1
 
     def ticks(self, timeout_s: float = 30.0) -> Iterator[None]:
-        """Ticks until the companion has ended; who looks at each may stop before.
+        """Ticks until the companion has ended; the caller may stop after any tick.
 
         Raises:
             LinkTimeout: no vehicle was heard in time (simulated seconds).
@@ -69,7 +69,7 @@ class LockstepFlight:
                 )
 
     def fly(self, timeout_s: float = 30.0) -> None:
-        """Flies until the companion has ended, and on until the vehicle is at rest.
+        """Flies until the companion has ended and the vehicle is at rest.
 
         Raises:
             LinkTimeout: no vehicle was heard in time (simulated seconds).

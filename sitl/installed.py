@@ -1,4 +1,4 @@
-"""What the simulator needs that may not be installed: JSBSim has no wheel for Linux on ARM."""
+"""Checks that JSBSim is installed: it has no wheel for Linux on ARM."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from companion.errors import LibraryMissing
 
 
 def demand_jsbsim() -> None:
-    """Says what to do where JSBSim is missing; without it no flight can be imported.
+    """Raises an error that says what to do if JSBSim is missing, before any import needs it.
 
     Raises:
-        LibraryMissing: it is.
+        LibraryMissing: JSBSim is not installed.
     """
     if find_spec("jsbsim") is not None:
         return

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class MavResult(IntEnum):
-    """MAV_RESULT: how a command went."""
+    """MAV_RESULT: the result of a command."""
 
     ACCEPTED = 0
     TEMPORARILY_REJECTED = 1

@@ -1,13 +1,13 @@
-"""All parts of the simulator in one step: datagrams in, datagrams out.
+"""One step of the whole simulator: datagrams in, datagrams out.
 
-No socket, no clock: the caller says what time it is and carries the datagrams, over UDP in real
-time (server.py) or in lockstep with the companion in one process (harness.py). Equal arguments
-and datagrams give equal answers.
+No socket and no clock: the caller passes the time and carries the datagrams, over UDP in real time
+(server.py) or in lockstep with the companion in one process (harness.py). Equal arguments and
+datagrams give equal answers.
 
-The physics go on in steps of 4 ms, and the rate loop with them. Every 20 ms, after the physics:
-world, what each component has to say, and the loops of the autopilot, which steer the next 20 ms.
-Answers, and streams that are due between, are sent with the state of their step. The autopilot and
-what it tells know the estimate alone; the world and its devices know the truth.
+The physics and the rate loop advance in steps of 4 ms. Every 20 ms the world runs, then the
+messages of each component, then the autopilot's loops, which steer the next 20 ms. Answers, and
+streams due in between, are sent with the state of their own 4 ms step. The autopilot and its
+messages know only the estimate; the world and its devices know the truth.
 """
 
 from __future__ import annotations
@@ -55,16 +55,16 @@ class Simulation:
 
     Args:
         scenario: the world.
-        grid: its map, None without walls.
+        grid: the map of the world; None without walls.
         seed: of everything random (gusts, sensors, the estimate, links).
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
-        signing: with a key, as PX4 on all links; None for links without signatures.
-        reader: of the streams, on a link that nothing disturbs; if it is the only one, streams
-            that it does not read are not packed.
+        signing: the key with which all links sign, as PX4 does; None without signatures.
+        reader: what reads the streams, on a link without disturbances; if it is the only receiver,
+            streams that it does not read are not packed.
 
     Attributes:
-        event_log: time and text of each event of the scenario so far.
+        event_log: time and text of each scenario event that has happened.
     """
 
     def __init__(
@@ -120,12 +120,12 @@ class Simulation:
 
     @property
     def is_armed(self) -> bool:
-        """The motors turn."""
+        """Whether the motors turn."""
         return self._autopilot.is_armed
 
     @property
     def mode(self) -> str:
-        """The flight mode flown now, by PX4's name."""
+        """The present flight mode, by PX4's name."""
         return self._autopilot.mode
 
     def take_reports(self) -> list[bytes]:
@@ -133,17 +133,17 @@ class Simulation:
         return self._world.reporter.take()
 
     def time_offset(self, link: LinkName) -> TimeOffset:
-        """What the autopilot reckons of the clock at the other end of a link."""
+        """The autopilot's estimate of the offset of the clock at the other end of a link."""
         return self._autopilot_component.time_offset(link)
 
     @property
     def true_map(self) -> OccupancyGrid | None:
-        """The walls and the obstacles that are there now; None is a world without walls."""
+        """The walls and the obstacles that are present; None in a world without walls."""
         return self._world.collisions.grid
 
     @property
     def walls_beside(self) -> OccupancyGrid | None:
-        """What of the true map the vehicle hits if it comes too near, where it is now."""
+        """The part of the true map that can collide with the vehicle at its present height."""
         return self._world.collisions.walls(self._truth.position, self._physics.ground_up_m)
 
     @property
@@ -153,12 +153,12 @@ class Simulation:
 
     @property
     def set_down_m(self) -> float:
-        """How near to the vehicle an obstacle has appeared, at its nearest; else infinite."""
+        """Least distance at which an obstacle has appeared beside the vehicle; inf if none."""
         return self._world.set_down_m
 
     @property
     def setpoint_gap_m(self) -> float | None:
-        """How far in front of the vehicle its setpoint is; None where none is flown."""
+        """Distance from the vehicle to its setpoint; None if it follows no setpoint."""
         is_flown = self.mode == "OFFBOARD" and self._frame.is_told(self._truth.time_s)
         setpoint = self._autopilot.setpoint if is_flown else None
         if setpoint is None or None in setpoint.position:
@@ -171,9 +171,9 @@ class Simulation:
         return self._autopilot.is_crashed
 
     def settle(self) -> None:
-        """Goes on without anybody at the other end, until the vehicle is disarmed and at rest.
+        """Simulates without any messages until the vehicle is disarmed and at rest.
 
-        What somebody leaves in the air may still hit something; after 15 s that is not waited for.
+        A vehicle left in the air may still hit something; the wait for that ends after 15 s.
         """
         end_s = self._truth.time_s + SETTLING_S
         while self._truth.time_s < end_s and not self._is_at_rest:
@@ -185,11 +185,11 @@ class Simulation:
         return is_still and not self._autopilot.is_armed
 
     def step(self, now_s: float, datagrams: list[tuple[LinkName, bytes]]) -> Outgoing:
-        """Takes what has arrived, then goes on to a time.
+        """Takes the datagrams that have arrived, then advances to a time.
 
         Args:
-            now_s: simulated time since the start; an earlier one than before moves nothing.
-            datagrams: with the link on which each arrived.
+            now_s: simulated time since the start; a time before the last one advances nothing.
+            datagrams: each with the link on which it arrived.
 
         Returns:
             Frames to send, in order, each with its link.
@@ -214,11 +214,11 @@ class Simulation:
 
     @property
     def _is_silent(self) -> bool:
-        """The autopilot restarts, and nothing passes its ports."""
+        """Whether the autopilot restarts, so that nothing passes its ports."""
         return self._steps * DT_S < self._silent_until_s
 
     def _start_autopilot(self) -> None:
-        """Its end of the links, with default streams, and nobody heard yet."""
+        """Creates the autopilot's end of the links, with default streams and no peer heard yet."""
         self._router = Router(self._links, self._local)
         self._autopilot_component = AutopilotComponent(
             self._system,
@@ -240,7 +240,7 @@ class Simulation:
         self._start_autopilot()
 
     def _lay_origin(self, origin: GlobalOrigin) -> None:
-        """The autopilot counts from another point of the earth from now on."""
+        """Moves the origin of the autopilot's local frame to another point on the earth."""
         vehicle, before = self._vehicle, self._vehicle.state.position
         here = origin.to_local(*self._frame.origin.to_global(before))
         by = (here[0] - before[0], here[1] - before[1], here[2] - before[2])
@@ -253,7 +253,7 @@ class Simulation:
 
     def _receive(self, link: LinkName, message: Message, out: Outgoing) -> None:
         if source(message) in self._local:
-            return  # our own, sent back by somebody who forwards
+            return  # our own frame, sent back by a forwarder
         self._router.learn(link, message)
         frame = bytes(message.get_msgbuf())
         out += [(to, frame) for to in self._router.destinations(message, link)]
@@ -269,7 +269,7 @@ class Simulation:
             self._world.note_command(message.command, component, self._truth.time_s)
 
     def _advance(self, until_s: float, out: Outgoing) -> None:
-        """One step; what is sent until a time arrives together."""
+        """Advances by one step; all that is sent during it arrives at one time."""
         if self._steps % CONTROL_STEPS == 0:
             self._physics.follow(self._autopilot.step(self._vehicle.state, CONTROL_S))
             self._autopilot_component.follow()
@@ -285,7 +285,7 @@ class Simulation:
             self._stream(until_s, out)
 
     def _act(self, until_s: float, out: Outgoing) -> None:
-        """What happens at 50 Hz."""
+        """Runs what happens at 50 Hz."""
         state = self._truth = self._true_state()
         self._vehicle.state = self._frame.seen(self._estimator.step(state, state.time_s))
         self._autopilot.health.position_age_s = self._estimator.time_since_fix_s
@@ -307,7 +307,7 @@ class Simulation:
             out += self._autopilot_component.step(until_s)
 
     def _stream(self, until_s: float, out: Outgoing) -> None:
-        """Streams that are due between two steps of the autopilot, with the state of this one."""
+        """Sends streams due between two autopilot steps, with the state of this step."""
         component = self._autopilot_component
         if self._is_silent or not (due := component.due(self._steps * DT_S, until_s)):
             return
@@ -317,7 +317,7 @@ class Simulation:
         out += component.flush()
 
     def _look(self) -> None:
-        """Takes the state of this step."""
+        """Reads the state of this step."""
         self._truth = self._true_state()
         self._vehicle.state = self._frame.seen(self._estimator.seen(self._truth))
 
@@ -325,7 +325,7 @@ class Simulation:
         return self._frozen_truth() if self._world.is_wreck else self._physics.state
 
     def _frozen_truth(self) -> FlightState:
-        """The state of a wreck: nothing but time goes on."""
+        """The state of a wreck: only its time advances."""
         still = (0.0, 0.0, 0.0)
         return self._truth._replace(time_s=self._steps * DT_S, velocity=still, rates=still)
 

@@ -1,8 +1,7 @@
-"""PX4's arming checks as a table: a check and the reason that is told when it fails.
+"""PX4's arming checks as a table: each check, and the reason that is given when it fails.
 
-Disarmed, every mode may be chosen; its requirement is checked here, when arming (seen on PX4). A
-new check is a new line. Left out: checks of sensors other than GPS, which never fail in this
-simulator.
+Disarmed, every mode may be chosen; its requirement is checked here, on arming (as in PX4). To add a
+check, add a row. Left out: checks of sensors other than GPS, which never fail in this simulator.
 """
 
 from __future__ import annotations
@@ -19,9 +18,9 @@ class PreflightState:
     """The inputs of the checks.
 
     Attributes:
-        missing: the requirement that the mode lacks, None if none.
+        missing: the requirement that the mode lacks; None if nothing is missing.
         is_crashed: the vehicle has hit something.
-        refusal: the reason of a scenario that refuses, None without one.
+        refusal: the reason for which the scenario refuses arming; None if it does not.
     """
 
     mode: str
@@ -37,7 +36,7 @@ def _has_ground_station(now: PreflightState) -> bool:
 
 
 ArmingCheck = tuple[Callable[[PreflightState], bool], Callable[[PreflightState], str]]
-"""A check, which is true if it passes, and the reason of a denial if it does not."""
+"""A check, true if it passes, and the reason if it fails."""
 
 ARMING_CHECKS: tuple[ArmingCheck, ...] = (
     (lambda now: not now.is_crashed, lambda now: "vehicle crashed"),
@@ -64,6 +63,6 @@ REASONS = (
 
 
 def arming_denials(now: PreflightState) -> tuple[str, ...]:
-    """The reasons why arming is denied, once each; none if it is allowed."""
+    """The reasons why arming is denied, each once; empty if it is allowed."""
     failed = (reason(now) for passes, reason in ARMING_CHECKS if not passes(now))
     return tuple(dict.fromkeys(failed))

@@ -4,13 +4,13 @@ In: the vehicle's state at 50 Hz, and commands from the link (arm, change the mo
 Out: a setpoint for the motors (motor_control.py), and status texts for people. Its rules are PX4's:
 
 1. The intended mode is the one that was commanded; a failsafe flies another mode while it lasts.
-2. Disarmed, every mode may be chosen; arming is refused where the mode lacks its requirement.
+2. Disarmed, every mode may be chosen; arming is refused while the mode lacks its requirement.
 3. In the air, a mode that lacks its requirement is refused and the present one is kept.
-4. COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming without a take-off, it
-   disarms by itself. Disarmed it goes back to the mode that was intended last of those that may be
-   armed in: after a landing commanded in OFFBOARD to OFFBOARD, where it arms with setpoints alone.
+4. The vehicle disarms by itself COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming
+   without a take-off. Then the intended mode is the last one in which arming is allowed: after a
+   landing commanded in OFFBOARD it is OFFBOARD, where arming requires setpoints.
 
-Source: PX4 1.16, src/modules/commander, and what a PX4 was seen to do. Time is the state's own.
+Source: PX4 1.16, src/modules/commander, and observation of PX4. Time comes with each state.
 """
 
 from __future__ import annotations
@@ -43,24 +43,24 @@ class Autopilot:
 
     Args:
         parameters: shared with the parameter protocol.
-        state: as estimated at the start, on the ground.
+        state: the estimate at the start, on the ground.
         gains: of the horizontal position loops.
 
     Attributes:
-        is_armed: the motors turn.
+        is_armed: whether the motors turn.
         is_crashed: the vehicle has hit something and will not fly again.
         mode: flown now; differs from `intended_mode` during a failsafe.
-        home: where the vehicle was armed last, or what was set since; before, where it started.
+        home: where the vehicle was last armed, or what was set since; at first, where it starts.
         cruise_mps: speed of automatic modes, if MAV_CMD_DO_CHANGE_SPEED has set one.
         setpoint: the newest offboard setpoint.
-        health: ages of what comes in, and the battery's warning level.
+        health: ages of the inputs, and the battery's warning level.
         control: of the motors.
         flights: the record of armings and take-offs.
         mission: flown by AUTO.MISSION.
         fence: the geofence.
-        safe_points: the rally points, where a return may land besides home.
-        arming_refusal: why arming is refused whatever else; None for no such reason.
-        status_texts: for people, oldest first; whoever sends them empties the list.
+        safe_points: rally points, where a return may land besides home.
+        arming_refusal: a reason that refuses arming in any case; None if there is none.
+        status_texts: for people, oldest first; their sender empties the list.
     """
 
     def __init__(
@@ -93,17 +93,17 @@ class Autopilot:
 
     @property
     def is_landed(self) -> bool:
-        """The vehicle rests on the ground."""
+        """Whether the vehicle rests on the ground."""
         return self.control.land_detector.is_landed
 
     @property
     def is_failsafe(self) -> bool:
-        """A failsafe acts."""
+        """Whether a failsafe acts."""
         return self._failsafe.mode is not None or self._failsafe.stops_motors
 
     @property
     def is_fence_breached(self) -> bool:
-        """The vehicle is where its geofence does not allow it to be."""
+        """Whether the vehicle is where its geofence does not allow it."""
         return self.fence.is_breached(self._state.position, self.home, self.parameters)
 
     def arming_denials(self) -> tuple[str, ...]:
@@ -116,7 +116,7 @@ class Autopilot:
     # Commands. Each returns whether it was granted; a refusal leaves a status text.
 
     def arm(self, *, is_forced: bool = False) -> bool:
-        """Starts the motors; by force without any check."""
+        """Starts the motors; by force, without any check."""
         if self.is_armed:
             return True
         reasons = self.arming_denials()
@@ -135,7 +135,7 @@ class Autopilot:
         return True
 
     def disarm(self, *, is_forced: bool = False) -> bool:
-        """Stops the motors; in the air by force alone."""
+        """Stops the motors; in the air only by force."""
         if self.is_armed and not self.is_landed and not is_forced:
             self._tell(Severity.CRITICAL, "Disarming denied: not landed")
             return False
@@ -144,7 +144,7 @@ class Autopilot:
         return True
 
     def set_mode(self, mode: str) -> bool:
-        """Intends a mode of `FLIGHT_MODES`; during a failsafe this takes the vehicle over."""
+        """Makes a mode of `FLIGHT_MODES` the intended one; during a failsafe, this overrides it."""
         missing = self._missing(mode)
         if self.is_armed and missing is not None:
             self._tell(Severity.CRITICAL, f"{mode} refused: {missing}")
@@ -168,7 +168,7 @@ class Autopilot:
         return granted
 
     def hold_at(self, point: Maybe, yaw_rad: float | None) -> bool:
-        """Flies to a point and holds there; None keeps what the vehicle would hold now."""
+        """Flies to a point and holds there; None keeps the present value."""
         granted = self.set_mode("AUTO.LOITER")
         here = HoldMode.start(self._situation())
         north_m, east_m, down_m = (
@@ -179,16 +179,16 @@ class Autopilot:
         return granted
 
     def accept_setpoint(self, setpoint: TrajectorySetpoint) -> None:
-        """Takes a valid offboard setpoint; it counts for COM_OF_LOSS_T."""
+        """Takes a valid offboard setpoint, which restarts the time of COM_OF_LOSS_T."""
         self.setpoint = setpoint
         self.health.note_setpoint(self._state.time_s)
 
     def note_ground_station(self) -> None:
-        """A heartbeat of a ground station has come in."""
+        """Notes a heartbeat of a ground station."""
         self.health.note_ground_station(self._state.time_s)
 
     def load_fence(self, areas: Sequence[FenceArea]) -> None:
-        """Replaces the geofence; an area that is violated already is left out."""
+        """Replaces the geofence; an area that is already violated is left out."""
         kept_to = {"Home position": self.home}
         if self.parameters["GF_ACTION"] and not self.is_landed:
             kept_to["current vehicle position"] = self._state.position
@@ -197,7 +197,7 @@ class Autopilot:
             self.status_texts.append(told(Severity.CRITICAL, text))
 
     def start_mission(self, index: int | None) -> bool:
-        """Flies the mission, from an item if one is given; arms."""
+        """Flies the mission, from an item if one is given; arms if necessary."""
         if not self.set_mode("AUTO.MISSION") or not self.arm():
             return False
         if index is not None:
@@ -205,7 +205,7 @@ class Autopilot:
         return True
 
     def refuse_arming(self, reason: str | None) -> None:
-        """From now on arming is refused for a reason; None allows it again."""
+        """Refuses arming for a reason; None allows it again."""
         self.arming_refusal = reason
 
     def report_arming_denial(self) -> None:
@@ -219,7 +219,7 @@ class Autopilot:
             self._stop("Flight termination active")
 
     def crash(self, text: str) -> None:
-        """The vehicle has hit something: stops for good."""
+        """Notes that the vehicle has hit something: it stops for good."""
         if self.is_crashed:
             return
         self.is_crashed = True
@@ -299,7 +299,7 @@ class Autopilot:
         self._tell(Severity.INFO, text)
 
     def _intend(self, mode: str) -> None:
-        """Rules 1 and 4."""
+        """Sets the intended mode, by rules 1 and 4."""
         self.intended_mode = mode
         if FLIGHT_MODES[mode].may_arm:
             self._mode_when_disarmed = mode

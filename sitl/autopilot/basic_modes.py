@@ -1,4 +1,4 @@
-"""The modes with one behaviour: follow setpoints, hold, climb, descend.
+"""The modes with a single behaviour: follow setpoints, hold, climb, descend.
 
 Source: PX4 user guide, "Flight Modes (Multicopter)"; PX4, src/modules/navigator/mission_block.cpp
 (where a vehicle can stop).
@@ -15,14 +15,14 @@ from sitl.autopilot.situation import ModeChange, Situation, heading, stopping_po
 from sitl.flight.controllers import TrajectorySetpoint
 
 SINK_WITHOUT_STICKS_MPS = 0.5
-REACHED_M = 0.3  # how near a height counts as reached
+REACHED_M = 0.3  # a height counts as reached within this
 
 
 class OpenEndedMode:
-    """A mode that goes on until another one is commanded."""
+    """A mode that lasts until another one is commanded."""
 
     def mode_change(self, now: Situation) -> ModeChange | None:
-        """Nothing follows by itself."""
+        """No mode follows by itself."""
         return None
 
 

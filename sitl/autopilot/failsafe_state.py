@@ -1,18 +1,17 @@
-"""Selection of the failsafe that acts, and of the mode that it flies.
+"""Selects the failsafe that acts, and the mode that it flies.
 
-PX4's rules, as a real PX4 was seen to follow them:
+PX4's rules, as observed:
 
 1. A failsafe never changes the intended mode; it flies another one while it lasts. So PX4 returns
    to OFFBOARD by itself when the stream of setpoints comes back.
-2. The most severe action wins: `FailsafeAction` is in order.
+2. The most severe action wins: `FailsafeAction` is in order of severity.
 3. An action worse than holding is delayed by COM_FAIL_ACT_T in a hold, so that a pilot can take
-   over; a rise from one action to a worse one does not start that time again. A mode that lost its
-   requirement (setpoints, position) falls back at once; motors are stopped at once.
-4. Some failsafes end with their condition (a link that returns); others are latched until a change
-   of the mode or a disarming (battery, geofence).
-5. A change of the mode during a failsafe takes the vehicle over; a further or worse failsafe acts
-   again.
-6. An action that needs a position becomes a descent without one.
+   over. A change to a worse action does not restart this time. A mode that has lost its requirement
+   (setpoints, position) falls back at once; motors are stopped at once.
+4. Some failsafes end with their condition (such as a link that returns). Others are latched until
+   the mode is changed or the vehicle disarmed (battery, geofence).
+5. A change of the mode during a failsafe overrides it; another or worse failsafe acts again.
+6. Without a position, an action that needs one becomes a descent.
 
     stage      holds while the selected action is          flown
     INACTIVE   none                                        the intended mode
@@ -60,7 +59,7 @@ class FailsafeStage(Enum):
 
 @dataclass(frozen=True, slots=True)
 class SelectedAction:
-    """The most severe action that is called for, and its cause."""
+    """The most severe action demanded, and its cause."""
 
     cause: FailsafeCause
     action: FailsafeAction
@@ -71,9 +70,9 @@ class FailsafeState:
     """The failsafes of one flight.
 
     Attributes:
-        selected: the most severe action, None while none is called for.
+        selected: the most severe action; None while none is demanded.
         stage: of the selected action.
-        mode: to fly instead of the intended one, None if that one is flown.
+        mode: flown instead of the intended one; None if the intended one is flown.
     """
 
     def __init__(self) -> None:
@@ -86,11 +85,11 @@ class FailsafeState:
 
     @property
     def stops_motors(self) -> bool:
-        """The action is to stop the motors, wherever the vehicle is."""
+        """Whether the action is to stop the motors, wherever the vehicle is."""
         return self.stage is FailsafeStage.STOPPING
 
     def update(self, now: FailsafeInputs, now_s: float) -> None:
-        """Selects anew."""
+        """Selects action and stage for new inputs."""
         calling = [
             SelectedAction(failsafe.cause, action, failsafe.allows_delay)
             for failsafe in FAILSAFES
@@ -106,7 +105,7 @@ class FailsafeState:
         self.mode = _mode(self.selected, self.stage, now.is_position_lost)
 
     def take_over(self) -> None:
-        """A mode was commanded: the selected action is not taken again, unless it gets worse."""
+        """Notes a commanded mode: the selected action is not repeated unless it gets worse."""
         if self.selected and self.selected.allows_delay:
             self._taken_over |= self._latched | {self.selected.cause: self.selected.action}
         self._latched.clear()
@@ -127,12 +126,12 @@ class FailsafeState:
     ) -> FailsafeAction | None:
         allowed = self._taken_over.get(cause)
         if action is None:
-            self._taken_over.pop(cause, None)  # once it is over, the next one acts again
+            self._taken_over.pop(cause, None)  # once its condition has ended, it acts again
         return None if action is not None and allowed is not None and action <= allowed else action
 
 
 def _stage(selected: SelectedAction | None, is_within_delay: bool) -> FailsafeStage:
-    """The table of stages."""
+    """The stage by the module's table."""
     if selected is None:
         return FailsafeStage.INACTIVE
     if selected.action is FailsafeAction.WARN:

@@ -1,7 +1,7 @@
-"""The failsafes: when each calls for an action, and for which one.
+"""The failsafes: when each demands an action, and which one.
 
-A pure function of the `FailsafeInputs` for each failsafe, and a table of them; which one wins, when
-it acts and when it ends is in failsafe_state.py. A new failsafe is a new line in `FAILSAFES`.
+Each failsafe is a pure function of the `FailsafeInputs`; `FAILSAFES` is their table. Which one
+wins, when it acts and when it ends is in failsafe_state.py. To add a failsafe, add a row.
 
 Source: PX4 1.16, src/modules/commander/failsafe, and user guide, "Safety Configuration"; timings
 measured. Left out: failsafes of a remote control (there is none), of wind, flight time, motors and
@@ -77,7 +77,7 @@ class FailsafeInputs(NamedTuple):
 
     @property
     def is_position_lost(self) -> bool:
-        """The estimate of the position is not to be trusted."""
+        """Whether the position estimate cannot be trusted."""
         return self.position_age_s > POSITION_LOST_S
 
 
@@ -112,14 +112,14 @@ def _chosen(
 _OFFBOARD_LOSS = {
     0: FailsafeAction.POSITION,
     1: FailsafeAction.ALTITUDE,
-    2: FailsafeAction.ALTITUDE,  # MANUAL: without a pilot no other than ALTCTL
+    2: FailsafeAction.ALTITUDE,  # MANUAL: without a pilot the same as ALTCTL
     3: FailsafeAction.RETURN,
     4: FailsafeAction.LAND,
     5: FailsafeAction.HOLD,
     6: FailsafeAction.TERMINATE,
     7: FailsafeAction.DISARM,
 }
-"""COM_OBL_RC_ACT; a remote control, which would be asked first, does not exist here."""
+"""By COM_OBL_RC_ACT; PX4 would first ask a remote control, which does not exist here."""
 
 _LINK_LOSS = {
     1: FailsafeAction.HOLD,
@@ -128,7 +128,7 @@ _LINK_LOSS = {
     5: FailsafeAction.TERMINATE,
     6: FailsafeAction.DISARM,
 }
-"""NAV_DLL_ACT; 0 is off."""
+"""By NAV_DLL_ACT; 0 is off."""
 
 _BREACH = {
     1: FailsafeAction.WARN,
@@ -137,7 +137,7 @@ _BREACH = {
     4: FailsafeAction.TERMINATE,
     5: FailsafeAction.LAND,
 }
-"""GF_ACTION; 0 is off."""
+"""By GF_ACTION; 0 is off."""
 
 _BATTERY = {
     (2, BatteryLevel.CRITICAL): FailsafeAction.LAND,
@@ -145,7 +145,7 @@ _BATTERY = {
     (3, BatteryLevel.CRITICAL): FailsafeAction.RETURN,
     (3, BatteryLevel.EMERGENCY): FailsafeAction.LAND,
 }
-"""COM_LOW_BAT_ACT and level; 0 only warns."""
+"""By COM_LOW_BAT_ACT and level; 0 only warns."""
 
 _EXCEPTIONS = {"AUTO.MISSION": 1, "AUTO.LOITER": 2, "OFFBOARD": 4}
 """Bits of COM_DLL_EXCEPT: modes that need no ground station."""
@@ -191,12 +191,12 @@ def _position_loss(now: FailsafeInputs) -> FailsafeAction | None:
 
 @dataclass(frozen=True, slots=True)
 class Failsafe:
-    """A line of `FAILSAFES`.
+    """A row of `FAILSAFES`.
 
     Attributes:
-        action: called for by the inputs, None for none.
-        allows_delay: an action worse than holding comes after COM_FAIL_ACT_T.
-        is_latched: acts until the mode is changed, even if its condition ends.
+        action: the action that the inputs demand; None for no action.
+        allows_delay: whether an action worse than holding waits for COM_FAIL_ACT_T.
+        is_latched: it acts until the mode is changed, even if its condition ends.
     """
 
     cause: FailsafeCause
@@ -214,4 +214,4 @@ FAILSAFES = (
     Failsafe(FailsafeCause.POSITION_LOST, _position_loss, allows_delay=False, is_latched=False),
     Failsafe(FailsafeCause.OFFBOARD_LOST, _offboard_loss, allows_delay=False, is_latched=False),
 )
-"""Of equal actions the first is told."""
+"""Among equal actions, the first one is reported."""

@@ -1,7 +1,8 @@
 """The record of flights, and the automatic disarming at their end.
 
-The vehicle disarms by itself COM_DISARM_LAND after a landing, or COM_DISARM_PRFLT after arming
-without a take-off; 0 or less is never (PX4 user guide, "Safety Configuration", auto-disarming).
+The vehicle disarms by itself after COM_DISARM_LAND on the ground after a landing, or after
+COM_DISARM_PRFLT without a take-off; 0 or less means never (PX4 user guide, "Safety Configuration",
+auto-disarming).
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ class FlightRecord:
     """The flights of one vehicle.
 
     Attributes:
-        count: of armings.
-        armed_s: time of the last arming; 0 for none.
-        in_air_s: time of the take-off after it; 0 for none.
+        count: number of armings.
+        armed_s: time of the last arming; 0 if never.
+        in_air_s: time of the take-off after it; 0 if none.
     """
 
     def __init__(self) -> None:
@@ -25,24 +26,24 @@ class FlightRecord:
         self._on_ground_s = 0.0
 
     def arm(self, now_s: float) -> None:
-        """It was armed."""
+        """Notes an arming."""
         self.count += 1
         self.armed_s, self.in_air_s = now_s, 0.0
         self._has_flown = False
         self._on_ground_s = now_s
 
     def take_off(self, now_s: float) -> None:
-        """It has left the ground."""
+        """Notes a take-off."""
         self._has_flown = True
         self.in_air_s = self.in_air_s or now_s
 
     def land(self, now_s: float) -> None:
-        """It has come to rest on the ground."""
+        """Notes a landing."""
         self._has_flown = True
         self._on_ground_s = now_s
 
     def disarming_reason(self, now_s: float, parameters: Parameters) -> str | None:
-        """The reason why a vehicle on the ground disarms now, None if it does not."""
+        """The reason why a vehicle on the ground disarms now; None if it does not."""
         name, text = (
             ("COM_DISARM_LAND", "Disarmed by landing")
             if self._has_flown

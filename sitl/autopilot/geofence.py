@@ -1,12 +1,12 @@
 """The geofence: areas to stay in and areas to stay out of.
 
-A fence is a set of areas, polygons and circles, each of which must be kept to: inside those of
-inclusion, outside those of exclusion. Besides, GF_MAX_HOR_DIST and GF_MAX_VER_DIST limit the
-distance from home; 0 is no limit. As in PX4, an area that home or a flying vehicle already
-violates is not taken up.
+A fence is a set of polygons and circles, all of which must be obeyed: the vehicle stays inside
+areas of inclusion and outside areas of exclusion. GF_MAX_HOR_DIST and GF_MAX_VER_DIST also limit
+the distance from home; 0 is no limit. As in PX4, an area that home or a flying vehicle already
+violates is not accepted.
 
 Source: PX4 1.16, src/modules/navigator/geofence.cpp. Left out: a prediction of the path
-(GF_PREDICT), the fence return point, which PX4 stores and does not use.
+    (GF_PREDICT); the fence return point, which PX4 stores but does not use.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ class Geofence:
 
         Args:
             areas: the new ones.
-            kept_to: points that every area must allow, by name.
+            kept_to: points by name, which every area must allow.
 
         Returns:
-            The points that an area does not allow; that area is left out.
+            The names of points that some area does not allow; such an area is left out.
         """
         points = kept_to.values()
         self.areas = tuple(area for area in areas if all(map(area.allows, points)))
         return [n for area in areas for n, point in kept_to.items() if not area.allows(point)]
 
     def is_breached(self, position: Ned, home: Ned, parameters: Parameters) -> bool:
-        """True if a position is outside the fence or too far from home."""
+        """Whether a position is outside the fence or too far from home."""
         most_away_m = parameters["GF_MAX_HOR_DIST"]
         if most_away_m > 0 and horizontal_distance(position, home) >= most_away_m:
             return True

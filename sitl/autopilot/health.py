@@ -22,7 +22,7 @@ class Health:
 
     Attributes:
         battery: warning level.
-        knows_battery: the gauge is read; else the level stays as it is.
+        knows_battery: whether the gauge can be read; if not, the level stays.
         position_age_s: time since the position was last measured.
     """
 
@@ -34,27 +34,27 @@ class Health:
         self._setpoint_s = self._ground_station_s = -math.inf
 
     def note_setpoint(self, now_s: float) -> None:
-        """A valid offboard setpoint has come in."""
+        """Notes a valid offboard setpoint."""
         self._setpoint_s = now_s
 
     def note_ground_station(self, now_s: float) -> None:
-        """A heartbeat of a ground station has come in."""
+        """Notes a heartbeat of a ground station."""
         self._ground_station_s = now_s
 
     def update_battery(self, charge: float) -> BatteryLevel | None:
-        """Takes a state of charge; the warning level if that has risen."""
+        """Takes a state of charge; returns the warning level if it has risen."""
         if not self.knows_battery:
             return None
         before, self.battery = self.battery, battery_level(charge, self._parameters)
         return self.battery if self.battery > before else None
 
     def has_setpoints(self, now_s: float) -> bool:
-        """The offboard stream is alive (COM_OF_LOSS_T)."""
+        """Whether the offboard stream is alive (COM_OF_LOSS_T)."""
         return now_s - self._setpoint_s <= self._parameters["COM_OF_LOSS_T"]
 
     @property
     def is_position_lost(self) -> bool:
-        """The estimate of the position is not to be trusted."""
+        """Whether the position estimate cannot be trusted."""
         return self.position_age_s > POSITION_LOST_S
 
     def inputs(self, intended_mode: str, is_fence_breached: bool, now_s: float) -> FailsafeInputs:

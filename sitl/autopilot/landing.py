@@ -1,8 +1,8 @@
 """Detection of landings and take-offs.
 
-Modelled on PX4's land detector (user guide, "Land Detector Configuration"). The evidence is for
-how long the vehicle has rested on the ground, or has been off it; a vehicle whose setpoint is a
-climb does not rest. One that is not armed rests wherever it is, as in PX4.
+Modelled on PX4's land detector (user guide, "Land Detector Configuration"). The evidence is how
+long the vehicle has rested on the ground, or has been off it. A vehicle whose setpoint is a climb
+does not rest. As in PX4, a disarmed vehicle rests wherever it is.
 
     state           rest of CONTACT_S   rest of LANDED_S   no rest          off it for AIRBORNE_S
     LANDED                                                 LIFTING_OFF      IN_AIR
@@ -10,7 +10,7 @@ climb does not rest. One that is not armed rests wherever it is, as in PX4.
     IN_AIR          GROUND_CONTACT      LANDED
     GROUND_CONTACT                      LANDED             IN_AIR           IN_AIR
 
-Ground contact stops the rotors; a landing is told and disarms.
+Ground contact stops the rotors; a landing is reported and disarms the vehicle.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ _TRANSITIONS: tuple[tuple[LandState, LandState, LandState, LandState], ...] = (
     (LandState.GROUND_CONTACT, LandState.LANDED, LandState.IN_AIR, LandState.IN_AIR),
     (LandState.GROUND_CONTACT, LandState.LANDED, LandState.IN_AIR, LandState.IN_AIR),
 )
-"""State, then evidence -> the next state."""
+"""State, then evidence -> next state."""
 _IS_LANDED = (True, True, False, False)
 _HAS_CONTACT = (True, False, False, True)
-"""Of each state; looked up several times in each step of 4 ms."""
+"""For each state; looked up several times in each step of 4 ms."""
 
 
 class LandDetector:
@@ -70,12 +70,12 @@ class LandDetector:
 
     @property
     def is_landed(self) -> bool:
-        """The vehicle counts as landed."""
+        """Whether the vehicle counts as landed."""
         return _IS_LANDED[self.state]
 
     @property
     def has_ground_contact(self) -> bool:
-        """The vehicle has rested on the ground for long enough to stop the rotors."""
+        """Whether the vehicle has rested on the ground for long enough to stop the rotors."""
         return _HAS_CONTACT[self.state]
 
     def update(
@@ -86,12 +86,12 @@ class LandDetector:
         dt_s: float,
         is_armed: bool = True,
     ) -> None:
-        """Takes one more state.
+        """Updates the state by a new state of the vehicle.
 
         Args:
             state: the newest.
             is_climbing: the setpoint is a climb.
-            max_vertical_mps: faster is no rest (LNDMC_Z_VEL_MAX).
+            max_vertical_mps: a faster vehicle does not rest (LNDMC_Z_VEL_MAX).
             dt_s: time since the state before.
             is_armed: the motors may turn.
         """

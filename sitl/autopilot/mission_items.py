@@ -1,8 +1,8 @@
 """The items of a mission, as the autopilot flies them.
 
-A `MissionItem` is one of PX4's mission items with its place already in local NED. Only those named
-in `MissionCommand` change the flight; every other one (cameras, gimbals, regions of interest) is
-passed over as soon as its turn comes. What was not given, NaN on the wire, is None here.
+A `MissionItem` is one of PX4's mission items, with its place already in local NED. Only those in
+`MissionCommand` change the flight; all others (cameras, gimbals, regions of interest) are skipped
+at once. A value that was not given, NaN on the wire, is None here.
 
 Source: MAV_CMD in common.xml; PX4, src/modules/navigator/mission_base.cpp.
 """
@@ -38,12 +38,12 @@ class MissionItem:
     """One item of a mission.
 
     Attributes:
-        command: MAV_CMD; may be one that is passed over.
-        parameters: param1 to param4; finite, None where not given.
-        place: local north and east, None for wherever the vehicle is.
-        up_m: height above home or above the local origin, None for the present one.
+        command: MAV_CMD; may be one that is skipped.
+        parameters: param1 to param4; finite, or None if not given.
+        place: local north and east; None means wherever the vehicle is.
+        up_m: height above home or above the local origin; None means the present height.
         is_above_home: which of the two.
-        autocontinue: the next item follows by itself.
+        autocontinue: whether the next item follows by itself.
     """
 
     command: int
@@ -54,7 +54,7 @@ class MissionItem:
     autocontinue: bool = True
 
     def parameter(self, number: int, default: float = 0.0) -> float:
-        """One of param1 to param4, or what stands for it."""
+        """One of param1 to param4, or the default if it was not given."""
         value = self.parameters[number - 1]
         return default if value is None else value
 
@@ -73,18 +73,18 @@ class MissionItem:
 
     @property
     def jumps_to(self) -> int:
-        """The item that a DO_JUMP leads to."""
+        """The item to which a DO_JUMP leads."""
         return int(self.parameter(1, -1.0))
 
     @property
     def repetitions(self) -> int:
-        """The number of times that a DO_JUMP jumps."""
+        """How often a DO_JUMP jumps."""
         count = self.parameter(2)
         return MANY_JUMPS if count < 0 else int(min(count, MANY_JUMPS))
 
 
 def speed_before(items: Sequence[MissionItem], index: int) -> float | None:
-    """The speed in m/s that is in force when an item's turn comes, None for the default."""
+    """The speed in m/s that applies when an item begins; None for the default."""
     changes = [item for item in items[:index] if item.command == MissionCommand.DO_CHANGE_SPEED]
     speed_mps = changes[-1].parameter(2) if changes else 0.0
     return speed_mps if speed_mps > 0 else None

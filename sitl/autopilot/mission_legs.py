@@ -1,12 +1,12 @@
 """The legs of a mission: how each item is flown, and when it counts as reached.
 
-`LEGS` has a line for each item that takes the vehicle somewhere or keeps it there. A leg gives the
-setpoint of each step and says when its item counts as reached. PX4's rules:
+`LEGS` has a row for each item that moves the vehicle or keeps it in place. A leg gives the setpoint
+of each step and says when its item counts as reached. PX4's rules:
 
-- A place is reached within the item's radius (NAV_ACC_RAD if it has none) and NAV_MC_ALT_RAD of
-  its height; a heading that is asked for, within MIS_YAW_ERR; then the hold time passes.
-- A take-off is reached by height alone, over the place where it began.
-- A landing flies to its place at the present height first.
+- A place is reached within the item's radius (NAV_ACC_RAD if it has none) and NAV_MC_ALT_RAD of its
+  height, and within MIS_YAW_ERR of a heading if the item has one; then the hold time passes.
+- A take-off is reached by height alone, over the point where it began.
+- A landing first flies to its place at the present height.
 
 Source: PX4, src/modules/navigator/mission_block.cpp and mission.cpp. Left out: radii of loiters (a
 multicopter holds at the centre), precision landing, MIS_YAW_TMT.
@@ -33,10 +33,10 @@ class Leg(Protocol):
         """The setpoint of this step."""
 
     def is_done(self, now: Situation) -> bool:
-        """True if the item counts as reached."""
+        """Whether the item counts as reached."""
 
     def hold(self) -> HoldMode:
-        """The hold that comes after the leg if nothing follows."""
+        """The hold that follows the leg if the mission ends there."""
 
 
 @dataclass(slots=True)
@@ -44,7 +44,7 @@ class FlyTo:
     """Flies straight to a place and stays for a time.
 
     Attributes:
-        required_yaw_rad: the heading that has to be reached as well, None for any.
+        required_yaw_rad: the heading that must be reached too; None for any.
         speed_mps: horizontal, None for the cruise speed.
         arrived_s: time of the arrival.
     """
@@ -219,9 +219,9 @@ LEGS: dict[int, LegFactory] = {
     MissionCommand.TAKEOFF: _take_off,
     MissionCommand.DELAY: _delay,
 }
-"""MAV_CMD -> its leg, from the item, the situation, the speed and the hold of the leg before."""
+"""MAV_CMD -> its leg, made from the item, the situation, the speed and the last leg's hold."""
 
 NEEDS_HEIGHT = frozenset(
     {MissionCommand.WAYPOINT, MissionCommand.LOITER_UNLIMITED, MissionCommand.LOITER_TIME}
 )
-"""On the ground a take-off is put in front of these."""
+"""On the ground, a take-off is inserted before these items."""

@@ -2,13 +2,13 @@
 
 PX4's rules:
 
-1. An item that does not move the vehicle is reached at once. Each is reported, but for DO_JUMP.
-2. On the ground, a take-off over the present place comes before an item with a place; it is not
+1. An item that does not move the vehicle is reached at once. Each is reported, except DO_JUMP.
+2. On the ground, a take-off over the present place precedes an item with a place; it is not
    reported.
 3. After the last item the vehicle holds, in AUTO.LOITER.
-4. RETURN_TO_LAUNCH is reached at once and hands over to AUTO.RTL.
-5. A leg that was left for another mode begins anew. A speed set by an item before it holds again.
-6. An item without autocontinue is reached, and then the vehicle waits there.
+4. RETURN_TO_LAUNCH is reached at once and changes to AUTO.RTL.
+5. A leg that was left for another mode starts again, with the speed that an earlier item has set.
+6. After an item without autocontinue, the vehicle waits there.
 
     state        goes on when         then
     STARTING     at once              the current item begins
@@ -17,11 +17,11 @@ PX4's rules:
     PASSING      at once              the same
     WAITING      never
 
-A plan that has another revision starts again from any state. An item begins as TAKING_OFF (rule
-2), FLYING if it has a leg, or PASSING.
+A plan with a new revision starts again from any state. An item begins as TAKING_OFF (rule 2), as
+FLYING if it has a leg, or as PASSING.
 
-Source: PX4 1.16, src/modules/navigator/mission_base.cpp, mission_block.cpp; the reports were seen
-on a PX4.
+Source: PX4 1.16, src/modules/navigator/mission_base.cpp, mission_block.cpp; reports observed on
+PX4.
 """
 
 from __future__ import annotations
@@ -51,21 +51,21 @@ class ItemSequence(Protocol):
 
     @property
     def revision(self) -> int:
-        """Another number each time that another item is to be flown than the order says."""
+        """A number that changes when the next item is not the one in order."""
 
     @property
     def reached(self) -> list[int]:
-        """The items reached that have not been reported."""
+        """The items reached that have not been reported yet."""
 
     def begin(self) -> bool:
-        """The mode begins with the current item; False if the mission has none."""
+        """Starts the mode at the current item; False if the mission has no items."""
 
     def advance(self) -> bool:
-        """Goes on to the next item; False after the last one."""
+        """Proceeds to the next item; False after the last one."""
 
 
 class MissionModeState(Enum):
-    """The states of the mode; the module's table says when each goes on."""
+    """The states of the mode; the module's table has their transitions."""
 
     STARTING = "starting"
     TAKING_OFF = "taking off"
@@ -75,7 +75,7 @@ class MissionModeState(Enum):
 
 
 class MissionMode:
-    """AUTO.MISSION, from entering to leaving it."""
+    """AUTO.MISSION, from entering the mode to leaving it."""
 
     def __init__(self, mission: ItemSequence, now: Situation) -> None:
         self._mission = mission
@@ -85,11 +85,11 @@ class MissionMode:
         self._leg: Leg | None = None
 
     def setpoint(self, now: Situation) -> TrajectorySetpoint:
-        """The present leg's, or the hold at the end of the last one."""
+        """The setpoint of the present leg, or of the hold at the end of the last one."""
         return self._leg.setpoint(now) if self._leg else self._hold.setpoint(now)
 
     def mode_change(self, now: Situation) -> ModeChange | None:
-        """Goes on with the items; the mode that follows the mission, None until then."""
+        """Proceeds through the items; returns the mode after the mission, None until then."""
         mission = self._mission
         if self._state is MissionModeState.STARTING or self._revision != mission.revision:
             self._revision = mission.revision
@@ -118,7 +118,7 @@ class MissionMode:
         return speed_before(self._mission.items, self._mission.current)
 
     def _go_on(self, now: Situation, *, has_item: bool) -> ModeChange | None:
-        """Begins the current item, or ends without one."""
+        """Begins the current item, or ends the mission if there is none."""
         if not has_item:
             return self._end(now)
         self._begin_item(now)

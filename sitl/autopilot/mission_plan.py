@@ -1,12 +1,11 @@
 """A mission's items, and how far they have been flown.
 
-The plan outlives the mode that flies it, so that AUTO.MISSION goes on where it was left. PX4's
-rules:
+The plan outlives the mode that flies it, so AUTO.MISSION continues where it was left. PX4's rules:
 
-1. A mission that has come in is checked first; until then there is none.
+1. A new mission is checked first; until then there is no mission.
 2. Items are flown in order. DO_JUMP only says what comes next.
-3. The current item stays the last one after the end; a mission whose vehicle was disarmed at the
-   last item begins anew.
+3. After the end, the last item stays the current one. A mission whose vehicle was disarmed at the
+   last item begins again.
 
     state         begin                 past the last item   disarmed at the last item
     NOT_STARTED   STARTED
@@ -15,7 +14,7 @@ rules:
     ENDED_EARLY   STARTED, first item
     ENDED         STARTED, first item
 
-A new plan is NOT_STARTED; another current item makes a plan that was begun STARTED.
+A new plan is NOT_STARTED. Another current item makes a plan that has begun STARTED.
 
 Source: PX4 1.16, src/modules/navigator/mission_base.cpp. Left out: checks of a mission's
 feasibility (PX4's default parameters demand little).
@@ -30,8 +29,8 @@ from sitl.autopilot.mission_items import MissionCommand, MissionItem
 from sitl.autopilot.mission_mode import MissionMode
 from sitl.autopilot.situation import Situation
 
-CHECKED_S = 0.02  # PX4 was seen to refuse a mission 0.01 s after its upload
-MAX_JUMPS = 10  # DO_JUMP after DO_JUMP; PX4 gives up then
+CHECKED_S = 0.02  # PX4 was observed to refuse a mission 0.01 s after its upload
+MAX_JUMPS = 10  # of DO_JUMPs in a row; then PX4 gives up
 _ACTIVE_MODES = frozenset({"AUTO.MISSION", "AUTO.TAKEOFF", "AUTO.LAND"})
 
 
@@ -70,8 +69,8 @@ class MissionPlan:
         items: in order.
         current: index of the item that is flown now or next.
         state: how far the plan has been flown.
-        revision: goes up when another item is to be flown than the order says.
-        reached: items reached since whoever reports them has emptied the list.
+        revision: increases when the next item is not the one in order.
+        reached: items reached; their reporter empties the list.
     """
 
     def __init__(self) -> None:
@@ -88,7 +87,7 @@ class MissionPlan:
 
         Args:
             items: the new one, empty for none.
-            current: the item to begin with; None keeps the index as far as it exists.
+            current: index of the first item; None keeps the present index if it exists.
             now_s: the time.
         """
         self.items = tuple(items)
@@ -100,7 +99,7 @@ class MissionPlan:
         self.revision += 1
 
     def is_ready(self, now_s: float) -> bool:
-        """There is a mission, and it has been checked."""
+        """Whether there is a mission that has been checked."""
         return bool(self.items) and now_s - self._loaded_s >= CHECKED_S
 
     def reported_state(self, mode: str, now_s: float) -> MissionState:
@@ -115,11 +114,11 @@ class MissionPlan:
         return MissionState.PAUSED if is_started else MissionState.NOT_STARTED
 
     def is_active(self, mode: str) -> bool:
-        """The mode belongs to missions, as MISSION_CURRENT.mission_mode means it."""
+        """Whether the mode belongs to missions, as in MISSION_CURRENT.mission_mode."""
         return mode in _ACTIVE_MODES
 
     def set_current(self, index: int) -> bool:
-        """Goes on with another item; False if there is none with this index."""
+        """Continues with another item; False if the index does not exist."""
         if not 0 <= index < len(self.items):
             return False
         self.current = index
@@ -129,7 +128,7 @@ class MissionPlan:
         return True
 
     def note_disarming(self) -> None:
-        """The motors have stopped: a mission at its last item is over."""
+        """Notes that the motors have stopped: a mission at its last item is over."""
         if self.current == len(self.items) - 1:
             self.state = _DISARMED_AT_THE_LAST_ITEM.get(self.state, self.state)
 
@@ -138,7 +137,7 @@ class MissionPlan:
         return MissionMode(self, now)
 
     def begin(self) -> bool:
-        """The mode begins with the current item; False if the mission has none."""
+        """Starts the mode at the current item; False if the mission has no items."""
         if self.state in _BEGINS_ANEW:
             self.current = 0
             self._jumps.clear()
@@ -146,11 +145,11 @@ class MissionPlan:
         return self._go_to(self.current, counts=False)
 
     def advance(self) -> bool:
-        """Goes on to the next item; False after the last one."""
+        """Proceeds to the next item; False after the last one."""
         return self._go_to(self.current + 1, counts=True)
 
     def _go_to(self, index: int, *, counts: bool) -> bool:
-        """Makes an item the current one, or the one that its DO_JUMP leads to."""
+        """Makes an item the current one, or the item to which its DO_JUMP leads."""
         for _ in range(MAX_JUMPS):
             if not 0 <= index < len(self.items):
                 break

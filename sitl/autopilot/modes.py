@@ -1,7 +1,7 @@
-"""The flight modes: what each needs, and how it starts.
+"""The flight modes: what each requires, and how it starts.
 
-`FLIGHT_MODES` says for each of PX4's mode names what the mode needs before it may be flown, and
-how it starts. A new mode is a new line there.
+`FLIGHT_MODES` says for each of PX4's mode names what the mode requires before it may be flown, and
+how it starts. To add a mode, add a row.
 
     OFFBOARD      follow the companion's setpoint
     AUTO.TAKEOFF  climb over the present position, then AUTO.LOITER
@@ -13,7 +13,7 @@ how it starts. A new mode is a new line there.
     ALTCTL        the same, but level: without a position it drifts with the wind
     DESCEND       land without a position, level; shown as AUTO.LAND
 
-The autopilot decides when a mode is entered, and when motors idle on the ground.
+The autopilot decides when a mode is entered, and when the motors idle on the ground.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from sitl.autopilot.situation import FlightMode, Situation
 
 
 class ModeRequirement(Enum):
-    """What a mode may need besides a position; the value says what is missing."""
+    """What a mode may require besides a position; the value says what is missing."""
 
     SETPOINTS = "no offboard signal"
     PILOT = "no manual control input"
@@ -44,13 +44,13 @@ class ModeRequirement(Enum):
 
 @dataclass(frozen=True, slots=True)
 class ModeDefinition:
-    """A line of `FLIGHT_MODES`.
+    """A row of `FLIGHT_MODES`.
 
     Attributes:
-        requirement: without it the mode is refused in the air, and arming in it; None if it needs
-            nothing besides a position.
-        start: the mode in flight; a mode that cannot be flown here yet sinks.
-        may_arm: PX4 refuses arming in modes that would land at once.
+        requirement: without it, the mode is refused in the air, and arming is refused in the mode;
+            None if only a position is needed.
+        start: makes the mode in flight; a mode that the simulator does not fly descends.
+        may_arm: whether PX4 allows arming; it does not in modes that would land at once.
     """
 
     requirement: ModeRequirement | None
@@ -77,7 +77,7 @@ FLIGHT_MODES: dict[str, ModeDefinition] = {
 def missing_requirement(
     mode: str, *, has_setpoints: bool, has_mission: bool, has_position: bool
 ) -> str | None:
-    """The requirement that a mode lacks, in words; None if none."""
+    """The missing requirement of a mode, in words; None if nothing is missing."""
     requirement = FLIGHT_MODES[mode].requirement
     is_met = {
         ModeRequirement.SETPOINTS: has_setpoints,

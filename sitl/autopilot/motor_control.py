@@ -1,7 +1,9 @@
-"""What drives the motors: the loops of the autopilot.
+"""What drives the motors: the autopilot's control loops.
 
-In: whether the vehicle is armed, and a setpoint. Out: what the rate loop follows, or motor
+In: whether the vehicle is armed, and a setpoint. Out: a setpoint of the rate loop, or motor
 commands. The motors idle for COM_SPOOLUP_TIME after arming, and on the ground until the setpoint is
+a climb. Otherwise, the control cascade follows the setpoint. Take-offs and landings are detected
+here.
 a climb; otherwise the control cascade follows the setpoint. Take-off and landing are detected here.
 """
 
@@ -48,11 +50,11 @@ class MotorControl:
 
     @property
     def attitude_target(self) -> tuple[Quaternion, float]:
-        """The attitude setpoint, body to NED, and the thrust setpoint as a share of the most."""
+        """The attitude setpoint, body to NED, and the thrust setpoint as a share of full thrust."""
         return self._cascade.attitude, self._cascade.thrust_n / (4 * MAX_THRUST_N)
 
     def arm(self, state: FlightState) -> None:
-        """Begins to spin, with the limits of the parameters."""
+        """Starts to spin the motors, with the limits of the parameters."""
         limit = self._parameters
         self._armed_s = state.time_s
         self._cascade = Cascade(
@@ -67,7 +69,7 @@ class MotorControl:
         self._cascade.reset(heading(state))
 
     def follow(self, setpoint: TrajectorySetpoint | None, state: FlightState) -> None:
-        """Follows another setpoint from now on; None stops the motors."""
+        """Follows another setpoint; None stops the motors."""
         self.setpoint = setpoint
         self._is_climbing = setpoint is not None and _is_climb(setpoint, state)
 

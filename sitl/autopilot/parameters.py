@@ -1,10 +1,10 @@
 """The autopilot's parameters and their values.
 
-The table holds PX4's names, types and defaults (PX4 1.16, quadrotor in SITL): those that our
-modes and failsafes read, and those without which a ground station complains. A new parameter is
-a new line. Values are plain numbers here; how they travel is companion/mavlink/parameters.py.
+The table has PX4's names, types and defaults (PX4 1.16, quadrotor in SITL): those that our modes
+and failsafes read, and those without which a ground station complains. To add a parameter, add a
+row. Values are plain numbers here; companion/mavlink/parameters.py encodes them.
 
-Left out: ranges. PX4 stores a value out of range as it comes, and so does this.
+Left out: ranges. PX4 stores a value out of range as it is, and so does this module.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ PARAMETERS: dict[str, tuple[int, float]] = {
     "SYS_HITL": (INT32, 0),
     "THR_MDL_FAC": (REAL32, 0.0),
 }
-"""Name -> type and PX4's default, in PX4's alphabetical order; the index is the place in it."""
+"""Name -> type and PX4's default, in PX4's alphabetical order, which defines the index."""
 
 AIRFRAME_DEFAULTS: dict[str, float] = {
     "COM_OBL_RC_ACT": 5,  # hold when the offboard stream is lost; PX4's 0 sinks without a pilot
@@ -167,7 +167,7 @@ AIRFRAME_DEFAULTS: dict[str, float] = {
 
 
 def vehicle_defaults(vehicle: VehicleProfile) -> dict[str, float]:
-    """The defaults that a vehicle profile sets, of the limits that the controllers keep to."""
+    """The defaults that a vehicle profile sets for limits of the controllers."""
     return {
         "MPC_XY_VEL_MAX": vehicle.speed_mps,
         "MPC_Z_VEL_MAX_UP": vehicle.climb_mps,

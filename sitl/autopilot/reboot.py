@@ -1,12 +1,12 @@
-"""A reboot of the autopilot: what it still knows afterwards, and what it has lost.
+"""A reboot of the autopilot: what it keeps and what it loses.
 
-PX4 keeps its parameters, the mission, the fence and rally points in its memory. All else begins
-anew: disarmed, in hold, the clock at 0, home and rates of streams as at first. In the air that
-stops the motors, and the vehicle falls. Some vehicles have a processor at the motors that flies on
-and has the main one armed again (PX4's in-air restart with its IO board): `recovers`.
+PX4 keeps its parameters, the mission, the fence and rally points. All else is as at the first
+start: disarmed, in hold, clock at 0, home and stream rates reset. In the air this stops the motors,
+and the vehicle falls. Some vehicles have a second processor at the motors, which continues to fly
+and arms the main one again (PX4's in-air restart with its IO board): `recovers`.
 
 Source: PX4 1.16, user guide, parameters and missions; src/drivers/px4io for the in-air restart.
-Left out: the origin of the local frame, which a PX4 lays anew where it boots; here it stays.
+Left out: the origin of the local frame. PX4 sets a new one where it boots; here it stays.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ def rebooted(
     """The autopilot after a reboot.
 
     Args:
-        before: as it was.
-        state: as estimated now.
+        before: the autopilot before.
+        state: the present estimate.
         gains: of the horizontal position loops.
-        recovers: a vehicle that is armed stays so, and holds its place.
+        recovers: whether an armed vehicle stays armed and holds its place.
     """
     after = Autopilot(before.parameters, state, gains)
     before.mission.note_disarming()

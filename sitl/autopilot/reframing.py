@@ -1,8 +1,8 @@
-"""Another origin of the local frame, also in flight: what the autopilot keeps, and where.
+"""A new origin of the local frame, also in flight: what the autopilot keeps, and where.
 
-PX4 takes an origin from anybody (SET_GPS_GLOBAL_ORIGIN). Its local position jumps by the
-difference, and so do home, the fence, rally points and the setpoint that it holds; its modes go on
-from where the vehicle is.
+PX4 accepts an origin from any sender (SET_GPS_GLOBAL_ORIGIN). Its local position jumps by the
+difference, and so do home, the fence, rally points and the setpoint that it holds. Its modes
+continue from the vehicle's place.
 
 Source: PX4 1.16, src/modules/ekf2/EKF/ekf_helper.cpp (setLatLonOrigin), adjustSetpointForEKFResets.
 Left out: the items of a mission that was uploaded, which stay where they were.
@@ -24,10 +24,10 @@ def reframed(before: Autopilot, state: FlightState, gains: HorizontalGains, by: 
     """The autopilot in another local frame.
 
     Args:
-        before: as it was.
-        state: as estimated now, in the new frame.
+        before: the autopilot before.
+        state: the present estimate, in the new frame.
         gains: of the horizontal position loops.
-        by: what positions have become greater by.
+        by: what is added to every position.
     """
     after = Autopilot(before.parameters, state, gains)
     after.is_armed, after.is_crashed = before.is_armed, before.is_crashed

@@ -1,12 +1,12 @@
-"""Where a return leads: home, or the nearest of the rally points.
+"""The destination of a return: home, or the nearest rally point.
 
     RTL_TYPE   destination
     0, 3       the nearest of home and rally points
     1          the nearest rally point; home without one
     2, 4       home
 
-A rally point is passed over that is within NEAR_HOME_M of home, or not nearer than what was chosen
-before it by more than NEARER_M. Distances are horizontal.
+A rally point is ignored if it is within NEAR_HOME_M of home, or if it is not nearer by more than
+NEARER_M than the point chosen before it. Distances are horizontal.
 
 Source: PX4 1.16, src/modules/navigator/rtl.cpp (findRtlDestination). Left out: the landing of a
 mission (1 to 4), the way back along a mission (2, 4).
@@ -23,7 +23,7 @@ from companion.geometry import Ned, NorthEast, horizontal_distance
 NEAR_HOME_M = 10.0
 NEARER_M = 2.0
 HOME_ALONE, WITHOUT_HOME = (2, 4), 1
-"""RTL_TYPE."""
+"""Values of RTL_TYPE."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class SafePoint:
     """A rally point.
 
     Attributes:
-        up_m: of the ground there, above home or above the origin of the local frame.
+        up_m: height of the ground there, above home or above the local origin.
     """
 
     position: NorthEast
@@ -39,7 +39,7 @@ class SafePoint:
     is_above_home: bool
 
     def ned(self, home: Ned) -> Ned:
-        """Where it is, by where home is now."""
+        """Its position, given the present home."""
         return (*self.position, (home[2] if self.is_above_home else 0.0) - self.up_m)
 
 

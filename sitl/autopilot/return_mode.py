@@ -1,6 +1,6 @@
 """AUTO.RTL: the return to home, or to a rally point, and the landing there.
 
-Source: PX4, src/modules/navigator/rtl.cpp (height of the return), and return_destination.py.
+Source: PX4, src/modules/navigator/rtl.cpp (height of the return); return_destination.py.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from sitl.flight.controllers import TrajectorySetpoint
 
 
 class ReturnPhase(Enum):
-    """The phases of a return, in order; each may be over at once."""
+    """The phases of a return, in order; each may end at once."""
 
     CLIMB = "climb"
     CROSS = "fly to where it lands"
@@ -28,9 +28,9 @@ class ReturnPhase(Enum):
 
 @dataclass(slots=True)
 class ReturnMode(OpenEndedMode):
-    """Climbs, flies to its destination, waits there for RTL_LAND_DELAY (negative: for good), lands.
+    """Climbs, flies to its destination, waits RTL_LAND_DELAY (negative: for ever), lands.
 
-    Where that is, is settled as it begins.
+    The destination is chosen at the start.
     """
 
     destination: Ned
@@ -89,7 +89,7 @@ class ReturnMode(OpenEndedMode):
 
 
 def return_height_m(position: Ned, home: Ned, parameters: Parameters) -> float:
-    """Height above home at which to return: RTL_RETURN_ALT, less inside a cone near home.
+    """Height above home at which to return: RTL_RETURN_ALT, or less inside a cone near home.
 
     Never below the present height (PX4, RTL::calculate_return_alt_from_cone_half_angle).
     """

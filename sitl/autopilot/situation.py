@@ -1,7 +1,7 @@
 """The interface between the autopilot and a flight mode.
 
-A mode in flight takes a `Situation` and gives the `TrajectorySetpoint` that the control cascade
-follows. It also says which mode follows it by itself, if any.
+A mode in flight takes a `Situation` and returns the `TrajectorySetpoint` for the control cascade.
+It also says which mode follows by itself, if any.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ class Situation(NamedTuple):
 
     Attributes:
         home: where the vehicle was armed, local NED.
-        offboard_setpoint: the newest valid one, None before the first.
-        takeoff_down_m: the height of the take-off, as local NED down.
+        offboard_setpoint: the newest valid one; None before the first.
+        takeoff_down_m: the height to which a take-off climbs, as local NED down.
         cruise_mps: horizontal speed between places.
-        is_landed: the vehicle rests on the ground.
+        is_landed: whether the vehicle rests on the ground.
         mission: flown by AUTO.MISSION.
         safe_points: rally points.
     """
@@ -42,7 +42,7 @@ class Situation(NamedTuple):
 
 
 class ModeFactory(Protocol):
-    """The origin of a mode that knows more than the vehicle's situation."""
+    """Starts a mode that needs more than the vehicle's situation."""
 
     def start(self, now: Situation) -> FlightMode:
         """The mode in flight."""
@@ -55,12 +55,12 @@ class FlightMode(Protocol):
         """The setpoint of this step."""
 
     def mode_change(self, now: Situation) -> ModeChange | None:
-        """The mode that follows once this one is done, None until then; called at 50 Hz."""
+        """The mode that follows once this one is done; None until then. Called at 50 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
 class ModeChange:
-    """A mode that follows by itself, and its status text for people if it has one."""
+    """A mode that follows by itself, with its text for people, if it has one."""
 
     mode: str
     flying: FlightMode
@@ -77,7 +77,7 @@ def stopping_point(now: Situation) -> Ned:
     north, east, down = now.state.position
     v_north, v_east, _ = now.state.velocity
     speed = math.hypot(v_north, v_east)
-    acceleration = max(0.1, now.parameters["MPC_ACC_HOR"])  # any value may have been stored
+    acceleration = max(0.1, now.parameters["MPC_ACC_HOR"])  # any value may be stored
     ramp_s = acceleration / max(0.1, now.parameters["MPC_JERK_AUTO"])
     braking_s = speed / (2 * acceleration) + ramp_s
     return (north + v_north * braking_s, east + v_east * braking_s, down)

@@ -1,7 +1,7 @@
-"""What the autopilot tells people: a text, and for some texts an event.
+"""The autopilot's texts for people; some of them are also events.
 
-The wording is PX4's where it was seen. An event is a template with arguments, `{1}` or `{1:.0}`;
-`TEMPLATES` lists them all. Left out: events for what is less than a warning.
+The wording is PX4's where it was observed. An event is a template with arguments, `{1}` or
+`{1:.0}`; `TEMPLATES` lists them all. Left out: events that are less than a warning.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ class Severity(IntEnum):
 
 
 class ToldEvent(NamedTuple):
-    """A line of `TEMPLATES`, and what fills it."""
+    """A row of `TEMPLATES` with its arguments."""
 
     template: str
     arguments: tuple[str | float, ...] = ()
 
     @property
     def text(self) -> str:
-        """The event in words."""
+        """The text of the event."""
 
         def filled(slot: re.Match[str]) -> str:
             argument = self.arguments[int(slot[1]) - 1]
@@ -44,7 +44,7 @@ class ToldEvent(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StatusText:
-    """A line for people, sent as STATUSTEXT, and as EVENT if it has one."""
+    """A text for people, sent as STATUSTEXT, and also as EVENT if it has one."""
 
     severity: Severity
     text: str
@@ -67,7 +67,7 @@ TEMPLATES: dict[str, tuple[str, ...]] = {
 
 
 def told(severity: Severity, template: str, *arguments: str | float) -> StatusText:
-    """A line for people that is an event, too."""
+    """A text for people that is also an event."""
     event = ToldEvent(template, arguments)
     return StatusText(severity, event.text, event)
 
@@ -80,7 +80,7 @@ BATTERY_TEXTS = {
 
 
 def failsafe_texts(state: FailsafeState, parameters: Parameters) -> list[StatusText]:
-    """The texts when another action is selected, or its stage changes."""
+    """The texts when another failsafe action is selected, or when its stage changes."""
     selected = state.selected
     if selected is None:
         return []

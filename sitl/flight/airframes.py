@@ -1,7 +1,8 @@
-"""The airframes that a scenario may choose: what differs in physics and in the controllers' gains.
+"""The airframes that a scenario may choose: their drag and their controllers' gains.
 
 Source of `px4_sih`: PX4 1.16, its simulation-in-hardware quadrotor (SIH_KDV, 1 N per m/s at 1 kg)
-and the defaults of mc_pos_control. The drag is that per mass; all else is our own vehicle.
+and the defaults of mc_pos_control. Only the drag per mass is taken from there; all else is our own
+vehicle.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from sitl.flight.controllers import OWN_GAINS, HorizontalGains
 
 @dataclass(frozen=True, slots=True)
 class Airframe:
-    """A line of `AIRFRAMES`.
+    """A row of `AIRFRAMES`.
 
     Attributes:
         linear_drag_n_per_mps: of the body.
@@ -29,4 +30,4 @@ AIRFRAMES: dict[str, Airframe] = {
     "quad_450": Airframe(),
     "px4_sih": Airframe(1.0, HorizontalGains(0.95, 1.8, 0.4, math.radians(45), is_gentle=False)),
 }
-"""By the names that scenarios use; the first is the default."""
+"""By the names that scenarios use; the first one is the default."""

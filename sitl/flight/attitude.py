@@ -1,8 +1,8 @@
 """Conversions between thrust directions, Euler angles and attitude errors.
 
-Pure functions on quaternions (w, x, y, z), body to NED. Source: the reduced attitude follows
-Brescianini, Hehn, D'Andrea, "Nonlinear Quadrocopter Attitude Control" (ETH Zurich, 2013), as
-PX4's AttitudeControl does.
+Pure functions on quaternions (w, x, y, z), body to NED. The reduced attitude follows Brescianini,
+Hehn, D'Andrea, "Nonlinear Quadrocopter Attitude Control" (ETH Zurich, 2013), as PX4's
+AttitudeControl does.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ def quaternion_from_euler(roll: float, pitch: float, yaw: float) -> Quaternion:
 
 
 def attitude_from_thrust(thrust: Ned, yaw_rad: float) -> Quaternion:
-    """The attitude whose -z axis points along a thrust vector, with a heading.
+    """The attitude with a given heading whose -z axis points along a thrust vector.
 
     Args:
         thrust: NED, any length but zero; its down component is negative.
-        yaw_rad: of the forward axis seen from above.
+        yaw_rad: heading of the forward axis, seen from above.
     """
     # The third column of Rz(yaw) Ry(pitch) Rx(roll), turned back by the heading, is
     # (sin pitch cos roll, -sin roll, cos pitch cos roll).
@@ -43,10 +43,11 @@ def attitude_from_thrust(thrust: Ned, yaw_rad: float) -> Quaternion:
 
 
 def tilt_and_heading(q: Quaternion, wanted: Quaternion) -> tuple[float, float, float]:
-    """Rotation from q to a wanted attitude: x and y the short way for the thrust axis, z the rest.
+    """The rotation from q to a wanted attitude: x and y turn the thrust axis, z turns about it.
 
     The error e = q^-1 wanted is split as e = tilt * twist: a rotation about an axis in the rotor
-    plane, then one about body z. Each component is 2 sin(angle / 2) times the axis, in the body.
+    plane by the shortest way, then one about body z. Each component is 2 sin(angle / 2) times the
+    axis, in body coordinates.
     """
     w, x, y, z = q
     w_d, x_d, y_d, z_d = wanted
@@ -55,7 +56,7 @@ def tilt_and_heading(q: Quaternion, wanted: Quaternion) -> tuple[float, float, f
     e_y = w * y_d + x * z_d - y * w_d - z * x_d
     e_z = w * z_d - x * y_d + y * x_d - z * w_d
     twist = math.hypot(e_w, e_z)
-    if twist < 1e-9:  # the thrust axis points the opposite way: any axis will do
+    if twist < 1e-9:  # the thrust axis points the opposite way: any axis is right
         return (2.0, 0.0, 0.0)
     return (
         2 * (e_x * e_w - e_y * e_z) / twist,

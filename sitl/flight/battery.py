@@ -1,7 +1,7 @@
 """The battery of the vehicle: four cells in series, their gauge, a charger, age.
 
-What it does is in `quadrotor.xml`: an open-circuit voltage, a resistance and one RC pair. Here its
-properties have names, and the gauge counts.
+The electrical model is in `quadrotor.xml`: an open-circuit voltage, a resistance and one RC pair.
+This module gives its properties names and integrates what the gauge counts.
 """
 
 from __future__ import annotations
@@ -11,17 +11,17 @@ from typing import Protocol
 
 CAPACITY_AH = 5.0
 SERIES_OHM, POLARISATION_OHM = 0.016, 0.010
-"""Of a pack that is new."""
+"""Resistances of a new pack."""
 
 
 @dataclass(frozen=True, slots=True)
 class BatterySpec:
-    """A pack as it is put in.
+    """A pack at the start.
 
     Attributes:
-        charge: 0 to 1, of what it can hold.
-        capacity: what it can hold, as a share of a new one's.
-        resistance: how many times that of a new one.
+        charge: 0 to 1, as a share of what it can hold.
+        capacity: what it can hold, as a share of a new pack's.
+        resistance: as a multiple of a new pack's.
     """
 
     charge: float = 1.0
@@ -34,12 +34,12 @@ NEW = BatterySpec()
 
 @dataclass(frozen=True, slots=True)
 class BatteryChange:
-    """What becomes of the battery; None leaves it as it is.
+    """A change of the battery; None leaves a property as it is.
 
     Attributes:
-        charge: it jumps.
-        is_known: its gauge is read.
-        capacity, resistance: it ages; the charge stays the same share of what it can hold.
+        charge: the new charge.
+        is_known: whether its gauge can be read.
+        capacity, resistance: it ages; its charge stays the same share of what it can hold.
     """
 
     charge: float | None = None
@@ -53,10 +53,10 @@ class BatteryStatus:
     """The battery as its gauge reports it.
 
     Attributes:
-        consumed_mah: drawn since the start, less what was charged.
-        consumed_j: its energy at the terminals, likewise.
-        mean_current_a: of the last 20 s, which the battery's RC pair knows.
-        remaining_s: until empty at the mean current, None while nothing drains.
+        consumed_mah: charge drawn since the start, minus what was charged.
+        consumed_j: energy at the terminals, likewise.
+        mean_current_a: over the last 20 s, from the battery's RC pair.
+        remaining_s: time until empty at the mean current; None while it does not drain.
         is_charging: the current flows into the battery.
     """
 
@@ -68,7 +68,7 @@ class BatteryStatus:
 
 
 class Properties(Protocol):
-    """The properties of a JSBSim, by name."""
+    """The properties of a JSBSim instance, by name."""
 
     def __getitem__(self, name: str) -> float: ...
 
@@ -79,7 +79,7 @@ class Battery:
     """The battery in a running JSBSim.
 
     Args:
-        fdm: with the airframe loaded.
+        fdm: JSBSim with the airframe loaded.
         spec: the pack at the start.
 
     Attributes:
@@ -108,16 +108,16 @@ class Battery:
         )
 
     def set_charge(self, charge: float) -> None:
-        """The state of charge jumps, 0 to 1; nothing counts as consumed by it."""
+        """Sets the state of charge, 0 to 1; this does not count as consumption."""
         self._full_charge += charge - self._fdm["battery/charge"]
         self._fdm["battery/charge"] = charge
 
     def age(self, capacity: float | None, resistance: float | None) -> None:
-        """The pack is another one from now on, as full as it was; None leaves it.
+        """Replaces the pack by one of another age with the same charge; None keeps a property.
 
         Args:
             capacity: as a share of a new pack's.
-            resistance: how many times that of a new one.
+            resistance: as a multiple of a new pack's.
         """
         if capacity is not None:
             self._counted_mah += self._since_mah()
@@ -132,8 +132,8 @@ class Battery:
     def charging_a(self) -> float:
         """The current that a charger gives the vehicle, 0 without one.
 
-        It is constant until the terminals reach 16.8 V, then falls while the voltage is constant,
-        until the battery is full.
+        The current is constant until the terminals reach 16.8 V; then the voltage is constant and
+        the current falls until the battery is full.
         """
         return self._fdm["battery/charging-a"]
 
@@ -143,7 +143,9 @@ class Battery:
 
     @property
     def is_draining(self) -> bool:
-        """Whether the vehicle's own current takes charge away; a charger's always gives some."""
+        """Whether the vehicle's own current reduces the charge; a charger's current always adds to
+        it.
+        """
         return self._is_draining
 
     @is_draining.setter
@@ -156,5 +158,5 @@ class Battery:
         return CAPACITY_AH * 3600 * self.capacity
 
     def _since_mah(self) -> float:
-        """Drawn since the pack has been as it is."""
+        """Charge drawn since the pack's last change."""
         return (self._full_charge - self._fdm["battery/charge"]) * self._capacity_as / 3.6

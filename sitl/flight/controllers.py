@@ -4,14 +4,14 @@
     |---------------- 50 Hz --------------|    |- every step -|
                     here                       rate_control.xml
 
-Position and velocity errors become an acceleration setpoint, that a thrust vector, that an attitude
-(the direction of thrust first, heading second) and a thrust. When thrust is short, height comes
-before horizontal motion; integrators stand still while their loop is limited.
+Position and velocity errors give an acceleration setpoint, this gives a thrust vector, and that
+gives an attitude (first the direction of thrust, then heading) and a thrust. When thrust is short,
+height has priority over horizontal motion. Integrators stop while their loop is limited.
 
 Source: PX4's controller diagrams and mc_pos_control, mc_att_control, mc_rate_control.
-Unlike PX4, gains are in SI (N m, m/s^2) and the speed towards a far position follows a braking
-parabola, so that a distant setpoint does not overshoot (PX4: 0.3 m of 10 m, 1.2 m of 30 m). Speeds
-and times of such steps are otherwise PX4's.
+Unlike PX4, gains are in SI (N m, m/s^2), and the speed towards a far position follows a braking
+parabola, so that a distant setpoint causes no overshoot (PX4: 0.3 m of 10 m, 1.2 m of 30 m).
+Otherwise, speeds and times of such steps are PX4's.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from sitl.flight.rotors import IDLE_COMMAND, MASS_KG, MAX_THRUST_N, MIN_THRUST_N
 VERTICAL_P, CLIMB_P, CLIMB_I = 2.0, 6.0, 2.5  # 1/s, 1/s, 1/s^2
 ATTITUDE_P = (7.0, 7.0, 3.0)  # 1/s
 
-CONTROL_STEPS = 5  # of the physics, for one of the loops here
-BRAKING_SHARE = 0.5  # of the acceleration limit is used to brake before a far position
+CONTROL_STEPS = 5  # physics steps for one step of the loops here
+BRAKING_SHARE = 0.5  # of the acceleration limit, to brake before a far position
 FADE_MPS = 0.2  # velocity errors above this count less and less for the integrals
 MAX_INTEGRAL_MPS2 = 4.0  # where errors fade
 LEAST_LIFT_MPS2, MOST_LIFT_MPS2 = 4 * MIN_THRUST_N / MASS_KG, 4 * MAX_THRUST_N / MASS_KG
@@ -56,9 +56,9 @@ class HorizontalGains:
         position_p: 1/s.
         velocity_p: 1/s.
         velocity_i: 1/s^2.
-        tilt_rad: as far as the vehicle leans.
-        is_gentle: whether the loops keep to the acceleration limit, and integrate large errors less
-            and less. PX4's do neither: they lean into a wind that they can hold against at all.
+        tilt_rad: the largest tilt.
+        is_gentle: whether the loops obey the acceleration limit, and integrate large errors less.
+            PX4's do neither: they lean into any wind that they can hold against.
     """
 
     position_p: float = 1.6
@@ -69,7 +69,7 @@ class HorizontalGains:
 
 
 OWN_GAINS = HorizontalGains()
-"""Of the vehicle in quadrotor.xml."""
+"""The gains of the vehicle in quadrotor.xml."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ class TrajectorySetpoint:
         acceleration: NED, m/s^2: feed-forward, or the setpoint where neither is given.
         yaw_rad: heading; None holds the last one.
         yaw_rate_radps: feed-forward with a heading, turns the held heading without one.
-        speed_mps: no faster than this horizontally; None is as fast as the limits allow.
+        speed_mps: largest horizontal speed; None is as fast as the limits allow.
     """
 
     position: Maybe
@@ -109,7 +109,7 @@ class VelocityLoop:
         self._integral = (0.0, 0.0, self._integral[2])
 
     def step(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> Vector:
-        """The thrust per mass towards the setpoint; at rest (0, 0, -g)."""
+        """The thrust per mass towards the setpoint, NED; at rest (0, 0, -g)."""
         e_n, e_e, e_d = self._velocity_error(state, setpoint)
         i_n, i_e, i_d = self._integral
         a_n, a_e, a_d = setpoint.acceleration
@@ -120,7 +120,7 @@ class VelocityLoop:
         limit = self._limits.acceleration_mps2
         lift = _clamp(_clamp(down, -limit, limit) - GRAVITY_MPS2, -MOST_LIFT_MPS2, -LEAST_LIFT_MPS2)
         is_lift_limited = (down - GRAVITY_MPS2 - lift) * e_d > 0
-        # Height first: horizontal thrust gets what tilt and the motors leave.
+        # Height first: horizontal thrust gets what tilt and motors leave.
         most = min(
             limit if gains.is_gentle else math.inf,
             -lift * math.tan(gains.tilt_rad),
@@ -169,7 +169,7 @@ class VelocityLoop:
 
 
 class Cascade:
-    """The whole cascade for one vehicle; call `reset` when arming.
+    """The whole cascade of one vehicle; call `reset` when arming.
 
     Attributes:
         attitude: setpoint, body to NED.
@@ -186,7 +186,7 @@ class Cascade:
         self.reset(0.0)
 
     def reset(self, yaw_rad: float) -> None:
-        """Clears the integrators; holds this heading while none is commanded."""
+        """Clears the integrators; holds this heading until one is commanded."""
         self._velocity_loop.reset()
         self._yaw = yaw_rad
         self._yaw_rate = 0.0
@@ -194,21 +194,21 @@ class Cascade:
         self.thrust_n = MASS_KG * GRAVITY_MPS2
 
     def idle(self) -> Motors:
-        """Motor commands of an armed vehicle that stands; nothing winds up meanwhile."""
+        """Motor commands of an armed vehicle that stands; no integral winds up meanwhile."""
         self.reset(self._yaw)
         return (IDLE_COMMAND,) * 4
 
     def step(self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float) -> RateSetpoint:
-        """What the rate loop is to follow towards the setpoint; call it at 50 Hz."""
+        """The rate setpoint that leads towards the setpoint; call it at 50 Hz."""
         self._step_position(state, setpoint, dt_s)
         return RateSetpoint(self.thrust_n, self._wanted_rates(state.attitude))
 
     def touch_down(
         self, state: FlightState, setpoint: TrajectorySetpoint, dt_s: float
     ) -> RateSetpoint:
-        """The same on the ground, which holds the vehicle: level, however the wind blows.
+        """The same on the ground, which holds the vehicle: level, whatever the wind.
 
-        One that leaned when its motors idle would tip over.
+        A vehicle that leans when its motors idle would tip over.
         """
         self._velocity_loop.reset_push()
         vertical = TrajectorySetpoint(
@@ -250,7 +250,7 @@ class Cascade:
 
 
 def _approach_speed(distance_m: float, gain: float, braking_mps2: float) -> float:
-    """Proportional when near, on the braking parabola v^2 = 2 a s when far; smooth between."""
+    """Speed towards a position: proportional when near, on v^2 = 2 a s when far; smooth between."""
     near = braking_mps2 / gain**2
     if distance_m <= near:
         return gain * distance_m
@@ -258,9 +258,9 @@ def _approach_speed(distance_m: float, gain: float, braking_mps2: float) -> floa
 
 
 def _fade(error: float) -> float:
-    """A velocity error as the integrals see it: large ones come from a step of the setpoint.
+    """A velocity error as the integrals take it: large errors, from setpoint steps, are reduced.
 
-    A constant disturbance shows as a small error and is integrated away; the large error at the
+    A constant disturbance appears as a small error and is integrated away. The large error at the
     start of a step would leave a tail of seconds (PX4's rate loop fades its integral likewise).
     """
     return error / (1 + (error / FADE_MPS) ** 2)

@@ -1,25 +1,26 @@
 """The autopilot's estimate of the vehicle's state: the truth, plus the errors of GPS.
 
-In: the true state each step, and the quality of GPS now. Out: the state that the autopilot flies by
-and reports. Four cases:
+In: the true state at each step, and the present quality of GPS. Out: the state that the autopilot
+flies by and reports. Four cases:
 
     good GPS       the truth itself, the same object
     noisy GPS      north and east wander slowly: a first-order Gauss-Markov process of deviation
                    `noise_m` and correlation time 60 s, e' = -e / tau + white noise
-    wander         the velocity's error v is such a process, too, and the position's error
-                   integrates it while fixes pull it back: e' = v - e / T. Both with one time
-                   constant, which the two deviations determine: T = sqrt(2) sd(e) / sd(v). PX4's
-                   filter, which fuses white noise, looks so from outside. The height, where it
-                   wanders, too, does so with T = 20 s
-    GPS lost       dead reckoning: the velocity's error is a random walk of 0.1 m/s per root of a
-                   second, so the position's deviation grows as 0.1 sqrt(t^3 / 3)
+    wander         the velocity error v is such a process too, and the position error integrates
+                   it while fixes pull it back: e' = v - e / T. Both have the same time constant,
+                   which follows from the two deviations: T = sqrt(2) sd(e) / sd(v). This is how
+                   PX4's filter, which fuses white noise, looks from outside. If the height
+                   wanders too, its T is 20 s
+    GPS lost       dead reckoning: the velocity error is a random walk of 0.1 m/s per root of a
+                   second, so the deviation of the position grows as 0.1 sqrt(t^3 / 3)
 
-The accuracy that is told is the root of the sum of these variances, and of CLAIMED_M, which a
-filter with a perfect receiver claims. A fix after a loss takes the estimate back at once, as PX4's
-estimator resets its position. Height comes from the barometer, and stays true but for a wander that
-is asked for; what it is claimed to be good for does not tell of that, as a PX4's does not. Attitude
-and rates come from inertial sensors, and stay true. A jump adds to all of these for good, the fixes
-included, as after a reset to a receiver or a barometer that is off.
+1. The reported accuracy is the root of the sum of these variances and of CLAIMED_M, the accuracy
+   that a filter with a perfect receiver reports.
+2. A fix after a loss corrects the estimate at once, as PX4's estimator resets its position.
+3. Height comes from the barometer. It is exact, unless the scenario asks for wander; as in PX4, the
+   reported accuracy of the height does not show this error.
+4. Attitude and rates come from inertial sensors and are exact.
+5. A jump shifts position and fixes for good, as after a reset to a wrong receiver or barometer.
 
 Source: Gauss-Markov errors of GPS after Parkinson and Spilker, Global Positioning System, vol. 1.
 """
@@ -45,7 +46,7 @@ class GpsQuality:
     """The quality of GPS.
 
     Attributes:
-        is_lost: no fix.
+        is_lost: there is no fix.
         noise_m: standard deviation of north and of east.
         satellites: used by the receiver.
     """
@@ -57,13 +58,13 @@ class GpsQuality:
 
 @dataclass(frozen=True, slots=True)
 class Wander:
-    """How far the estimate wanders although the receiver has its fix.
+    """How far the estimate wanders although the receiver has a fix.
 
     Attributes:
-        position_m: root of the mean square of the position's error, north and east together.
-        velocity_mps: the same of the velocity's error.
-        height_m: root of the mean square of the height's error; its vertical velocity is off by
-            what makes that of it.
+        position_m: root mean square of the position error, north and east together.
+        velocity_mps: root mean square of the velocity error.
+        height_m: root mean square of the height error; the error of the vertical velocity follows
+            from it.
     """
 
     position_m: float
@@ -76,35 +77,35 @@ class Wander:
         return WanderingError(2, self.velocity_mps / math.sqrt(2), time_s, rng)
 
     def height_error(self, rng: random.Random) -> WanderingError | None:
-        """The error of down; None where the height is true."""
+        """The error of down; None where the height is exact."""
         if not self.height_m:
             return None
         return WanderingError(1, math.sqrt(2) * self.height_m / HEIGHT_S, HEIGHT_S, rng)
 
 
 class WanderingError:
-    """Errors that wander, of one or more coordinates, from their stationary distribution on.
+    """Wandering errors of one or more coordinates, which start in their stationary distribution.
 
     Args:
-        axes: how many coordinates.
+        axes: number of coordinates.
         velocity_mps: standard deviation of the error of each coordinate's velocity.
         time_s: the time constant.
-        rng: of the errors.
+        rng: source of the errors.
 
     Attributes:
-        position, velocity: (axes,) the errors now.
+        position, velocity: (axes,) the present errors.
     """
 
     def __init__(self, axes: int, velocity_mps: float, time_s: float, rng: random.Random) -> None:
         self._axes, self._time_s, self._rng = axes, time_s, rng
         self._velocity_sd = velocity_mps
         self.velocity = self._draw(self._velocity_sd)
-        # Correlated as they are for ever after: E[e v] = sd(v)^2 T / 2.
+        # Correlated as in the stationary state: E[e v] = sd(v)^2 T / 2.
         half, rest = time_s / 2, self._draw(self._velocity_sd * time_s / 2)
         self.position = tuple(half * v + r for v, r in zip(self.velocity, rest, strict=True))
 
     def step(self, dt_s: float) -> None:
-        """Time passes."""
+        """Advances the errors by a time step."""
         keep = math.exp(-dt_s / self._time_s)
         kick = self._draw(self._velocity_sd * math.sqrt(1 - keep * keep))
         before = zip(self.position, self.velocity, strict=True)
@@ -119,16 +120,16 @@ class Estimator:
     """The estimate of one vehicle.
 
     Args:
-        rng: of the errors.
+        rng: source of the errors.
         gps: at the start.
-        wander: of the estimate, None is none.
+        wander: of the estimate; None means none.
 
     Attributes:
         gps: may be replaced in flight.
         error: of the estimated position, north and east.
-        fix_error: of the receiver's fix; while there is none, that of a fix.
-        resets: how often the position was set elsewhere at once.
-        time_since_fix_s: time since the last fix, 0 with one.
+        fix_error: of the receiver's fix; while there is none, the error that a fix would have.
+        resets: how often the position was reset.
+        time_since_fix_s: time since the last fix; 0 with a fix.
     """
 
     def __init__(
@@ -153,12 +154,12 @@ class Estimator:
 
     @property
     def accuracy_m(self) -> float:
-        """What the horizontal position is claimed to be good for: one standard deviation."""
+        """The reported accuracy of the horizontal position: one standard deviation, m."""
         drift_m = VELOCITY_WALK * math.sqrt(2 * self.time_since_fix_s**3 / 3)
         return math.hypot(CLAIMED_M, self._wander_m, math.sqrt(2) * self.gps.noise_m, drift_m)
 
     def jump(self, by: Ned) -> None:
-        """The estimated position is elsewhere at once, and the receiver's fixes with it."""
+        """Shifts the estimated position and the receiver's fixes at once."""
         (north, east, down), (by_n, by_e, by_d) = self._jumped, by
         self._jumped = (north + by_n, east + by_e, down + by_d)
         self._place_fix()
@@ -166,7 +167,7 @@ class Estimator:
         self.resets += 1
 
     def step(self, truth: FlightState, now_s: float) -> FlightState:
-        """The estimate at a time; the first call only sets the clock."""
+        """The estimate at a time; the first call only starts the clock."""
         dt_s = 0.0 if self._now_s is None else now_s - self._now_s
         self._now_s = now_s
         gps = self.gps
@@ -213,7 +214,7 @@ class Estimator:
         self._velocity_error = (v_n + gauss(0.0, kick), v_e + gauss(0.0, kick))
 
     def seen(self, truth: FlightState) -> FlightState:
-        """The estimate of a state, with the errors of the last step."""
+        """The estimate of a true state, with the errors of the last step."""
         height = self._height
         is_level_true = self.error == (0.0, 0.0) == self._velocity_error
         if is_level_true and height is None and not self._jumped[2]:

@@ -1,15 +1,15 @@
 """Gusts near the ground: Dryden's spectra, by MIL-F-8785C for low altitude.
 
-In: height above the ground, speed through the air, time. Out: the velocity of the air beside the
-mean wind, local NED. Gusts stand in the air and are flown through: they need air that moves past
-the vehicle. Along the wind a gust correlates as e^-x with x = V t / L; across it and downwards as
-e^-x (1 - x/2).
+In: height above the ground, speed through the air, time. Out: the velocity of the air relative to
+the mean wind, local NED. Gusts are fixed in the air, and the vehicle flies through them: without
+air moving past the vehicle they do not change. Along the wind a gust correlates as e^-x with x = V
+t / L; across it and downwards as e^-x (1 - x/2).
 
-JSBSim's own are not used: they take the height above the sea for that above the ground
-(FGWinds::Run, 1.3.3), so that 488 m up in Zurich any gusts at all were those of a high altitude,
-1.4 m/s upwards and downwards for a minute.
+JSBSim's own gusts are not used: they take the height above sea level for that above the ground
+(FGWinds::Run, 1.3.3). At Zurich's 488 m, all gusts were therefore those of a high altitude, 1.4 m/s
+upwards and downwards for a minute.
 
-Left out: gusts that turn the vehicle, which is smaller than they are.
+Left out: gusts that turn the vehicle, because the vehicle is smaller than they are.
 
 Source: MIL-F-8785C, 3.7; Moorhouse and Woodcock, AFWAL-TR-81-3109, 1982.
 """
@@ -23,16 +23,16 @@ from companion.geometry import Ned
 
 M_PER_FT = 0.3048
 LOWEST_FT, HIGHEST_FT = 10.0, 1000.0
-"""The standard's range; below and above it is as at its ends."""
+"""The range of the standard in ft; outside it, the values at its ends apply."""
 _ROOT_3, _ROOT_2 = math.sqrt(3.0), math.sqrt(2.0)
 
 
 def scale(height_m: float) -> tuple[float, float, float]:
-    """How far gusts reach along and across the wind, and downwards, m; and how much stronger the
-    horizontal ones are.
+    """The length scales of gusts, horizontal and vertical, in m; and how much stronger the
+    horizontal gusts are.
 
     >>> [round(each, 1) for each in scale(6.0)]
-    [43.0, 6.0, 1.9]
+    [43.1, 6.0, 1.9]
     """
     height_ft = min(HIGHEST_FT, max(LOWEST_FT, height_m / M_PER_FT))
     shape = 0.177 + 0.000823 * height_ft
@@ -46,11 +46,11 @@ class _Transverse:
         self._first = self._second = 0.0
 
     def step(self, keep: float, noise: float) -> float:
-        """The next value, of deviation 1.
+        """The next value, of standard deviation 1.
 
         Args:
-            keep: what is left of a value after the step: e^-x of x lengths.
-            noise: of deviation 1.
+            keep: e^-x for a step of x length scales, the share of a value that remains.
+            noise: white, of standard deviation 1.
         """
         self._second += (1 - keep) * (self._first - self._second)
         self._first = keep * self._first + math.sqrt(1 - keep * keep) * noise
@@ -61,8 +61,9 @@ class Gusts:
     """The gusts of one flight.
 
     Args:
-        deviation_mps: standard, of vertical ones; horizontal ones are about twice as strong.
-        seed: of chance, any integer.
+        deviation_mps: standard deviation of vertical gusts; horizontal ones are about twice as
+            strong.
+        seed: any integer.
     """
 
     def __init__(self, deviation_mps: float, seed: int) -> None:
@@ -78,7 +79,7 @@ class Gusts:
         Args:
             height_m: above the ground.
             airspeed_mps: of the vehicle, in the mean wind.
-            wind: the mean one, NED, m/s; it says what is along and across.
+            wind: the mean wind, NED, m/s; it defines what is along and across.
             dt_s: length of the step.
         """
         noise = self._noise
@@ -97,7 +98,7 @@ class Gusts:
         return north, east, down_mps
 
     def _turn(self, wind: Ned) -> None:
-        """Another mean wind says what is along and across."""
+        """Adopts the direction of another mean wind."""
         speed_mps = math.hypot(wind[0], wind[1])
         self._wind = wind
         self._ahead = (wind[0] / speed_mps, wind[1] / speed_mps) if speed_mps else (1.0, 0.0)

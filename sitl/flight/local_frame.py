@@ -1,9 +1,9 @@
-"""The autopilot's local frame: north, east and down of its own origin.
+"""The autopilot's local frame: north, east and down from its own origin.
 
-The world counts from home; the estimator of a real autopilot lays its origin where it had its first
-fix, and may be told another one in flight. Both are projections of one sphere about different
-points (geometry.GlobalOrigin), so a position is taken from one to the other by way of latitude and
-longitude. Directions are not turned: velocity and heading are those at the vehicle, as in PX4.
+The world counts from home. The estimator of a real autopilot sets its origin at its first fix, and
+may be given another one in flight. Both frames are projections of one sphere about different points
+(geometry.GlobalOrigin), so a position is converted by way of latitude and longitude. Directions are
+not rotated: velocity and heading are those at the vehicle, as in PX4.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from companion.geometry import GlobalOrigin, Ned
 from sitl.flight.physics import FlightState
 
 TOLD_S = 0.5
-"""After that a companion has heard of another origin, and its setpoints count from there."""
+"""After this time a companion has heard of a new origin, and its setpoints refer to it."""
 
 
 class LocalFrame:
     """The local frame of one autopilot.
 
     Args:
-        home: where the world's frame lies.
-        origin: where the autopilot's lies.
+        home: the origin of the world's frame.
+        origin: the origin of the autopilot's frame.
 
     Attributes:
-        origin: now.
+        origin: the present one.
     """
 
     def __init__(self, home: GlobalOrigin, origin: GlobalOrigin) -> None:
@@ -34,21 +34,21 @@ class LocalFrame:
         self._laid_s = -math.inf
 
     def lay(self, origin: GlobalOrigin, now_s: float) -> None:
-        """The autopilot counts from another origin from now on."""
+        """Moves the autopilot's origin."""
         self.origin, self._laid_s = origin, now_s
 
     def is_told(self, now_s: float) -> bool:
-        """Whether setpoints count from the present origin."""
+        """Whether setpoints refer to the present origin already."""
         return now_s - self._laid_s >= TOLD_S
 
     def local(self, position: Ned) -> Ned:
-        """A position of the world, as the autopilot tells it."""
+        """A position of the world, in the autopilot's frame."""
         if self.origin == self._home:
             return position
         return self.origin.to_local(*self._home.to_global(position))
 
     def seen(self, estimate: FlightState) -> FlightState:
-        """An estimate of the world's frame, as the autopilot has it."""
-        if self.origin is self._home:  # asked in each step
+        """An estimate in the world's frame, in the autopilot's frame."""
+        if self.origin is self._home:  # tested in each step
             return estimate
         return estimate._replace(position=self.local(estimate.position))

@@ -1,20 +1,20 @@
-"""The flight dynamics of the vehicle, by JSBSim, and the autopilot's rate loop with them.
+"""The flight dynamics of the vehicle by JSBSim, with the autopilot's rate loop.
 
 In: body rates and a thrust for the rate loop, or four motor commands; wind, a seed. Out: the
-`FlightState`, read when it is asked for. Everything physical is in `quadrotor.xml`, the rate loop,
-as fast as the physics, in `rate_control.xml`; this module only loads them, binds their properties
-and converts feet to metres. The same arguments and commands give bit-identical states, also beside
-other instances and in another process.
+`FlightState`, read on demand. All physics is in `quadrotor.xml`. The rate loop, which runs as fast
+as the physics, is in `rate_control.xml`. This module only loads them, binds their properties and
+converts feet to metres. Equal arguments and commands give bit-identical states, also beside other
+instances and in another process.
 
-Position is that of the centre of mass, less the height at which it stands on its legs: standing
-on flat ground at the home position is (0, 0, 0). North and east come from JSBSim's own tangent
-plane, height from the ground below (the plane and the ellipsoid part by 8 cm at 1 km).
+The position is that of the centre of mass, minus its height when the vehicle stands: standing on
+flat ground at home is (0, 0, 0). North and east come from JSBSim's own tangent plane, height from
+the ground below (plane and ellipsoid differ by 8 cm at 1 km).
 
-The ground is flat, and as high as the world says: a roof is ground to a vehicle above it, for the
-legs as for the air under its rotors.
+The ground is flat, and as high as the world says: a roof is ground to a vehicle above it, both for
+the legs and for ground effect.
 
-Left out: walls (the world checks collisions against its distance field), sensor noise, a damaged
-vehicle. The vehicle touches the ground with its legs only.
+Left out: walls (the world checks collisions by its distance field), sensor noise, damage. The
+vehicle touches the ground only with its legs.
 
 Source: JSBSim reference manual; order of models in FGFDMExec.cpp.
 """
@@ -37,14 +37,14 @@ from sitl.flight.rotors import MASS_KG, Motors
 M_PER_FT = 0.3048
 LEG_M = 0.12
 LEG_SPRING_N_PER_M = 4 * 1500.0
-GUST_STEPS = 5  # gusts change at 50 Hz: they are filtered noise of at most some hertz
+GUST_STEPS = 5  # gusts change at 50 Hz: they are filtered noise of a few hertz at most
 STANDING_M = LEG_M - MASS_KG * 9.81 / LEG_SPRING_N_PER_M
-"""Height of the centre of mass above the ground at rest: the legs give 2.5 mm."""
+"""Height of the centre of mass above the ground at rest: the legs are compressed by 2.5 mm."""
 
 # FGPropagate's numbers for integrators. In the air: Adams-Bashforth 2 for rates and 3 for position
 # and attitude; the default (Euler) turns a free spin by 32 degrees in 5 s. On the legs: Euler for
-# the rates, because JSBSim's friction stops a contact within one Euler step, and Adams-Bashforth
-# only reverses it: the vehicle would go on trembling by 0.2 m/s^2 after a landing.
+# the rates, because JSBSim's friction stops a contact within one Euler step. Adams-Bashforth would
+# only reverse it: the vehicle would tremble by 0.2 m/s^2 after a landing.
 _EULER, _ADAMS_BASHFORTH_2, _ADAMS_BASHFORTH_3 = 1, 3, 4
 
 
@@ -53,14 +53,14 @@ class FlightState(NamedTuple):
 
     Attributes:
         time_s: since the start of the simulation.
-        position: local NED, metres; zero is standing on the ground at the home position.
+        position: local NED, metres; zero when it stands on the ground at home.
         velocity: NED, metres per second.
         attitude: body (forward, right, down) to NED.
         euler: the same as roll, pitch and yaw (Tait-Bryan, z-y'-x''), radians.
         rates: body rates p, q, r relative to NED, rad/s.
         specific_force: body, m/s^2: what an accelerometer measures, -9.8 on z at rest.
-        motors: the commands that turn them, PX4's quad-x order.
-        motor_speed_radps: likewise.
+        motors: motor commands, in PX4's quad-x order.
+        motor_speed_radps: in the same order.
         voltage_v: at the battery's terminals.
         current_a: out of the battery, negative into it.
         charge: remaining, 0 to 1.
@@ -83,11 +83,11 @@ class FlightState(NamedTuple):
 
 
 class RateSetpoint(NamedTuple):
-    """What the rate loop follows.
+    """The setpoint of the rate loop.
 
     Attributes:
         thrust_n: of all rotors, along -z of the body.
-        rates: wanted body rates p, q, r, rad/s.
+        rates: desired body rates p, q, r, rad/s.
     """
 
     thrust_n: float
@@ -99,20 +99,20 @@ class Physics:
 
     Args:
         dt_s: length of a step.
-        origin: where local NED (0, 0, 0) lies; its altitude is the ground's.
+        origin: where local NED (0, 0, 0) lies; its altitude is that of the ground.
         start: local NED; (n, e, 0) stands on the ground.
         yaw_rad: heading at the start.
         battery: the pack at the start.
         wind: the air's velocity over the ground, NED, m/s.
-        linear_drag_n_per_mps: drag of the body in proportion to its speed through the air, beside
-            that of the rotors and the square of the speed.
+        linear_drag_n_per_mps: drag of the body in proportion to its airspeed, in addition to that
+            of the rotors and the drag in proportion to the square.
         turbulence_mps: standard deviation of the vertical gusts near the ground; horizontal ones
-            are about twice as strong there (`gusts.py`). Gusts need air that moves past the
-            vehicle: in still air a hovering vehicle has none.
+            are about twice as strong (`gusts.py`). Gusts need air that moves past the vehicle: in
+            still air, a hovering vehicle meets none.
         seed: of the turbulence, any integer.
 
     Attributes:
-        battery: what drives it.
+        battery: the pack on board.
     """
 
     def __init__(
@@ -154,9 +154,9 @@ class Physics:
         return self._state
 
     def follow(self, command: RateSetpoint | Motors) -> None:
-        """What drives the motors from the next step on: the rate loop, or these commands.
+        """Sets what drives the motors from the next step on: the rate loop, or motor commands.
 
-        The rate loop begins without integrals after commands.
+        After motor commands, the rate loop starts with its integrals at zero.
         """
         if isinstance(command, RateSetpoint):
             self._set_closed(1.0)
@@ -170,7 +170,7 @@ class Physics:
             set_value(value)
 
     def step(self) -> None:
-        """Moves on by one step."""
+        """Advances by one step."""
         if self._gusts is not None and self._steps % GUST_STEPS == 0:
             self._gust(self._gusts)
         self._fdm.run()
@@ -179,14 +179,14 @@ class Physics:
         self._choose_rate_integrators()
 
     def set_wind(self, wind: Ned) -> None:
-        """The air's mean velocity over the ground from now on, NED, m/s."""
+        """Sets the mean air velocity over the ground, NED, m/s."""
         self._wind = wind
         for axis, speed in zip(("north", "east", "down"), wind, strict=True):
             self._fdm[f"atmosphere/wind-{axis}-fps"] = speed / M_PER_FT
 
     @property
     def ground_up_m(self) -> float:
-        """How high the ground below the vehicle lies above that at home."""
+        """Height of the ground below the vehicle, above the ground at home."""
         return self._ground_up_m
 
     @ground_up_m.setter
@@ -203,7 +203,7 @@ class Physics:
         self._fdm["ic/psi-true-rad"] = yaw_rad
 
     def _gust(self, gusts: Gusts) -> None:
-        """The air has another velocity in the next steps."""
+        """Sets the air velocity of the next steps."""
         wind = self._wind
         airspeed_mps = math.dist([speed() * M_PER_FT for speed in self._velocity], wind)
         dt_s = GUST_STEPS * self._dt_s
@@ -212,7 +212,9 @@ class Physics:
             set_gust(speed / M_PER_FT)
 
     def _bind(self) -> None:
-        """Looks the properties up once: a bound node is read in 40 ns, a name in 65 to 290."""
+        """Looks the properties up once: reading a bound node takes 40 ns, reading by name 65 to
+        290.
+        """
 
         def readers(*names: str) -> tuple[Callable[[], float], ...]:
             return tuple(self._node(name).get_double_value for name in names)
@@ -288,9 +290,9 @@ class Physics:
 
 
 def _load(dt_s: float) -> jsbsim.FGFDMExec:
-    """A silent JSBSim with the airframe. The step must be set first: filters take it at load."""
-    # Process-wide, and enough for silence. A logger of one's own would belong to a thread and
-    # aborts the interpreter when that thread ends (jsbsim 1.3.3).
+    """A silent JSBSim with the airframe. The step is set first, because filters read it at load."""
+    # Process-wide, and enough for silence. An own logger would belong to a thread, and aborts the
+    # interpreter when that thread ends (jsbsim 1.3.3).
     jsbsim.FGJSBBase().debug_lvl = 0  # type: ignore[no-untyped-call]
     with resources.as_file(resources.files(__package__).joinpath("quadrotor.xml")) as airframe:
         fdm = jsbsim.FGFDMExec(str(airframe.parent))

@@ -1,9 +1,9 @@
-"""GPS, inertial unit, barometer, and a range finder that looks down, at their own rates.
+"""GPS, inertial unit, barometer, and a downward range finder, each at its own rate.
 
-In: the true state each step, and the quality of GPS. Out: the newest sample of each sensor, held
-until its next is due as a driver's topic holds it. They are for the messages that show raw sensors
-(HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE, DISTANCE_SENSOR); no estimate is made of them. Inertial
-unit and barometer are sampled only when somebody looks; the range finder, too, which is exact.
+In: the true state at each step, and the quality of GPS. Out: the newest sample of each sensor, held
+until the next is due, as a driver's topic holds it. The samples are only for messages that show raw
+sensors (HIGHRES_IMU, GPS_RAW_INT, SCALED_PRESSURE, DISTANCE_SENSOR); the estimate does not use
+them. Inertial unit, barometer and the range finder, which is exact, are sampled only on demand.
 
 Noise is white: that of PX4's simulated sensors (SensorGpsSim, SensorBaroSim, the IMU of its iris
 model: a density times the root of the rate). The wandering part of GPS is the estimator's
@@ -51,7 +51,7 @@ class GpsFix:
 
     Attributes:
         time_s: of the sample.
-        is_3d: there is a position; without one it is the last.
+        is_3d: whether the position is fixed; if not, it is the last one.
         latitude_deg: WGS 84.
         longitude_deg: WGS 84.
         altitude_m: above mean sea level.
@@ -81,7 +81,7 @@ class ImuSample:
 
 @dataclass(frozen=True, slots=True)
 class BarometerSample:
-    """Static pressure, the height above the sea that it stands for, temperature of the air."""
+    """Static pressure, the height above sea level that it stands for, and the air temperature."""
 
     time_s: float
     pressure_pa: float
@@ -93,11 +93,11 @@ Sample = TypeVar("Sample")
 
 
 class HeldSample(Generic[Sample]):
-    """The newest sample of a sensor, taken when somebody looks and the next one is due.
+    """The newest sample of a sensor, taken on demand when the next one is due.
 
     Args:
-        rate_hz: how often one is due.
-        state: the true state at the start, of which the first is taken.
+        rate_hz: how often a sample is due.
+        state: the true state at the start, for the first sample.
         take: makes a sample of a true state.
     """
 
@@ -108,7 +108,7 @@ class HeldSample(Generic[Sample]):
         self._due_s = state.time_s + 1 / rate_hz
 
     def at(self, truth: FlightState) -> Sample:
-        """The newest sample there is in a true state."""
+        """The newest sample, given the present true state."""
         late_s = truth.time_s + EARLY_S - self._due_s
         if late_s >= 0:
             self._due_s += (math.floor(late_s * self._rate_hz) + 1) / self._rate_hz
@@ -121,8 +121,8 @@ class Sensors:
 
     Args:
         origin: where local NED lies.
-        seed: of the noise; each sensor has its own.
-        state: at the start; everything is sampled once.
+        seed: of the noise; each sensor has its own stream.
+        state: at the start; every sensor is sampled once.
         noise: of each sensor.
 
     Attributes:
@@ -153,13 +153,13 @@ class Sensors:
         fix_error: tuple[float, float],
         ground_up_m: float = 0.0,
     ) -> None:
-        """Takes the state, and a report of the receiver if it is due.
+        """Takes the true state, and makes a report of the receiver if it is due.
 
         Args:
             truth: the true state now.
             gps: the quality of GPS.
             fix_error: north and east, the slowly wandering part.
-            ground_up_m: how high above home the ground, or a roof, is below the vehicle.
+            ground_up_m: height above home of the ground, or a roof, below the vehicle.
         """
         self._truth, self._ground_up_m = truth, ground_up_m
         if truth.time_s + EARLY_S >= self._gps_s:
@@ -168,7 +168,7 @@ class Sensors:
 
     @property
     def range_below_m(self) -> float:
-        """Along the vehicle's own axis to level ground below it; inf where it points elsewhere."""
+        """Distance along the vehicle's down axis to level ground; inf if it points elsewhere."""
         _, x, y, _ = self._truth.attitude
         upright = 1 - 2 * (x * x + y * y)
         above_m = max(0.0, -self._truth.position[2] - self._ground_up_m)

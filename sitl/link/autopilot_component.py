@@ -1,10 +1,11 @@
 """The autopilot as a MAVLink component: messages in, frames out; component 1 of its system.
 
-`SERVICES` maps a message to what answers it; what is not listed is not for the autopilot. Per step
-the component also sends what is due on each link: streams, HEARTBEAT at once when armed, mode or
-system status changed, the second answer to DO_SET_MODE, and notices as STATUSTEXT and EVENT.
+`SERVICES` maps each message to the service that handles it; others are not for the autopilot. In
+each step the component also sends what is due on each link: streams, HEARTBEAT at once when armed
+state, mode or system status change, the second answer to DO_SET_MODE, and notices as STATUSTEXT and
+EVENT.
 
-Sources: the services of https://mavlink.io/en/services/; PX4's answers as they were seen.
+Sources: the services of https://mavlink.io/en/services/; observed answers of PX4.
 """
 
 from __future__ import annotations
@@ -42,8 +43,8 @@ CONTINUAL = frozenset(
         "TIMESYNC",
     }
 )
-"""Messages after which nothing is to be said that would not be said by itself."""
-LISTED_PER_STEP = 5  # of a parameter list: 140 take 0.1 s
+"""Messages that cause no answer beyond what is sent anyway."""
+LISTED_PER_STEP = 5  # of a parameter list: 140 parameters take 0.1 s
 
 
 class AutopilotComponent:
@@ -54,12 +55,12 @@ class AutopilotComponent:
         vehicle: the owner keeps `vehicle.state` current.
         links: those with somebody at the other end.
         router: knows where a ground station listens.
-        answers: how a MAV_CMD is taken, other than it would be; read with every command.
-        refusals: reasons of the scenario for which arming is refused.
-        reader: of the streams, if nobody else reads them.
+        answers: how a MAV_CMD is answered, where this differs from PX4; read with every command.
+        refusals: reasons for which the scenario refuses arming.
+        reader: the only reader of the streams, if there is just one.
 
     Attributes:
-        is_asked: something is to be said before the autopilot's next step.
+        is_asked: something has to be sent before the autopilot's next step.
         due_s: when the next stream is due.
     """
 
@@ -95,11 +96,11 @@ class AutopilotComponent:
         )
 
     def time_offset(self, name: LinkName) -> TimeOffset:
-        """What is reckoned of the clock at the other end of a link."""
+        """The estimated offset of the clock at the other end of a link."""
         return self._links[name].time_offset
 
     def receive(self, name: LinkName, message: Message) -> None:
-        """Handles a message that came in on a link."""
+        """Handles a message that arrived on a link."""
         self.is_asked |= message.get_type() not in CONTINUAL
         service = self.SERVICES.get(message.get_type())
         link = self._links.get(name)
@@ -107,7 +108,7 @@ class AutopilotComponent:
             service(self, link, message)
 
     def attend(self) -> None:
-        """Streams go by what is read, and as often as it is wished, from now on."""
+        """Adapts the streams to their reader and to the requested intervals."""
         for link in self._links.values():
             link.streams.attend(self._vehicle.state.time_s)
         self._find_next_due()
@@ -116,13 +117,13 @@ class AutopilotComponent:
         self.due_s = min([link.streams.due_s for link in self._links.values()], default=math.inf)
 
     def follow(self) -> None:
-        """The autopilot has gone on; what it has come to is told with the next step."""
+        """Notes that the autopilot has advanced; the next step sends what has changed."""
         autopilot = self._vehicle.autopilot
         if autopilot.status_texts or status(autopilot) != self._reported_status:
             self.is_asked = True
 
     def step(self, until_s: float) -> Outgoing:
-        """The frames that leave now; what leaves until `until_s` arrives together."""
+        """The frames to send now; all that is sent before `until_s` arrives together."""
         self.is_asked = False
         vehicle, now_s = self._vehicle, self._vehicle.state.time_s
         now = status(vehicle.autopilot)
@@ -170,16 +171,16 @@ class AutopilotComponent:
         del link.listing[:LISTED_PER_STEP]
 
     def flush(self) -> Outgoing:
-        """Takes what has been packed since the last time."""
+        """Takes the frames packed since the last call."""
         out = self._out.copy()
         self._out.clear()
         return out
 
     def _due_events(self, now_s: float) -> list[Message]:
-        """Events of this step, and the number of the newest now and then."""
+        """The events of this step; now and then, the number of the newest."""
         autopilot, events = self._vehicle.autopilot, self._events
         if autopilot.is_armed and not autopilot.status_texts:
-            return events.newest(now_s)  # as nearly always
+            return events.newest(now_s)  # nearly always the case
         boot_ms = self._vehicle.boot_ms
         common = [] if autopilot.is_armed else events.report(autopilot.arming_denials, boot_ms)
         for text in autopilot.status_texts:
@@ -223,7 +224,7 @@ class AutopilotComponent:
             link.send(answer(result))
 
     def _set_mode(self, link: AutopilotLink, message: Message) -> None:
-        """SET_MODE, QGroundControl's way; the HEARTBEAT is the answer."""
+        """SET_MODE, as QGroundControl sends it; the HEARTBEAT is the answer."""
         mode = mode_name(message.custom_mode)
         if mode in FLIGHT_MODES:
             self._vehicle.autopilot.set_mode(mode)
@@ -307,4 +308,4 @@ class AutopilotComponent:
         "MISSION_SET_CURRENT": _mission_set_current,
         **dict.fromkeys(MissionService.HANDLERS, _mission),
     }
-    """Message -> what answers it."""
+    """Message -> the service that handles it."""

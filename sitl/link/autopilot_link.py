@@ -1,4 +1,4 @@
-"""The autopilot's end of one link: its sequence numbers, its streams, what is to be said next."""
+"""The autopilot's end of one link: its sequence numbers, its streams, its pending messages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from sitl.link.time_offset import TimeOffset
 from sitl.link.vehicle import SimulatedVehicle
 
 AUTOPILOT = 1  # MAV_COMP_ID_AUTOPILOT1
-ORIGIN_S = 1.0  # how often it is looked whether the origin has changed
+ORIGIN_S = 1.0  # how often PX4 checks whether the origin has changed
 Outgoing = list[tuple[LinkName, bytes]]
 
 
@@ -25,13 +25,13 @@ class AutopilotLink:
         system: system id.
         vehicle: the owner keeps `vehicle.state` current.
         events: shared by all links.
-        out: where frames are put, in order.
-        reader: of the streams, if nobody else reads them.
+        out: receives the frames, in order.
+        reader: the only reader of the streams, if there is just one.
 
     Attributes:
-        files: what the link reads by FTP.
+        files: what the link offers by FTP.
         streams: the schedule.
-        next_step: answers that leave with the next step.
+        next_step: answers to send with the next step.
         listing: names of parameters that are still to be listed.
         time_offset: of the clock at the other end.
     """
@@ -59,7 +59,7 @@ class AutopilotLink:
         self._origin_due_s = vehicle.state.time_s
 
     def tell_origin(self) -> None:
-        """Packs GPS_GLOBAL_ORIGIN, if it has changed; PX4 looks once a second."""
+        """Packs GPS_GLOBAL_ORIGIN if it has changed; like PX4, it checks once a second."""
         now_s, origin = self.vehicle.state.time_s, self.vehicle.origin
         if now_s < self._origin_due_s:
             return
@@ -73,7 +73,7 @@ class AutopilotLink:
         self._out.append((self.name, self._codec.pack(message)))
 
     def stream(self, name: str) -> None:
-        """Packs a message of the telemetry for this link."""
+        """Packs a telemetry message for this link."""
         frame = self._codec.frame(MESSAGE_CLASSES[name], MESSAGES[name](self.vehicle))
         self._out.append((self.name, frame))
 
@@ -83,7 +83,7 @@ class AutopilotLink:
             self.send(message)
 
     def request_message(self, message_id: int) -> bool:
-        """Sends a message once; False if there is none with that id."""
+        """Sends a message once; False if the id is unknown."""
         if message_id == dialect.MAVLINK_MSG_ID_COMPONENT_METADATA:
             self.next_step.append(self._events.metadata_message(self.vehicle.boot_ms))
             return True
@@ -93,11 +93,11 @@ class AutopilotLink:
         return True
 
     def ask_for_checks(self) -> None:
-        """The arming checks are reported in the next step."""
+        """Reports the arming checks in the next step."""
         self._events.is_asked = True
 
     def interval_us(self, message_id: int) -> int:
-        """Interval of a stream, 0 for what is not sent by itself."""
+        """Interval of a stream; 0 for what is not streamed."""
         name = message_name(message_id)
         return self.streams.interval_us(name) if name else 0
 

@@ -1,7 +1,7 @@
 """A camera as a MAVLink component: heartbeat of type 30, and the messages of the camera protocol.
 
-It answers photos and requests for its messages. As the camera server of MAVSDK it denies to tell of
-an image again, and does not answer what is not for cameras.
+It answers photo commands and requests for its messages. Like MAVSDK's camera server, it denies
+requests to send an image report again, and does not answer commands that are not for cameras.
 Source: https://mavlink.io/en/services/camera.html.
 """
 
@@ -34,8 +34,8 @@ class CameraComponent:
 
     Args:
         system: of the vehicle.
-        camera: that shoots.
-        home: where the world's zero lies on the earth.
+        camera: its shots and storage.
+        home: where the world's origin lies on the earth.
     """
 
     def __init__(self, system: int, camera: Camera, home: GlobalOrigin) -> None:
@@ -51,7 +51,7 @@ class CameraComponent:
         }
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """A command to it."""
+        """Handles a command to the camera."""
         is_ours = message.get_type() in COMMANDS and target(message) == self.address
         if not is_ours or self._camera.is_silent:
             return []
@@ -68,7 +68,7 @@ class CameraComponent:
         return [self._sender.acknowledge(command, ack), self._sender.pack(wanted(state))]
 
     def step(self, state: FlightState) -> list[PackedMessage]:
-        """HEARTBEAT, and the photo that is there."""
+        """HEARTBEAT, and the photo that is done."""
         sent = self._sender.heartbeat(state.time_s, _CAMERA)
         if done := self._camera.step(state.position, state.time_s):
             ack, image = done
@@ -122,7 +122,7 @@ class CameraComponent:
             vendor_name=list(b"sitl".ljust(32, b"\0")),
             model_name=list(b"camera".ljust(32, b"\0")),
             firmware_version=1,
-            focal_length=8.0,  # as the size of the sensor, mm
+            focal_length=8.0,  # like the sensor sizes, mm
             sensor_size_h=6.0,
             sensor_size_v=4.5,
             resolution_h=4000,

@@ -1,9 +1,9 @@
 """The MAVLink commands of the autopilot and their results.
 
-`COMMANDS` maps a MAV_CMD to a function of the autopilot's link and the seven parameters; whatever
-is not listed is UNSUPPORTED. COMMAND_LONG and COMMAND_INT become the same `CommandRequest` first.
-Results and meanings of parameters are PX4's (common.xml and what a PX4 was seen to answer).
-Rejections tell the reason as a STATUSTEXT, which the autopilot writes.
+`COMMANDS` maps a MAV_CMD to a function of the autopilot's link and the seven parameters; all others
+are UNSUPPORTED. COMMAND_LONG and COMMAND_INT are first converted to a `CommandRequest`. Results and
+meanings of parameters are PX4's (common.xml and observed answers). The autopilot writes the reason
+of a rejection as STATUSTEXT.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class CommandRequest:
     Attributes:
         command: MAV_CMD.
         parameters: param1 to param7; positions in degrees, NaN where not given.
-        is_relative: param7 is above home, not above the sea.
+        is_relative: whether param7 is above home; otherwise it is above sea level.
     """
 
     command: int
@@ -51,13 +51,13 @@ class CommandContext(Protocol):
         """Sends a message on this link."""
 
     def ask_for_checks(self) -> None:
-        """The arming checks are reported in the next step."""
+        """Reports the arming checks in the next step."""
 
     def interval_us(self, message_id: int) -> int:
-        """Interval of a stream, 0 for what is not sent by itself."""
+        """Interval of a stream; 0 for what is not streamed."""
 
     def request_message(self, message_id: int) -> bool:
-        """Sends a message once; False if there is none with that id."""
+        """Sends a message once; False if the id is unknown."""
 
     def set_interval(self, message_id: int, interval_us: float) -> bool:
         """Changes a stream's interval; False if it is not streamed."""
@@ -76,7 +76,7 @@ def request_from(message: Message) -> CommandRequest:
 
 
 def execute(on: CommandContext, request: CommandRequest) -> MavResult:
-    """Does what a request asks; returns its result."""
+    """Executes a request; returns its result."""
     handler = COMMANDS.get(request.command)
     return handler(on, request) if handler else MavResult.UNSUPPORTED
 
@@ -94,7 +94,7 @@ def _arm_disarm(on: CommandContext, request: CommandRequest) -> MavResult:
 def _do_set_mode(on: CommandContext, request: CommandRequest) -> MavResult:
     base, main, sub = request.parameters[:3]
     if not all(math.isfinite(p) for p in (base, main, sub)) or not int(base) & 1:
-        return MavResult.UNSUPPORTED  # PX4 knows custom modes only
+        return MavResult.UNSUPPORTED  # PX4 knows only custom modes
     mode = mode_from(int(main), int(sub))
     if mode not in FLIGHT_MODES:
         return MavResult.TEMPORARILY_REJECTED
@@ -123,7 +123,7 @@ def _reposition(on: CommandContext, request: CommandRequest) -> MavResult:
 
 
 def _down_m(on: CommandContext, request: CommandRequest) -> float | None:
-    """Local NED down of param7, None where it is not given."""
+    """param7 as down in local NED; None if it is not given."""
     altitude_m = request.parameters[6]
     if not math.isfinite(altitude_m):
         return None
@@ -152,7 +152,7 @@ def _get_message_interval(on: CommandContext, request: CommandRequest) -> MavRes
 
 
 def _answer_with(message_id: int) -> Callable[[CommandContext, CommandRequest], MavResult]:
-    """An older command that asks for one message."""
+    """Handles an older command that requests one message."""
 
     def handler(on: CommandContext, request: CommandRequest) -> MavResult:
         return MavResult.ACCEPTED if on.request_message(message_id) else MavResult.DENIED
@@ -161,7 +161,7 @@ def _answer_with(message_id: int) -> Callable[[CommandContext, CommandRequest], 
 
 
 def _accepted(on: CommandContext, request: CommandRequest) -> MavResult:
-    """Nothing to do: it is so already."""
+    """Accepts a command that asks for what is already so."""
     return MavResult.ACCEPTED
 
 
@@ -233,7 +233,7 @@ COMMANDS: dict[int, Callable[[CommandContext, CommandRequest], MavResult]] = {
     dialect.MAV_CMD_GET_MESSAGE_INTERVAL: _get_message_interval,
     dialect.MAV_CMD_REQUEST_MESSAGE: _request_message,
 }
-"""MAV_CMD -> what to do."""
+"""MAV_CMD -> the function that executes it."""
 
 ACCEPTED_FIRST = frozenset({dialect.MAV_CMD_DO_SET_MODE})
 """Commands that PX4 answers twice: ACCEPTED at once, the real result within 10 ms."""

@@ -1,4 +1,4 @@
-"""What every component on board does alike: sequence numbers, answers, HEARTBEAT at 1 Hz.
+"""What all components on board share: sequence numbers, answers, HEARTBEAT at 1 Hz.
 
 A command that a component does not know is UNSUPPORTED.
 """
@@ -45,11 +45,11 @@ class ComponentSender:
         self._next_s: dict[float, float] = {}
 
     def pack(self, message: Message) -> PackedMessage:
-        """A message with its frame."""
+        """Packs a message with its frame."""
         return message, self._codec.pack(message)
 
     def is_due(self, every_s: float, now_s: float) -> bool:
-        """Whether what is sent so often is due now."""
+        """Whether a message with this period is due now."""
         next_s = self._next_s.get(every_s, now_s)
         if now_s < next_s:
             return False
@@ -57,7 +57,7 @@ class ComponentSender:
         return True
 
     def acknowledge(self, command: int, reply: CommandAck) -> PackedMessage:
-        """COMMAND_ACK to who has sent a command."""
+        """COMMAND_ACK to the sender of a command."""
         return self.pack(
             dialect.MAVLink_command_ack_message(
                 command, reply.result, reply.progress, 0, *reply.requester
@@ -73,7 +73,7 @@ class ComponentSender:
         ]
 
     def heartbeat(self, now_s: float, kind: int = _ONBOARD_CONTROLLER) -> list[PackedMessage]:
-        """HEARTBEAT when it is due, of a MAV_TYPE."""
+        """HEARTBEAT with a MAV_TYPE, when it is due."""
         if not self.is_due(HEARTBEAT_S, now_s):
             return []
         return [self.pack(dialect.MAVLink_heartbeat_message(kind, _NO_AUTOPILOT, 0, 0, _ACTIVE, 3))]

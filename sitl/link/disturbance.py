@@ -1,8 +1,8 @@
-"""Links that lose, double and delay datagrams, as the scenario says.
+"""Links that lose, duplicate and delay datagrams, as the scenario says.
 
-All datagrams pass here on their way in and out. Each direction of each link has a chance of its
-own, drawn for each datagram in order, so that equal seeds and equal datagrams have equal fates. A
-datagram that is under way when the quality changes arrives as it would have.
+All datagrams pass here on their way in and out. Each direction of each link has its own random
+numbers, drawn per datagram in order, so equal seeds and equal datagrams give equal results. A
+change of the quality does not affect datagrams that are already under way.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class Disturbance:
 
     Args:
         direction: of the datagrams.
-        qualities: of disturbed links, read anew with every datagram.
-        seed: of the chances.
+        qualities: of disturbed links, read with every datagram.
+        seed: of the random numbers.
     """
 
     def __init__(self, direction: Direction, qualities: Qualities, seed: int) -> None:
@@ -39,7 +39,7 @@ class Disturbance:
         self._numbers = count()
 
     def step(self, now_s: float, datagrams: Datagrams) -> Datagrams:
-        """Takes what is sent now; returns what arrives now, in order."""
+        """Takes the datagrams sent now; returns those that arrive now, in order."""
         if not self._qualities and not self._under_way:
             return datagrams
         for link, datagram in datagrams:

@@ -1,10 +1,12 @@
-"""The events of the autopilot, as PX4 sends them: EVENT to all links, and metadata with the words.
+"""The events of the autopilot, as PX4 sends them: EVENT on all links, and metadata with texts.
 
-What people are told and has a template (sitl/autopilot/status_texts.py) is an event. So is the
-report of the arming checks, a run of events, sent when it changes and when it is asked for. The
-newest KEPT are sent again on request; the number of the newest is told every NEWEST_S.
-
-The metadata is made of the same tables. Words in events (a cause, a reason) are an enum there.
+1. Each text with a template (sitl/autopilot/status_texts.py) is an event.
+2. The report of the arming checks is a sequence of events. It is sent when it changes and on
+   request.
+3. The newest KEPT events are sent again on request. The number of the newest is sent every
+   NEWEST_S.
+4. The metadata is generated from the same tables. A word in an event (a cause, a reason) is an enum
+   there.
 
 Sources: https://mavlink.io/en/services/events.html, component_information.html.
 """
@@ -33,18 +35,18 @@ NEWEST_S = 3.0
 LOOK_MS, REPORT_MS = 100, 1000
 ALL_MODES = 2**32 - 1
 UNKNOWN_WORD = 255
-PROTOCOL = 8  # log level of what nobody is shown
+PROTOCOL = 8  # log level of what no user is shown
 GENERAL, DETAILS = "etc/extras/component_general.json.xz", "etc/extras/all_events.json.xz"
 _RESET, _UNAVAILABLE = 1, 0
 PX4_NUMBERS = {
     "Geofence invalid, doesn't contain Home position": 10973461,
     "Geofence invalid, doesn't contain current vehicle position": 9432105,
 }
-"""Those that are known by their number; the others have one of ours."""
+"""Events with PX4's own number; the others have one of ours."""
 
 
 class Kind(NamedTuple):
-    """An event of the metadata; its arguments are types of libevents."""
+    """An event of the metadata; its arguments have types of libevents."""
 
     group: str
     type: str
@@ -53,7 +55,7 @@ class Kind(NamedTuple):
 
     @property
     def number(self) -> int:
-        """Of the event within the component, 24 bits."""
+        """Its number within the component, 24 bits."""
         if self.message in PX4_NUMBERS:
             return PX4_NUMBERS[self.message]
         return zlib.crc32(f"{self.group} {self.type} {self.message}".encode()) & 0xFFFFFF
@@ -76,11 +78,11 @@ class EventService:
     """The events of one autopilot since it was started.
 
     Args:
-        refusals: reasons of its scenario for which arming is refused.
+        refusals: reasons for which the scenario refuses arming.
 
     Attributes:
         files: the metadata, by path.
-        is_asked: the arming checks are reported, whether or not they have changed.
+        is_asked: whether to report the arming checks even if they have not changed.
     """
 
     def __init__(self, refusals: Iterable[str]) -> None:
@@ -104,15 +106,15 @@ class EventService:
         return dialect.MAVLink_component_metadata_message(boot_ms, crc, uri)
 
     def told(self, severity: Severity, event: ToldEvent, boot_ms: int) -> Message:
-        """An event that people are told."""
+        """An event with a text for people."""
         values = [self._word(a) if isinstance(a, str) else a for a in event.arguments]
         return self._event(TOLD[event.template], severity, boot_ms, *values)
 
     def report(self, denials: Callable[[], tuple[str, ...]], boot_ms: int) -> list[Message]:
-        """The report of the arming checks, if it is asked for or has changed.
+        """The report of the arming checks, if it is requested or has changed.
 
         Args:
-            denials: the reasons why arming would be denied now; they are looked at now and then.
+            denials: the reasons why arming would be denied now; compared now and then.
             boot_ms: time since the boot.
         """
         if not self.is_asked and boot_ms < self._look_ms:
@@ -142,7 +144,7 @@ class EventService:
         return [dialect.MAVLink_current_event_sequence_message(self._sequence, flags)]
 
     def again(self, request: Message, asker: tuple[int, int]) -> list[Message]:
-        """The answers to a REQUEST_EVENT, at most as many as are kept."""
+        """The answers to REQUEST_EVENT, at most as many as are kept."""
         kept = {message.sequence: message for message in self._kept}
         oldest = min(kept, key=lambda number: (number - self._sequence - 1) % 65536, default=0)
         count = (request.last_sequence - request.first_sequence) % 65536 + 1

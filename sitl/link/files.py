@@ -1,7 +1,7 @@
-"""The autopilot's files over MAVLink FTP, to be read: open, read, burst, close.
+"""The autopilot's files over MAVLink FTP, read-only: open, read, burst, close.
 
-As on PX4 one file is open at a time on a link, and one that nobody reads for RESTING_S is closed.
-Whatever else is asked for is refused with FileNotFound.
+As in PX4, one file can be open at a time on a link, and one that nobody reads for RESTING_S is
+closed. All other requests are refused with FileNotFound.
 
 Source: https://mavlink.io/en/services/ftp.html.
 """
@@ -40,7 +40,7 @@ class FileServer:
         self._asked_s = -math.inf
 
     def answers(self, now_s: float, message: Message) -> list[Message]:
-        """The answers to a FILE_TRANSFER_PROTOCOL message; none to what is no request."""
+        """The answers to a FILE_TRANSFER_PROTOCOL message; none if it is no request."""
         request = read_request(bytes(message.payload))
         if request is None:
             return []
@@ -86,7 +86,7 @@ class FileServer:
         return self._open[offset : offset + DATA_BYTES]
 
     def _burst(self, request: FtpRequest) -> list[bytes]:
-        """All that follows; its end is told by the part that ends the burst."""
+        """All parts that follow; the last one marks the end of the burst."""
         self._part(request, request.offset)
         offsets = range(request.offset, len(self._open or b""), DATA_BYTES)
         return [

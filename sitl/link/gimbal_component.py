@@ -28,7 +28,7 @@ class GimbalComponent:
 
     Args:
         system: of the vehicle.
-        gimbal: that turns.
+        gimbal: its mechanics and control.
     """
 
     def __init__(self, system: int, gimbal: Gimbal) -> None:
@@ -37,7 +37,7 @@ class GimbalComponent:
         self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """A command to it."""
+        """Handles a command to the gimbal."""
         if self._gimbal.is_silent:
             return []
         if message.get_type() not in COMMANDS or target(message) != self.address:
@@ -58,7 +58,7 @@ class GimbalComponent:
         return [self._sender.acknowledge(command, ack)]
 
     def step(self, state: FlightState) -> list[PackedMessage]:
-        """HEARTBEAT, where it points, and who controls it."""
+        """HEARTBEAT, its attitude, and who controls it."""
         now_s = state.time_s
         self._gimbal.step(state.euler[2], now_s)
         sent = self._sender.heartbeat(now_s, _GIMBAL)

@@ -1,4 +1,4 @@
-"""A gripper as a MAVLink component; its sensor tells NAMED_VALUE_INT "load" twice a second."""
+"""A gripper as a MAVLink component; its sensor sends NAMED_VALUE_INT "load" twice a second."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class GripperComponent:
 
     Args:
         system: of the vehicle.
-        gripper: that acts.
+        gripper: its actions.
     """
 
     def __init__(self, system: int, gripper: Gripper) -> None:
@@ -27,7 +27,7 @@ class GripperComponent:
         self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """A command to it."""
+        """Handles a command to the gripper."""
         if self._gripper.is_silent:
             return []
         is_ours = message.get_type() in COMMANDS and target(message) == self.address

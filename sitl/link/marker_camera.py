@@ -1,8 +1,8 @@
-"""The camera that looks for landing markers, as a MAVLink component.
+"""The camera for landing markers, as a MAVLink component.
 
-LANDING_TARGET for each marker in each look, stamped with the autopilot's time since boot, as a
-detector does that follows TIMESYNC. A position in LOCAL_NED is put together as such a program does
-it: from what the camera measures, and from where the autopilot believes that the vehicle is.
+It sends LANDING_TARGET for each marker in each look, stamped with the autopilot's time since boot,
+like a detector that follows TIMESYNC. A position in LOCAL_NED is computed as such a program does:
+from the measured direction and distance, and from the vehicle's estimated position.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class MarkerCameraComponent:
 
     Args:
         system: of the vehicle.
-        camera: what sees.
-        vehicle: knows the estimate and the time since boot.
+        camera: makes the sightings.
+        vehicle: has the estimate and the time since boot.
     """
 
     def __init__(self, system: int, camera: MarkerCamera, vehicle: SimulatedVehicle) -> None:
@@ -40,11 +40,11 @@ class MarkerCameraComponent:
         self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """Knows no command."""
+        """The camera has no commands."""
         return self._sender.refuse(message, self.address)
 
     def step(self, state: FlightState) -> list[PackedMessage]:
-        """HEARTBEAT, and what is seen."""
+        """HEARTBEAT, and a LANDING_TARGET for each sighting."""
         sent = self._sender.heartbeat(state.time_s)
         if self._sender.is_due(1 / self._camera.spec.rate_hz, state.time_s):
             sent += [self._sender.pack(self._report(s)) for s in self._camera.look(state)]

@@ -1,9 +1,8 @@
 """The table of telemetry messages.
 
-Each is one small function in sitl/link/telemetry, vehicle in, the message's fields out; the table
-lists them by MAVLink's names. Units on the wire are those of common.xml (mm, cm/s, 1e7 degrees,
-centidegrees). A value that is not known is sent as the message's own "unknown", never as 0 or
-full.
+Each message is a small function in sitl/link/telemetry: the vehicle in, the message's fields out.
+The table lists them by MAVLink's names. Units on the wire are those of common.xml (mm, cm/s, 1e7
+degrees, centidegrees). An unknown value is sent as the message's own "unknown", never as 0 or full.
 """
 
 from __future__ import annotations
@@ -45,7 +44,8 @@ MESSAGES: dict[str, Callable[[SimulatedVehicle], Fields]] = {
     "SERVO_OUTPUT_RAW": control.servo_output_raw,
     "ACTUATOR_OUTPUT_STATUS": control.actuator_output_status,
 }
-"""Name -> maker: what can be requested. Those with a rate in streams.py are also streamed."""
+"""Name -> maker, for all that can be requested. Those with a rate in streams.py are streamed too.
+"""
 
 MESSAGE_CLASSES = {
     kind.msgname: kind for kind in dialect.mavlink_map.values() if kind.msgname in MESSAGES
@@ -54,7 +54,7 @@ MESSAGE_CLASSES = {
 
 
 def compose(name: str, vehicle: SimulatedVehicle) -> Message:
-    """A message by its name, as of now."""
+    """A message by its name, with the present values."""
     return MESSAGE_CLASSES[name](*MESSAGES[name](vehicle))
 
 

@@ -1,12 +1,12 @@
 """The items of the mission protocol: parsing, checking, conversion.
 
-A `WireItem` is an item as it was sent, free of the two forms it may come in: places in degrees,
-frames without `_INT`, None for NaN (or INT32_MAX: "not given"). It is what a download returns.
-`check_item` gives PX4's answer to it; `item_from`, `areas_from` and `safe_points_from` turn it into
-what the autopilot flies, keeps to and returns to.
+A `WireItem` is an item as it was sent, without the differences between the two messages: places in
+degrees, frames without `_INT`, None for NaN (or INT32_MAX: "not given"). A download returns it.
+`check_item` gives PX4's answer to it. `item_from`, `areas_from` and `safe_points_from` convert
+items into missions, fences and rally points of the autopilot.
 
 Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/mavlink/
-mavlink_mission.cpp: which command is taken in which frame. Left out: commands of VTOLs.
+mavlink_mission.cpp: which command is accepted in which frame. Left out: commands of VTOLs.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class WireItem:
 
     @property
     def is_global(self) -> bool:
-        """It has a place on the earth."""
+        """Whether it has a place on the earth."""
         return self.frame in (GLOBAL, RELATIVE)
 
 
@@ -98,7 +98,7 @@ def int_message(
 def float_message(
     item: WireItem, seq: int, target: tuple[int, int], kind: MissionType, is_current: bool
 ) -> Message:
-    """MISSION_ITEM, for those who ask with MISSION_REQUEST."""
+    """MISSION_ITEM, for clients that request it with MISSION_REQUEST."""
     x, y, z = map(_or_nan, (item.x, item.y, item.z))
     return dialect.MAVLink_mission_item_message(
         *target, seq, item.frame, *_rest(item, is_current), x, y, z, kind
@@ -114,7 +114,7 @@ _ACTIONS = (
 _RETURN_POINT, _RALLY_POINT = 5000, 5100
 _POLYGONS = {5001: True, 5002: False}
 _CIRCLES = {5003: True, 5004: False}
-"""MAV_CMD -> an area of inclusion."""
+"""MAV_CMD of a circle -> whether it is an area of inclusion."""
 
 COMMANDS: dict[tuple[MissionType, bool], frozenset[int]] = {
     (MissionType.MISSION, True): _PLACES,
@@ -122,7 +122,7 @@ COMMANDS: dict[tuple[MissionType, bool], frozenset[int]] = {
     (MissionType.FENCE, True): frozenset({_RETURN_POINT, *_POLYGONS, *_CIRCLES}),
     (MissionType.RALLY, True): frozenset({_RALLY_POINT}),
 }
-"""Kind of plan, and whether the item has a place -> MAV_CMDs that are taken."""
+"""Kind of plan, and whether the item has a place -> accepted MAV_CMDs."""
 
 
 def check_item(kind: MissionType, item: WireItem) -> int:
@@ -164,11 +164,11 @@ def safe_points_from(items: Sequence[WireItem], origin: GlobalOrigin) -> tuple[S
 
 
 def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[FenceArea]:
-    """The areas of a fence of accepted items, as PX4 makes them.
+    """The fence areas of accepted items, as PX4 reads them.
 
-    Polygons are to come first. Behind a circle PX4 goes on item by item, so that each corner of a
-    polygon begins one of its own, with as many of the items after it. One that goes beyond the last
-    item contains nothing.
+    Polygons have to come first. After a circle PX4 continues item by item, so each corner of a
+    polygon begins a polygon of its own with as many of the following items. A polygon that extends
+    beyond the last item contains nothing.
     """
     areas: list[FenceArea] = []
     points = [_place(item, origin) or (0.0, 0.0) for item in items]

@@ -1,8 +1,8 @@
 """The reports of a mission's progress.
 
-MISSION_ITEM_REACHED goes out at once for every item that is reached; the last one is repeated ten
-times, once a second, because nobody acknowledges it (seen on a PX4). MISSION_CURRENT goes out at
-once when another item's turn comes; besides it is a stream.
+MISSION_ITEM_REACHED is sent at once for every item reached. The last one is repeated ten times,
+once a second, because nobody acknowledges it (as in PX4). MISSION_CURRENT is sent at once when
+another item becomes current; it is also a stream.
 """
 
 from __future__ import annotations

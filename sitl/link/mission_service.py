@@ -1,20 +1,20 @@
 """The mission protocol, vehicle's side: missions, geofences and rally points.
 
-Without I/O: messages in, addressed messages out, time is an argument. Three stores, one for each
-MAV_MISSION_TYPE. Rules:
+No I/O: messages in, addressed messages out, time is an argument. There are three stores, one for
+each MAV_MISSION_TYPE. Rules:
 
-1. Upload: MISSION_COUNT, then each item is asked for with MISSION_REQUEST_INT (never with the
-   float MISSION_REQUEST; MISSION_ITEM is understood all the same), again every 250 ms. A store
-   changes when the last item is there, at once and as a whole, or not at all.
-2. One upload at a time. Others get MISSION_ACK ERROR meanwhile. 5 s of silence end it, with
-   OPERATION_CANCELLED.
-3. An item that is not the next one is passed over: the next one is asked for again anyway. One
-   beyond the count, or one that the autopilot cannot have, ends the upload.
-4. The last item once more is acknowledged once more: the acknowledgement was lost.
-5. Download: MISSION_REQUEST_LIST takes a picture of the store, from which items are answered in
-   any order until the client acknowledges, or is silent for 5 s. Without it requests are passed
-   over. Downloads disturb nobody but their own client, who cannot upload meanwhile.
-6. Equal items leave a store, and the flight of a mission, as they were.
+1. Upload: after MISSION_COUNT, the service requests each item by MISSION_REQUEST_INT, and again
+   every 250 ms. (It never sends the float MISSION_REQUEST, but accepts MISSION_ITEM.) With the last
+   item the store changes, at once and as a whole; before, it does not change.
+2. Only one upload at a time. Others get MISSION_ACK ERROR meanwhile. After 5 s of silence it ends
+   with OPERATION_CANCELLED.
+3. An item that is not the next one is ignored; the next one is requested again anyway. An item
+   beyond the count, or one that the autopilot does not accept, ends the upload.
+4. If the last item arrives again, its acknowledgement was lost: it is acknowledged again.
+5. Download: MISSION_REQUEST_LIST copies the store. Its items are sent in any order until the client
+   acknowledges, or is silent for 5 s. Without a copy, requests are ignored. A download affects only
+   its own client, which cannot upload meanwhile.
+6. Equal items change neither a store nor the flight of a mission.
 
     upload      MISSION_COUNT                        an item
     none        receiving                            MISSION_ACK ERROR
@@ -22,10 +22,10 @@ MAV_MISSION_TYPE. Rules:
                 has sent no item yet, else ERROR     accepted; a bad one: none (rule 3)
     accepted    receiving                            the last one again: ACCEPTED again (rule 4)
 
-MISSION_CLEAR_ALL leaves none. So do, while receiving, silence and a client that gives up.
+MISSION_CLEAR_ALL leads to `none`. While receiving, so do silence and a client that gives up.
 
 Sources: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/mavlink/
-mavlink_mission.cpp, and answers seen on a PX4. Left out: opaque ids, which the dialect lacks;
+mavlink_mission.cpp, and observed answers of PX4. Left out: opaque ids, which the dialect lacks;
 partial lists, which PX4 does not serve either.
 """
 
@@ -47,8 +47,8 @@ from sitl.link.mission_items import (
 from sitl.link.routing import LinkName
 
 MOST_ITEMS = {MissionType.MISSION: 500, MissionType.FENCE: 64, MissionType.RALLY: 32}
-"""What a plan may have; a fence and rally points as in PX4."""
-MOST_DOWNLOADS = 16  # at once; the oldest is given up for one more
+"""Most items of a plan; for fence and rally points as in PX4."""
+MOST_DOWNLOADS = 16  # at a time; a further one replaces the oldest
 REQUEST_AGAIN_S = 0.25
 SILENT_S = 5.0
 ALL_KINDS = 255  # MAV_MISSION_TYPE_ALL
@@ -61,7 +61,7 @@ AcceptPlan = Callable[[MissionType, Items, int | None], None]
 
 @dataclass(slots=True)
 class MissionUpload:
-    """An upload under way; `link` is where its client was heard."""
+    """An upload under way; `link` is where its client is."""
 
     link: LinkName
     client: Address
@@ -73,14 +73,14 @@ class MissionUpload:
     current: int | None = None
 
     def request(self) -> Message:
-        """Asks for the next item."""
+        """Requests the next item."""
         seq = len(self.items)
         return dialect.MAVLink_mission_request_int_message(*self.client, seq, self.kind)
 
 
 @dataclass(frozen=True, slots=True)
 class AcceptedUpload:
-    """The last upload, by its last item."""
+    """The last completed upload, with its last item."""
 
     client: Address
     kind: MissionType
@@ -89,7 +89,7 @@ class AcceptedUpload:
 
 @dataclass(slots=True)
 class MissionDownload:
-    """A picture of a store, for one client."""
+    """A copy of a store, for one client."""
 
     kind: MissionType
     items: Items
@@ -117,16 +117,16 @@ class MissionService:
 
     @property
     def is_busy(self) -> bool:
-        """An upload is under way."""
+        """Whether an upload is under way."""
         return isinstance(self._upload, MissionUpload)
 
     def receive(self, link: LinkName, message: Message, now_s: float) -> list[Message]:
-        """Takes a message of the protocol; the answers go back where it came from."""
+        """Handles a message of the protocol; the answers go back to its link."""
         handle = self.HANDLERS.get(message.get_type())
         return handle(self, link, message, now_s) if handle else []
 
     def due(self, now_s: float) -> list[tuple[LinkName, Message]]:
-        """The messages to send as time passes."""
+        """The messages that are due by time."""
         if self._downloads:
             for client in [c for c, d in self._downloads.items() if now_s - d.heard_s > SILENT_S]:
                 del self._downloads[client]
@@ -196,7 +196,7 @@ class MissionService:
         return [_ack(upload.client, result, upload.kind)]
 
     def _replace(self, kind: MissionType, items: Items, current: int | None) -> None:
-        """Changes a store; rule 6."""
+        """Changes a store, by rule 6."""
         if items != self._stores[kind]:
             self._stores[kind] = items
             self._accept(kind, items, current)
@@ -240,7 +240,7 @@ class MissionService:
         return [make(item, message.seq, client, download.kind, is_current)]
 
     def _acknowledged(self, link: LinkName, message: Message, now_s: float) -> list[Message]:
-        """The end of a download, or a client that gives up its upload."""
+        """Handles the end of a download, or of an upload that its client gives up."""
         client, upload = source(message), self._upload
         download = self._downloads.get(client)
         if download and download.kind == message.mission_type:
@@ -265,7 +265,7 @@ class MissionService:
         "MISSION_REQUEST": _request,
         "MISSION_ACK": _acknowledged,
     }
-    """Message -> what answers it."""
+    """Message -> its handler."""
 
 
 def _kind(message: Message) -> MissionType | None:

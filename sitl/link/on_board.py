@@ -1,4 +1,4 @@
-"""The components on board of a vehicle, as its scenario and its world have them."""
+"""The components on board of a vehicle, from its scenario and its world."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from sitl.world.world import World
 def components_on_board(
     system: int, world: World, scenario: Scenario, vehicle: SimulatedVehicle
 ) -> list[OnboardComponent]:
-    """What speaks beside the autopilot, in the order in which it speaks."""
+    """All components beside the autopilot, in the order in which they send."""
     components: list[OnboardComponent] = []
     if world.detector:
         components.append(DetectorComponent(system, world.detector))

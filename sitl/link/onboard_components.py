@@ -1,10 +1,10 @@
 """The payload, the target detector, the lidar and the operator as MAVLink components.
 
-Each is a component of its own, beside the autopilot: own component id, own sequence numbers, own
-HEARTBEAT at 1 Hz. The detector reports NAMED_VALUE_INT "target" at 2 Hz, the lidar
-OBSTACLE_DISTANCE at 10 Hz. A command that a component does not know is UNSUPPORTED. What they
-decide is in sitl/world; here it becomes messages. They send to whoever listens; routing.py says
-where that is. The operator is a ground station that says only what the scenario makes it say.
+Each is a component of its own beside the autopilot, with its own component id, sequence numbers and
+HEARTBEAT at 1 Hz. The detector sends NAMED_VALUE_INT "target" at 2 Hz, the lidar OBSTACLE_DISTANCE
+at 10 Hz. A command that a component does not know is UNSUPPORTED. sitl/world makes their decisions;
+this module makes the messages, and routing.py chooses the links. The operator is a ground station
+that sends only what the scenario says.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from sitl.world.payload import Payload
 REPORT_S = 0.5
 SCAN_S = 0.1
 OPERATOR = (254, 190)
-"""System and component of the operator; real ground stations are 255 by default."""
+"""System and component of the operator; real ground stations use 255 by default."""
 COMPANION = 191
 NEAREST_CM = 5
 TARGET_NAME = b"target"
@@ -41,7 +41,7 @@ class DetectorComponent:
         self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """Knows no command."""
+        """The detector has no commands."""
         return self._sender.refuse(message, self.address)
 
     def step(self, state: FlightState) -> list[PackedMessage]:
@@ -56,7 +56,7 @@ class DetectorComponent:
 
 
 class PayloadComponent:
-    """The payload as a component; answers every command that is for it alone."""
+    """The payload as a component; answers every command that is addressed to it alone."""
 
     def __init__(self, system: int, payload: Payload) -> None:
         self.address = (system, payload.script.component)
@@ -85,7 +85,7 @@ class PayloadComponent:
 
 
 class OperatorComponent:
-    """The operator: sends each command once, and leaves the answers unread."""
+    """The operator: sends each command once, and ignores the answers."""
 
     address = OPERATOR
 
@@ -95,7 +95,7 @@ class OperatorComponent:
         self._sender = ComponentSender(OPERATOR)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """Nothing is answered."""
+        """The operator answers nothing."""
         return []
 
     def step(self, state: FlightState) -> list[PackedMessage]:
@@ -121,7 +121,7 @@ class LidarComponent:
         self._sender = ComponentSender(self.address)
 
     def receive(self, message: Message, state: FlightState) -> list[PackedMessage]:
-        """Knows no command."""
+        """The lidar has no commands."""
         return self._sender.refuse(message, self.address)
 
     def step(self, state: FlightState) -> list[PackedMessage]:
@@ -136,7 +136,7 @@ class LidarComponent:
 
     def _report(self, scan_m: npt.NDArray[np.float64], now_s: float) -> Message:
         far_cm = round(100 * self._lidar.spec.range_m)
-        clear_cm = far_cm + 1  # of a beam that meets nothing
+        clear_cm = far_cm + 1  # for a beam that meets nothing
         in_range_cm = np.minimum(np.maximum(np.rint(100 * scan_m), NEAREST_CM), far_cm)
         scan_cm = np.where(scan_m < math.inf, in_range_cm, clear_cm)
         return dialect.MAVLink_obstacle_distance_message(

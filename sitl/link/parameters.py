@@ -1,12 +1,13 @@
-"""The autopilot's side of the parameter protocol, PX4's way.
+"""The autopilot's side of the parameter protocol, as in PX4.
 
-Integers travel byte by byte, unknown names are met with silence, a value of another
-type changes nothing and the present one is told, a list is spread over time so that no buffer
-overflows. `_HASH_CHECK` is a checksum of all names and values, by which QGroundControl saves
-itself the list.
+1. Integers are sent byte by byte.
+2. A request for an unknown name is not answered.
+3. A value of another type changes nothing; the answer is the present value.
+4. A list is spread over time, so that no buffer overflows.
+5. `_HASH_CHECK` is a checksum of all names and values, which saves QGroundControl the list.
 
 Sources: https://mavlink.io/en/services/parameter.html; PX4, mavlink_parameters.cpp and
-param_hash_check; answers of a PX4 that were seen.
+param_hash_check; observed answers of PX4.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ NAMES = tuple(PARAMETERS)
 LISTED = (HASH_CHECK, *PARAMETERS)
 """The answer to PARAM_REQUEST_LIST: the checksum first, then all in order."""
 VOLATILE = frozenset({"COM_FLIGHT_UUID", "LND_FLIGHT_T_HI", "LND_FLIGHT_T_LO"})
-"""Counters that change by themselves; they are no part of the checksum."""
+"""Counters that change by themselves; the checksum leaves them out."""
 
 
 def checksum(parameters: Parameters) -> int:
@@ -56,7 +57,7 @@ def read(request: Message, parameters: Parameters) -> Message | None:
 
 
 def write(request: Message, parameters: Parameters) -> Message | None:
-    """Does what PARAM_SET asks; the answer is the value from now on."""
+    """Executes PARAM_SET; the answer is the value that applies now."""
     name = request.param_id
     if name not in PARAMETERS:
         return None

@@ -1,6 +1,6 @@
-"""The door by which programs on board report to the companion (`sitl/world/reporter.py`).
+"""The door through which programs on board report to the companion (`sitl/world/reporter.py`).
 
-Its addresses are those of the companion's `--events`: where that listens, this sends to.
+It sends to the address at which the companion listens by `--events`.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from companion.errors import LinkError
 
 
 class ReportSender:
-    """Sends each report as a datagram; one that nobody hears is lost, as on board.
+    """Sends each report as a datagram; if nobody listens it is lost, as on board.
 
     Args:
-        address: `unix:PATH` or `udpin:HOST:PORT`, as the companion has it.
+        address: `unix:PATH` or `udpin:HOST:PORT`, as given to the companion.
 
     Raises:
-        LinkError: it is no such address.
+        LinkError: the address has another form.
     """
 
     def __init__(self, address: str) -> None:
@@ -40,11 +40,11 @@ class ReportSender:
         self._socket.setblocking(False)
 
     def send(self, reports: Iterable[bytes]) -> None:
-        """Sends some reports."""
+        """Sends reports, one datagram each."""
         for report in reports:
-            with suppress(OSError):  # nobody listens there yet, or reads too slowly
+            with suppress(OSError):  # nobody listens yet, or the listener is too slow
                 self._socket.sendto(report, self._target)
 
     def close(self) -> None:
-        """Frees the socket."""
+        """Closes the socket."""
         self._socket.close()

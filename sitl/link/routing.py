@@ -1,16 +1,16 @@
 """Routing of messages between the links.
 
-PX4 forwards between its links as the MAVLink routing guide says
-(https://mavlink.io/en/guide/routing.html), and so do we:
+Like PX4, it forwards between the links by the rules of the MAVLink routing guide
+(https://mavlink.io/en/guide/routing.html):
 
 1. A message never goes back to the link it came from.
-2. One for this vehicle's autopilot alone, or for another component on board, stays here.
+2. A message only for this vehicle's autopilot, or for another component on board, stays here.
 3. A broadcast (target system 0, or no target at all) goes to every other link.
-4. One for a system or a component goes where that was heard before.
-5. SETUP_SIGNING goes nowhere: it has a key in it.
+4. A message for another system or component goes to the links where that was heard.
+5. SETUP_SIGNING is never forwarded: it contains a key.
 
-STATUSTEXT of our own components goes only where a ground station's heartbeat has passed, coming in
-or forwarded (seen on PX4).
+STATUSTEXT of our own components goes only where a ground station's heartbeat has passed, in either
+direction (as in PX4).
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Router:
         self._with_gcs: set[LinkName] = set()
 
     def learn(self, origin: LinkName, message: Message) -> None:
-        """Learns from a message that came in."""
+        """Learns the sender's link from a message that came in."""
         system, component = source(message)
         self._heard.setdefault(origin, set()).update([(system, component), (system, 0)])
         if message.get_type() == "HEARTBEAT" and message.type == MAV_TYPE_GCS:
@@ -68,7 +68,7 @@ class Router:
         return link in self._with_gcs
 
     def destinations(self, message: Message, origin: LinkName | None) -> list[LinkName]:
-        """The links that a message from outside, or (origin None) from on board, goes to."""
+        """The links for a message from outside, or from on board if `origin` is None."""
         if target(message) in self._local or message.get_type() == "SETUP_SIGNING":
             return []
         return [

@@ -1,18 +1,20 @@
 """The UDP door: PX4's ports.
 
-Each link has a local port and the port where its peer is expected. Instance i adds i to all but
-that of the ground station: one ground station sees all vehicles.
+Each link has a local port and a port where its peer is expected. Instance i adds i to all of them
+except the ground station's: one ground station sees all vehicles.
 
     GCS       local 18570, sends to 127.0.0.1:14550
     OFFBOARD  local 14580, sends to 127.0.0.1:14540
 
-PX4 does so (ROMFS/px4fmu_common/init.d-posix/px4-rc.mavlink), but sends from instance 10 on to
-14549; here counting goes on.
+PX4 does the same (ROMFS/px4fmu_common/init.d-posix/px4-rc.mavlink), but from instance 10 on it
+sends to 14549; here counting continues.
 
-Whoever sends to the local port becomes the peer, so that a client on another port is answered
-where it is. Only this machine is listened to. What is received at once is bounded, on each link for
-itself (`companion/mavlink/intake.py`). Nobody listening is no error. The other file
-with a socket is `report_sender.py`.
+1. Whoever sends to the local port becomes the peer, so a client on another port is answered there.
+2. Only this machine is listened to.
+3. The number of datagrams taken at once is limited for each link (`companion/mavlink/intake.py`).
+4. It is no error if nobody listens.
+
+The only other file with a socket is `report_sender.py`.
 """
 
 from __future__ import annotations
@@ -28,21 +30,21 @@ HOST = "127.0.0.1"
 LOCAL_PORTS = {LinkName.GCS: 18570, LinkName.OFFBOARD: 14580}
 COMPANION_PORT, GROUND_PORT = 14540, 14550
 
-BUFFER_BYTES = 1 << 20  # a client that lists all parameters at once sends and gets bursts
+BUFFER_BYTES = 1 << 20  # a client that lists all parameters at once sends and receives bursts
 
 
 class Server:
     """The sockets of one instance; use it in a `with` statement.
 
     Args:
-        instance: whose ports.
+        instance: selects the ports.
         ground_port: where a ground station is expected.
 
     Attributes:
-        peers: who is expected, or has spoken, on each link.
+        peers: the expected peer of each link, or the one that has sent last.
 
     Raises:
-        LinkError: a local port is taken, or ground station and companion would have the same port.
+        LinkError: a local port is in use, or ground station and companion would share a port.
     """
 
     def __init__(self, instance: int, ground_port: int = GROUND_PORT) -> None:
@@ -79,12 +81,12 @@ class Server:
         self.close()
 
     def close(self) -> None:
-        """Gives the ports back."""
+        """Closes the sockets."""
         for udp in self._sockets.values():
             udp.close()
 
     def receive(self, timeout_s: float) -> list[tuple[LinkName, bytes]]:
-        """The datagrams that are taken in, in order for each link; waits for the first."""
+        """The accepted datagrams, in order for each link; waits for the first."""
         links = {udp: link for link, udp in self._sockets.items()}
         ready, _, _ = select.select(list(links), [], [], max(0.0, timeout_s))
         return [(links[udp], datagram) for udp in ready for datagram in self._drain(links[udp])]
@@ -95,7 +97,7 @@ class Server:
             try:
                 self._sockets[link].sendto(frame, self.peers[link])
             except OSError:
-                continue  # nobody listens there, or the buffer is full: UDP promises nothing
+                continue  # nobody listens, or the buffer is full: UDP promises nothing
 
     def _drain(self, link: LinkName) -> list[bytes]:
         datagrams: list[bytes] = []

@@ -1,9 +1,9 @@
 """The setpoint in a SET_POSITION_TARGET_LOCAL_NED or SET_POSITION_TARGET_GLOBAL_INT.
 
-PX4 takes frame 1 (MAV_FRAME_LOCAL_NED), and frame 8 (MAV_FRAME_BODY_NED) for velocity alone; of a
-global setpoint the altitude above the sea (frames 0, 5) or above home (3, 6). Other frames, a mask
-that ignores everything and numbers that are not finite are dropped: they count as a lost setpoint
-(seen on PX4). Source: POSITION_TARGET_TYPEMASK in common.xml.
+PX4 accepts frame 1 (MAV_FRAME_LOCAL_NED), and frame 8 (MAV_FRAME_BODY_NED) for velocity only. The
+altitude of a global setpoint is above sea level (frames 0, 5) or above home (3, 6). A setpoint with
+another frame, with a mask that ignores everything, or with a number that is not finite is dropped:
+it counts as lost (as in PX4). Source: POSITION_TARGET_TYPEMASK in common.xml.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def setpoint_from(
 
     Args:
         message: SET_POSITION_TARGET_LOCAL_NED or SET_POSITION_TARGET_GLOBAL_INT.
-        heading_rad: of the vehicle now, for a velocity along its own axes.
+        heading_rad: present heading, for a velocity along the body axes.
         origin: of the local frame.
         home_down_m: height of home, local NED down.
 

@@ -1,7 +1,7 @@
-"""Message signing on the links, as PX4 does it: with a key, on all of them.
+"""Message signing on the links, as in PX4: one key for all of them.
 
-What the components on board say is signed for the link on which it leaves. What is forwarded stays
-as it came: with the signature of who has sent it, or unsigned where that is accepted.
+Messages of components on board are signed for the link on which they leave. Forwarded messages stay
+as they arrived: with the sender's signature, or unsigned where that is accepted.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from sitl.link.routing import LinkName
 LINK_IDS = {link: number for number, link in enumerate(LinkName)}
 
 Datagrams = list[tuple[LinkName, bytes]]
-"""Each with its link."""
+"""Datagrams, each with its link."""
 
 
 def verified(signing: Signing, now_s: float, datagrams: Datagrams) -> Datagrams:
-    """The frames that are accepted, in order. A frame counts once, whichever link it comes on."""
+    """The accepted frames, in order. A frame counts once, whichever link it arrives on."""
     return [(link, f) for link, d in datagrams for f in signing.receive(now_s, [d])]
 
 
 def signed(
     signing: Signing, now_s: float, frames: Datagrams, local: Container[tuple[int, int]]
 ) -> Datagrams:
-    """The frames that leave, those of components on board with a signature.
+    """The frames to send; those of components on board are signed.
 
     Args:
         signing: of the vehicle.

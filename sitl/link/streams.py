@@ -1,7 +1,7 @@
 """The schedule of the telemetry streams on each link.
 
-`RATES_HZ` holds the default rates of a real PX4 in SITL on its two links, measured and rounded to
-what PX4's `mavlink stream` configures; a message that we do not make is not listed.
+`RATES_HZ` has the default rates of a PX4 in SITL on its two links, measured and rounded to what
+PX4's `mavlink stream` configures. Messages that the simulator does not make are not listed.
 MAV_CMD_SET_MESSAGE_INTERVAL changes one message on one link.
 """
 
@@ -17,7 +17,7 @@ from sitl.link.routing import LinkName
 
 EARLY_S = 1e-6  # sums of intervals are not exact
 LEAST_INTERVAL_S = 1.5e-3
-"""PX4's MAVLINK_MIN_INTERVAL: its loop sends a stream once in so long at most."""
+"""PX4's MAVLINK_MIN_INTERVAL: the shortest interval of a stream."""
 RATES_HZ: dict[str, tuple[float, float]] = {
     # message                     gcs  offboard
     "HEARTBEAT": (1, 1),
@@ -49,15 +49,15 @@ RATES_HZ: dict[str, tuple[float, float]] = {
     "SERVO_OUTPUT_RAW": (50, 10),
     "MISSION_CURRENT": (1, 1),
 }
-"""Message -> Hz on each link; 0 is off by default and may be asked for."""
+"""Message -> Hz on each link; 0 is off by default, but can be requested."""
 
 _COLUMN = {LinkName.GCS: 0, LinkName.OFFBOARD: 1}
 _Due = tuple[float, int, str]
-"""When a stream is due next, the id of its message, its name."""
+"""When a stream is due next, the id of its message, and its name."""
 
 
 class StreamReader(Protocol):
-    """Who reads the streams of a link, and nobody else does."""
+    """The only reader of the streams of a link."""
 
     @property
     def wanted(self) -> Container[int]:
@@ -65,18 +65,18 @@ class StreamReader(Protocol):
 
     @property
     def continual(self) -> Container[int]:
-        """Of these, those of which it reads only the newest that arrives together."""
+        """Those of them of which it reads only the newest of several that arrive together."""
 
 
 class Streams:
     """The schedule of one link.
 
-    What the reader does not read is not sent; it sleeps, and goes on in step once it is read.
+    A message that the reader does not read is not sent; its schedule continues in phase once it is.
 
     Args:
-        link: whose defaults to start with.
+        link: whose default rates apply.
         now_s: the first messages are due now.
-        reader: at the other end; without one everything may be read.
+        reader: at the other end; without one, everything may be read.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class Streams:
         return self._queue[0][0] - EARLY_S if self._queue else math.inf
 
     def attend(self, now_s: float) -> None:
-        """Goes by what the reader reads from now on; what was due until now has been sent."""
+        """Adapts to what the reader reads now; everything due before has been sent."""
         if self._reader is None or self._reader.wanted is self._read:
             return
         streams, self._read = [*self._queue, *self._asleep], self._reader.wanted
@@ -112,10 +112,11 @@ class Streams:
     def due(self, now_s: float, until_s: float) -> list[str]:
         """The messages to send now; each keeps its rate over the long run.
 
-        Of continual ones only the last before `until_s` is ever due.
+        Of a continual message, only the last one before `until_s` is ever due.
 
         Args:
             now_s: the time.
+            until_s: everything sent before this arrives together.
             until_s: what is sent until then arrives together.
         """
         queue, sent_s, messages = self._queue, now_s + EARLY_S, []
@@ -125,7 +126,7 @@ class Streams:
             due_s, message_id, name = queue[0]
             interval_s = self._intervals_s[name]
             after_s = due_s + interval_s
-            if after_s <= now_s:  # an interval shorter than a step: once each step
+            if after_s <= now_s:  # an interval shorter than a step: once per step
                 after_s = now_s + interval_s
             if after_s - EARLY_S > until_s or message_id not in continual:
                 messages.append(name)
@@ -136,7 +137,7 @@ class Streams:
         return messages
 
     def _after(self, stream: _Due, sent_s: float) -> _Due:
-        """When it is due after a time, had it been sent until then."""
+        """The first time after `sent_s` at which a stream is due, in its present phase."""
         due_s, message_id, name = stream
         while due_s <= sent_s:
             due_s += self._intervals_s[name]
@@ -158,9 +159,9 @@ class Streams:
             self._intervals_s[name] = interval_s
             self._queue.append((now_s + interval_s, MESSAGE_CLASSES[name].id, name))
         heapq.heapify(self._queue)
-        self._asleep, self._read = [], None  # sorted out by `attend`
+        self._asleep, self._read = [], None  # `attend` fills these again
         return True
 
     def interval_us(self, name: str) -> int:
-        """Interval of a message, 0 if it is not sent by itself."""
+        """Interval of a message; 0 if it is not streamed."""
         return round(1e6 * self._intervals_s.get(name, 0.0))

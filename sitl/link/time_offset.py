@@ -1,12 +1,12 @@
-"""What the autopilot reckons of a companion's clock, from the answers to its TIMESYNC questions.
+"""The autopilot's estimate of a companion's clock, from the answers to its TIMESYNC requests.
 
-As PX4 does on each of its links, and writes into its log (topic `timesync_status`): how far its own
-clock is ahead of the other one. A question that took 10 ms or more there and back says too little
-and is left out. What is left is smoothed by a filter of second order (offset and drift), whose
-gains fall from 0.05 to 0.003 over 500 answers. After that, six answers in a row that are 100 ms off
-are another clock, and it begins anew.
+As in PX4, each link has its own estimate of how far the autopilot's clock is ahead; PX4 logs it as
+`timesync_status`. A request with a round trip of 10 ms or more is left out as too inaccurate. A
+second-order filter (offset and drift) smooths the others; its gains fall from 0.05 to 0.003 over
+500 answers. After that, six answers in a row that are 100 ms off mean another clock, and the filter
+starts again.
 
-Source: PX4 v1.16, as documented for timesync_status and as it was seen to behave.
+Source: PX4 v1.16, by the documentation of timesync_status and by observation.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ ROUND_TRIP_MAX_US = 10_000
 DEVIATION_MAX_US = 100_000
 DEVIATIONS_MAX = 5
 CONVERGED = 500
-"""Answers, 50 s of them."""
+"""Number of answers until the filter has converged, 50 s."""
 FIRST_GAIN, LAST_GAIN = 0.05, 0.003
 
 
@@ -28,7 +28,7 @@ class TimeOffset:
         estimated_us: by how much the autopilot's clock is ahead; 0 before the first answer.
         observed_us: the same by the newest answer alone.
         round_trip_us: of the newest answer.
-        taken: how many answers the estimate is made of.
+        taken: number of answers in the estimate.
     """
 
     def __init__(self) -> None:
@@ -41,7 +41,7 @@ class TimeOffset:
 
     @property
     def is_converged(self) -> bool:
-        """Whether stamps of the other clock are trusted."""
+        """Whether time stamps of the other clock can be trusted."""
         return self.taken >= CONVERGED
 
     def take(self, now_us: int, remote_ns: int, asked_ns: int) -> None:
@@ -49,8 +49,8 @@ class TimeOffset:
 
         Args:
             now_us: our time.
-            remote_ns: what the other clock showed.
-            asked_ns: our time in the question.
+            remote_ns: time of the other clock in the answer.
+            asked_ns: our time in the request.
         """
         self.round_trip_us = now_us - asked_ns / 1000
         self.observed_us = (asked_ns / 1000 + now_us) / 2 - remote_ns / 1000

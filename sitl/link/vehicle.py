@@ -17,11 +17,11 @@ class SimulatedVehicle:
     """One vehicle: its autopilot, its estimated state, its sensors.
 
     Attributes:
-        state: estimated; replaced every step.
+        state: the estimate; replaced every step.
         origin: of the local frame.
-        battery: its gauge is read.
-        estimator: makes the state, and tells how good it is.
-        booted_s: when the autopilot was started last.
+        battery: with its gauge.
+        estimator: makes the state, and reports its accuracy.
+        booted_s: when the autopilot was last started.
     """
 
     autopilot: Autopilot

@@ -1,4 +1,4 @@
-"""The models of a scenario file for the battery and the pads, and what becomes of them."""
+"""The scenario file's models of the battery and the pads, and of the changes to them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class BatteryModel(Strict):
 
 
 class BatteryEventModel(Strict):
-    """What changes about the battery; what is left out stays as it is."""
+    """A change of the battery; keys left out change nothing."""
 
     charge: Annotated[float | None, described("it jumps to this charge, 0 to 1", ge=0, le=1)] = None
     known: Annotated[
@@ -39,7 +39,7 @@ class BatteryEventModel(Strict):
 
 
 class PadModel(DiscModel):
-    """A pad charges or changes the battery of a landed, disarmed vehicle on it."""
+    """A pad that charges or exchanges the battery of a landed, disarmed vehicle on it."""
 
     name: Annotated[str, described("its name, for events")] = ""
     current_a: Annotated[
@@ -57,7 +57,7 @@ class PadModel(DiscModel):
 
 
 class PadEventModel(Strict):
-    """What changes about a pad; what is left out stays as it is."""
+    """A change of a pad; keys left out change nothing."""
 
     name: Annotated[str, described("the name of one of the pads", min_length=1)]
     works: Annotated[bool | None, described("whether it charges, or changes batteries")] = None
@@ -70,7 +70,7 @@ def battery(model: BatteryModel) -> BatterySpec:
 
 
 def battery_change(event: BatteryEventModel) -> BatteryChange:
-    """What becomes of the battery."""
+    """The change that an event makes to the battery."""
     return BatteryChange(event.charge, event.known, event.capacity, event.resistance)
 
 
@@ -78,7 +78,7 @@ def pads(models: tuple[PadModel, ...], document: Document) -> tuple[PadSpec, ...
     """The pads that a file describes.
 
     Raises:
-        MissionError: one charges and changes.
+        MissionError: a pad both charges and exchanges.
     """
     for i, each in enumerate(models):
         if each.swap_s is not None and each.current_a is not None:
@@ -100,15 +100,15 @@ def pads(models: tuple[PadModel, ...], document: Document) -> tuple[PadSpec, ...
 
 
 def pad_change(event: PadEventModel) -> PadChange:
-    """What becomes of a pad."""
+    """The change that an event makes to a pad."""
     return PadChange(event.name, event.works, event.current_a)
 
 
 def check_battery_event(event: BatteryEventModel, document: Document, i: int) -> None:
-    """Refuses an event in which nothing happens.
+    """Refuses an event without an effect.
 
     Raises:
-        MissionError: at its place in the file.
+        MissionError: with the place in the file.
     """
     if not event.model_fields_set:
         where = document.where("happens", i, "battery")
@@ -119,10 +119,10 @@ def check_battery_event(event: BatteryEventModel, document: Document, i: int) ->
 def check_pad_event(
     event: PadEventModel, models: tuple[PadModel, ...], document: Document, i: int
 ) -> None:
-    """Refuses an event about a pad that there is not, or one in which nothing happens.
+    """Refuses an event about an unknown pad, or one without an effect.
 
     Raises:
-        MissionError: at its place in the file.
+        MissionError: with the place in the file.
     """
     names = [each.name for each in models if each.name]
     if event.name not in names:

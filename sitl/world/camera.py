@@ -1,15 +1,16 @@
-"""A camera on board, by the camera protocol, version 2: what it makes of commands, and when.
+"""A camera on board by the camera protocol, version 2: its answers to commands and its images.
 
-It does as the camera server of MAVSDK 4.1 does: IN_PROGRESS at once, ACCEPTED after the shot, then
-the image. A command with an equal sequence number is a second photo, if the first is done.
+Its order is that of MAVSDK 4.1's camera server: IN_PROGRESS at once, ACCEPTED after the shot, then
+the image. A command with an equal sequence number asks for a second photo if the first is done.
 
-1. While it shoots, or is busy, another photo is TEMPORARILY_REJECTED.
-2. A full storage DENIES a photo.
-3. Where it fails, the photo is accepted, and then told as failed; it is not counted.
+1. While the camera shoots or is busy, it answers another photo with TEMPORARILY_REJECTED.
+2. If its storage is full, it answers DENIED.
+3. Where photos fail, the camera accepts the command, then reports a failed image and does not count
+   it.
 
     state      a photo is asked for        its time is over
     idle       shooting, or rules 1, 2
-    shooting   rule 1                      idle; the photo is there, or rule 3
+    shooting   rule 1                      idle; the image exists, or rule 3
 """
 
 from __future__ import annotations
@@ -27,14 +28,14 @@ SHOT_MIB = 4.0
 
 @dataclass(frozen=True, slots=True)
 class CameraSpec:
-    """A camera.
+    """The properties of a camera.
 
     Attributes:
         after_s: how long a photo takes.
-        images: how many it has made before.
-        capacity: how many more its storage has room for.
+        images: how many it has taken before the start.
+        capacity: how many more its storage can hold.
         fails: circles in which its photos fail.
-        lost: share of its messages of images that it never sends.
+        lost: share of its image messages that it never sends.
     """
 
     component: int
@@ -47,11 +48,11 @@ class CameraSpec:
 
 @dataclass(frozen=True, slots=True)
 class CameraChange:
-    """What becomes of a camera; None leaves it as it is.
+    """A change of a camera; None leaves a property as it is.
 
     Attributes:
-        component: which one; None is the first.
-        is_silent: it says nothing, and hears nothing.
+        component: id of the camera; None is the first one.
+        is_silent: it sends nothing and receives nothing.
     """
 
     component: int | None = None
@@ -65,11 +66,11 @@ class CameraChange:
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A photo that is there, or has failed.
+    """A photo that was taken or has failed.
 
     Attributes:
         index: from 0.
-        is_lost: the camera does not tell of it.
+        is_lost: the camera never reports it.
     """
 
     index: int
@@ -87,12 +88,12 @@ class Camera:
     """One camera.
 
     Args:
-        spec: what it is like.
-        rng: of what is lost.
+        spec: its properties.
+        rng: decides which messages are lost.
 
     Attributes:
-        images: how many it has made.
-        is_silent: it says nothing.
+        images: how many it has taken.
+        is_silent: it sends nothing.
     """
 
     def __init__(self, spec: CameraSpec, rng: Random) -> None:
@@ -106,17 +107,17 @@ class Camera:
 
     @property
     def is_shooting(self) -> bool:
-        """Whether a photo is under way, of ours or of somebody else."""
+        """Whether a photo is under way, whoever asked for it."""
         return self._shooting is not None or self._is_busy
 
     @property
     def left(self) -> int:
-        """How many photos its storage has room for."""
+        """How many more photos its storage can hold."""
         made = self.images - self.spec.images
         return 0 if self._is_full else max(0, self.spec.capacity - made)
 
     def change(self, change: CameraChange) -> None:
-        """Something becomes of it."""
+        """Applies a change of the scenario."""
         if change.after_s is not None:
             self._after_s = change.after_s
         if change.is_busy is not None:
@@ -140,7 +141,7 @@ class Camera:
         return CommandAck(requester, MavResult.IN_PROGRESS, progress=255)
 
     def step(self, position: Ned, now_s: float) -> tuple[CommandAck, Image] | None:
-        """The photo whose time is over, with its answer."""
+        """The photo that is done now, with the answer to its command."""
         shooting = self._shooting
         if shooting is None or now_s < shooting.end_s:
             return None

@@ -1,12 +1,13 @@
-"""Collisions with walls, and with the ground by more than the legs.
+"""Collisions of the vehicle with walls, and of its body with the ground.
 
-Walls are the occupied cells of the true map, and low ones up to where they end; off the map counts
-as a wall, unless it is open. The vehicle is a disc, its legs below it. Accuracy is that of the
-map's distance field: about one cell. The flight physics knows contact of the legs alone, so a
-vehicle that falls over has to be stopped: it would sink into the ground.
-
-The upper end of a low wall is ground to a vehicle above it: a roof, on which it can stand. One that
-stands there with a leg beyond the edge falls off it.
+1. Walls are the occupied cells of the true map, up to their upper end where they are low. Off the
+   map counts as a wall, unless the map is open.
+2. The vehicle is a disc with legs below it. The accuracy is that of the map's distance field: about
+   one cell.
+3. The flight physics knows only contacts of the legs. A vehicle that falls over has to be stopped
+   here, or it would sink into the ground.
+4. The upper end of a low wall is a roof, on which the vehicle can stand. With a leg beyond the
+   edge, the vehicle falls off.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from sitl.flight.physics import LEG_M, FlightState
 
 UPRIGHT = 0.5  # cosine of the tilt at which the body touches the ground beside the legs
 FEET_M = 0.1 * math.sqrt(2)
-"""From the vehicle's centre to its feet, over the ground."""
+"""Horizontal distance from the vehicle's centre to its feet."""
 
 
 class CollisionCounter:
@@ -32,8 +33,8 @@ class CollisionCounter:
         radius_m: of the vehicle.
 
     Attributes:
-        grid: may be replaced when the map changes.
-        count: of collisions so far.
+        grid: the true map; replaced when the map changes.
+        count: collisions so far.
     """
 
     def __init__(self, grid: OccupancyGrid | None, radius_m: float) -> None:
@@ -43,18 +44,18 @@ class CollisionCounter:
         self._is_touching = False
 
     def walls(self, position: Ned, ground_m: float) -> OccupancyGrid | None:
-        """What a vehicle hits that comes too near to it; arguments as below.
+        """The walls with which the vehicle can collide; arguments as in `update`.
 
-        A roof that carries it is none, however far its legs give way.
+        The roof that carries the vehicle is not among them, however far the legs are compressed.
         """
         return None if self.grid is None else self.grid.at(max(-position[2], ground_m))
 
     def update(self, position: Ned, ground_m: float = 0.0) -> bool:
-        """Takes a position; true when a collision begins there.
+        """Takes a position; returns whether a collision begins there.
 
         Args:
             position: of the vehicle.
-            ground_m: the height of what carries it, which it does not hit.
+            ground_m: height of what carries the vehicle, with which it does not collide.
         """
         walls = self.walls(position, ground_m)
         if walls is None:
@@ -67,12 +68,12 @@ class CollisionCounter:
 
 
 def ground_up_m(grid: OccupancyGrid | None, position: Ned, before_m: float) -> float:
-    """Height above home of what carries a vehicle that is there: the ground, or a roof.
+    """Height above home of what carries a vehicle at this position: the ground, or a roof.
 
     Args:
         grid: the true map.
         position: of the vehicle.
-        before_m: the same of a moment ago: legs give way on a roof, and it still is one.
+        before_m: the last result; it keeps a vehicle on its roof while the legs are compressed.
     """
     if grid is None or grid.low is None:
         return 0.0
@@ -85,12 +86,12 @@ def ground_up_m(grid: OccupancyGrid | None, position: Ned, before_m: float) -> f
 
 
 def is_over_edge(grid: OccupancyGrid | None, state: FlightState, ground_m: float) -> bool:
-    """True if a vehicle that touches a roof has a foot beyond its edge.
+    """Whether a vehicle that touches a roof has a foot beyond the edge.
 
     Args:
         grid: the true map.
         state: of the vehicle.
-        ground_m: the height of what carries it.
+        ground_m: height of what carries it.
     """
     if grid is None or grid.low is None or ground_m <= 0 or not state.is_on_ground:
         return False
@@ -102,11 +103,11 @@ def is_over_edge(grid: OccupancyGrid | None, state: FlightState, ground_m: float
 
 
 def is_wreck(state: FlightState, ground_m: float = 0.0) -> bool:
-    """True if the body touches the ground: fallen over, or hit harder than the legs can take.
+    """Whether the body touches the ground: it has fallen over, or hit too hard for its legs.
 
     Args:
         state: of the vehicle.
-        ground_m: how high the ground is.
+        ground_m: height of the ground.
     """
     _, x, y, _ = state.attitude
     is_upright = 1 - 2 * (x * x + y * y) > UPRIGHT

@@ -1,4 +1,4 @@
-"""The target detector: reports what the scenario's events make it see."""
+"""The target detector: reports the target while the scenario's events let it see one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The models of a scenario file for cameras, gimbal and gripper, and what becomes of them."""
+"""The scenario file's models of cameras, gimbal and gripper, and of the changes to them."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class CameraModel(Strict):
 
 
 class CameraEventModel(Strict):
-    """What changes about a camera; what is left out stays as it is."""
+    """A change of a camera; keys left out change nothing."""
 
     component: Which = None
     after_s: Annotated[float | None, described("seconds that a photo takes", ge=0, le=600)] = None
@@ -66,7 +66,7 @@ class GripperModel(Strict):
 
 
 class GripperEventModel(Strict):
-    """What changes about the gripper; what is left out stays as it is."""
+    """A change of the gripper; keys left out change nothing."""
 
     misses: Annotated[bool | None, described("it misses what is there")] = None
     drops: Annotated[Literal[True] | None, described("it loses its load now")] = None
@@ -85,7 +85,7 @@ class GimbalModel(Strict):
 
 
 class GimbalEventModel(Strict):
-    """What changes about the gimbal; what is left out stays as it is."""
+    """A change of the gimbal; keys left out change nothing."""
 
     stuck: Annotated[bool | None, described("it does not turn")] = None
     taken: Annotated[Literal[True] | None, described("a ground station takes control")] = None
@@ -101,7 +101,7 @@ def camera(model: CameraModel) -> CameraSpec:
 
 
 def camera_change(event: CameraEventModel) -> CameraChange:
-    """What becomes of a camera."""
+    """The change that an event makes to a camera."""
     return CameraChange(
         event.component,
         event.after_s,
@@ -122,7 +122,7 @@ def gripper(model: GripperModel) -> GripperSpec:
 
 
 def gripper_change(event: GripperEventModel) -> GripperChange:
-    """What becomes of the gripper."""
+    """The change that an event makes to the gripper."""
     return GripperChange(event.misses, bool(event.drops), event.silent)
 
 
@@ -130,7 +130,7 @@ def gimbal(model: GimbalModel, document: Document) -> GimbalSpec:
     """The gimbal that a file describes.
 
     Raises:
-        MissionError: it can point nowhere.
+        MissionError: its range of pitch is empty.
     """
     lowest, highest = model.pitch_deg
     if not -180 <= lowest < highest <= 180:
@@ -141,17 +141,17 @@ def gimbal(model: GimbalModel, document: Document) -> GimbalSpec:
 
 
 def gimbal_change(event: GimbalEventModel) -> GimbalChange:
-    """What becomes of the gimbal."""
+    """The change that an event makes to the gimbal."""
     return GimbalChange(event.stuck, bool(event.taken), event.silent)
 
 
 def check_device_event(
     kind: str, event: Strict, device: Strict | None, document: Document, i: int
 ) -> None:
-    """Refuses an event about a device that there is not, or one in which nothing happens.
+    """Refuses an event about an absent device, or one without an effect.
 
     Raises:
-        MissionError: at its place in the file.
+        MissionError: with the place in the file.
     """
     where = document.where("happens", i, kind)
     if device is None:
@@ -165,10 +165,10 @@ def check_device_event(
 def check_camera_event(
     event: CameraEventModel, cameras: tuple[CameraModel, ...], document: Document, i: int
 ) -> None:
-    """Refuses an event about a camera that there is not, or one in which nothing happens.
+    """Refuses an event about an unknown camera, or one without an effect.
 
     Raises:
-        MissionError: at its place in the file.
+        MissionError: with the place in the file.
     """
     where = document.where("happens", i, "camera")
     ids = [each.component for each in cameras]

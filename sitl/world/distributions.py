@@ -1,11 +1,11 @@
-"""What a key of a scenario may be in a campaign: ranges and distributions.
+"""The values that a key of a scenario may take in a campaign: ranges and distributions.
 
-Each is given by its inverse distribution function: a number between 0 and 1 in, a value out. So a
-row of a campaign is a point of the unit cube, whoever chose it: a random generator, a sequence
-that fills the cube evenly, or a search.
+Each is given by its inverse distribution function, which maps a number between 0 and 1 to a value.
+So a row of a campaign is a point of the unit cube, whether a random generator, a space-filling
+sequence or a search has chosen it.
 
-A number has six significant digits and is flown as it is written, so that a row and its scenario
-file are one flight.
+Numbers are rounded to six significant digits and flown as they are written, so a row and its
+scenario file give the same flight.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from statistics import NormalDist
 
 Value = bool | int | float | str
 TAILS = 4.0
-"""Where a normal distribution ends that has no bounds of its own, in deviations."""
+"""Where a normal distribution without bounds is cut off, in standard deviations."""
 
 
 def rounded(number: float) -> float:
@@ -30,7 +30,7 @@ def rounded(number: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Uniform:
-    """Any number of a range, all alike.
+    """A number from a range, uniformly distributed.
 
     >>> Uniform(-3.0, 3.0).value(0.75)
     1.5
@@ -40,12 +40,12 @@ class Uniform:
     high: float
 
     def value(self, u: float) -> Value:
-        """The value at a share of the range."""
+        """The value at a share of the range, from 0 to 1."""
         return rounded(self.low + u * (self.high - self.low))
 
     @property
     def extremes(self) -> tuple[Value, ...]:
-        """The values that have to be possible, for all others to be."""
+        """The values that must all be valid for every other value to be valid."""
         return rounded(self.low), rounded(self.high)
 
     def __str__(self) -> str:
@@ -54,7 +54,7 @@ class Uniform:
 
 @dataclass(frozen=True, slots=True)
 class Normal:
-    """A number about a mean, cut off at both ends.
+    """A normally distributed number, cut off at both ends.
 
     >>> Normal(1.0, 0.5, 0.0, 2.0).value(0.5)
     1.0
@@ -66,7 +66,7 @@ class Normal:
     high: float
 
     def value(self, u: float) -> Value:
-        """The value below which a share of all values lies."""
+        """The value of a quantile, from 0 to 1."""
         bell = NormalDist(self.mean, self.deviation)
         least, most = bell.cdf(self.low), bell.cdf(self.high)
         share = min(max(least + u * (most - least), 1e-12), 1 - 1e-12)
@@ -74,7 +74,7 @@ class Normal:
 
     @property
     def extremes(self) -> tuple[Value, ...]:
-        """The values that have to be possible, for all others to be."""
+        """The values that must all be valid for every other value to be valid."""
         return rounded(self.low), rounded(self.high)
 
     def __str__(self) -> str:
@@ -83,7 +83,7 @@ class Normal:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of some values, each by its weight.
+    """One of several values, chosen by weight.
 
     >>> Choice(("ACCEPTED", "FAILED"), (3.0, 1.0)).value(0.8)
     'FAILED'
@@ -93,14 +93,14 @@ class Choice:
     weights: tuple[float, ...]
 
     def value(self, u: float) -> Value:
-        """The value whose weights, added up, reach a share of all weights."""
+        """The first value at which the sum of the weights reaches a share of the total."""
         total = sum(self.weights)
         reached = zip(self.values, accumulate(self.weights), strict=True)
         return next((v for v, weight in reached if u * total < weight), self.values[-1])
 
     @property
     def extremes(self) -> tuple[Value, ...]:
-        """The values that have to be possible, for all others to be."""
+        """The values that must all be valid for every other value to be valid."""
         return self.values
 
     def __str__(self) -> str:
@@ -113,7 +113,7 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Chance:
-    """Whether something is so, or there, in a share of all rows.
+    """True, or an entry that is present, in a share of all rows.
 
     >>> Chance(0.3).value(0.2), Chance(0.3).value(0.4)
     (True, False)
@@ -127,7 +127,7 @@ class Chance:
 
     @property
     def extremes(self) -> tuple[Value, ...]:
-        """The values that have to be possible, for all others to be."""
+        """The values that must all be valid for every other value to be valid."""
         return True, False
 
     def __str__(self) -> str:

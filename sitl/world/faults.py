@@ -1,7 +1,7 @@
-"""The faults that a scenario brings about, as values: of links, of answers, of the autopilot.
+"""The faults that a scenario can cause, as values: of links, of answers, of the autopilot.
 
-`ANSWERS` is the table of the ways in which an autopilot may take a command. What the links do with
-a `LinkQuality` is in sitl/link/disturbance.py, a reboot in sitl/autopilot/reboot.py.
+`ANSWERS` lists how an autopilot may answer a command. sitl/link/disturbance.py applies a
+`LinkQuality`, sitl/autopilot/reboot.py a `Reboot`.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from enum import StrEnum
 from sitl.results import MavResult
 
 ACCEPTED_LATE_S = 2.0
-"""Time from IN_PROGRESS to ACCEPTED, where both come."""
+"""Time from IN_PROGRESS to ACCEPTED, where both are sent."""
 
 
 class Port(StrEnum):
-    """A port of the vehicle, by who is at its other end: the companion 14540, the ground 14550."""
+    """A port of the vehicle by its peer: the companion at 14540, the ground station at 14550."""
 
     COMPANION = "companion"
     GROUND = "ground"
 
 
 class Direction(StrEnum):
-    """A direction on a link."""
+    """A direction of a link."""
 
     FROM_VEHICLE = "from_vehicle"
     TO_VEHICLE = "to_vehicle"
@@ -31,13 +31,13 @@ class Direction(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class LinkQuality:
-    """What a link does to datagrams in one direction; by default nothing.
+    """How a link treats datagrams in one direction; the default is a perfect link.
 
     Attributes:
-        loss: share that is lost; 1 cuts the link.
-        doubled: share that comes twice.
-        delay_s: each comes so much later.
-        jitter_s: and up to this later again, evenly spread: one overtakes another.
+        loss: share of lost datagrams; 1 cuts the link.
+        doubled: share of duplicated datagrams.
+        delay_s: delay of each datagram.
+        jitter_s: additional delay, uniform from 0 to this; datagrams may overtake each other.
     """
 
     loss: float = 0.0
@@ -51,8 +51,8 @@ class Reboot:
     """A restart of the autopilot.
 
     Attributes:
-        silent_s: time until it is heard again.
-        recovers: in the air it holds its place meanwhile, and is armed afterwards.
+        silent_s: time until the autopilot is heard again.
+        recovers: in the air, the vehicle holds its place meanwhile and is armed afterwards.
     """
 
     silent_s: float
@@ -60,7 +60,7 @@ class Reboot:
 
 
 class Answer(StrEnum):
-    """A way to take a command; `ANSWERS` says what each is."""
+    """How an autopilot answers a command; `ANSWERS` explains each."""
 
     ACCEPTED = "ACCEPTED"
     ACCEPTED_WITHOUT_EFFECT = "ACCEPTED_WITHOUT_EFFECT"
@@ -77,11 +77,11 @@ class Answer(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Answering:
-    """What becomes of a command.
+    """The effect of a command, and its answers.
 
     Attributes:
-        has_effect: it is carried out, as far as it can be.
-        results: each with the seconds after which it is told.
+        has_effect: the command is executed, as far as possible.
+        results: each with its delay in seconds.
     """
 
     has_effect: bool
@@ -107,4 +107,4 @@ ANSWERS: dict[Answer, Answering] = {
     Answer.NO_ANSWER: Answering(True, ()),
     Answer.NO_ANSWER_WITHOUT_EFFECT: Answering(False, ()),
 }
-"""Every answer that an autopilot may give, and whether the command has its effect."""
+"""Every answer that an autopilot may give, and whether the command is executed."""

@@ -1,9 +1,9 @@
 """A gimbal on board with its own manager: who controls it, where it points, how fast it turns.
 
-1. It turns for whoever has primary control alone; everybody else is DENIED.
-2. What it is asked for is ACCEPTED at once, and takes as long as it takes.
-3. With the yaw in the earth's frame it keeps its direction when the vehicle turns; else it turns
-   with the vehicle. Roll and pitch are kept level.
+1. It turns only for the component that has primary control; all others are DENIED.
+2. It ACCEPTS a direction at once; the turn takes as long as the gimbal's rate requires.
+3. With the yaw in the earth's frame, it keeps its direction when the vehicle turns; otherwise it
+   turns with the vehicle. Roll and pitch always refer to the horizon.
 
 Source: https://mavlink.io/en/services/gimbal_v2.html.
 """
@@ -24,10 +24,10 @@ YAW_LOCK, IN_VEHICLE_FRAME, IN_EARTH_FRAME = 16, 32, 64
 
 @dataclass(frozen=True, slots=True)
 class GimbalSpec:
-    """A gimbal.
+    """The properties of a gimbal.
 
     Attributes:
-        rate_radps: how fast it turns.
+        rate_radps: its angular rate.
         pitch_rad: from the lowest to the highest.
     """
 
@@ -38,12 +38,12 @@ class GimbalSpec:
 
 @dataclass(frozen=True, slots=True)
 class GimbalChange:
-    """What becomes of a gimbal; None leaves it as it is.
+    """A change of a gimbal; None leaves a property as it is.
 
     Attributes:
         is_stuck: it does not turn.
-        is_taken: somebody else takes control.
-        is_silent: it says nothing, and hears nothing.
+        is_taken: another component takes control.
+        is_silent: it sends nothing and receives nothing.
     """
 
     is_stuck: bool | None = None
@@ -52,14 +52,14 @@ class GimbalChange:
 
 
 class Gimbal:
-    """One gimbal, which looks ahead at first.
+    """One gimbal, which points forward at the start.
 
     Attributes:
         control: system and component that have primary control.
-        pitch_rad: up is positive.
-        yaw_rad: from the vehicle's heading, clockwise.
-        is_in_earth_frame: its direction is kept when the vehicle turns.
-        is_silent: it says nothing.
+        pitch_rad: positive upwards.
+        yaw_rad: clockwise from the vehicle's heading.
+        is_in_earth_frame: it keeps its direction when the vehicle turns.
+        is_silent: it sends nothing.
     """
 
     SOMEBODY: Requester = (255, 190)
@@ -74,7 +74,7 @@ class Gimbal:
         self._stepped_s = self._heading_rad = 0.0
 
     def change(self, change: GimbalChange) -> None:
-        """Something becomes of it."""
+        """Applies a change of the scenario."""
         if change.is_stuck is not None:
             self._is_stuck = change.is_stuck
         if change.is_silent is not None:
@@ -105,7 +105,7 @@ class Gimbal:
         return CommandAck(requester, MavResult.ACCEPTED)
 
     def step(self, heading_rad: float, now_s: float) -> None:
-        """Time has passed, and the vehicle has turned."""
+        """Turns the gimbal, given the time and the vehicle's heading."""
         most_rad = self.spec.rate_radps * (now_s - self._stepped_s)
         if self.is_in_earth_frame:
             self.yaw_rad = wrap_angle(self.yaw_rad - wrap_angle(heading_rad - self._heading_rad))

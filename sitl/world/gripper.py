@@ -1,10 +1,11 @@
-"""A gripper on board, with a sensor that reads whether it has a load.
+"""A gripper on board with a load sensor.
 
-As PX4's gripper: IN_PROGRESS at once, ACCEPTED after a time, whatever it has got hold of.
+It answers as PX4's gripper does: IN_PROGRESS at once, and ACCEPTED after a fixed time, whether it
+has gripped something or not.
 
-1. The same action while it is under way is TEMPORARILY_REJECTED; once it is done, it is ACCEPTED.
-2. The opposite action CANCELS the one that is under way, and begins.
-3. A grab takes a load where there is one; a release loses it.
+1. The action that is under way is TEMPORARILY_REJECTED if asked for again; once done, ACCEPTED.
+2. The opposite action CANCELS the one under way, then begins.
+3. A grab takes a load where there is one; a release drops it.
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ RELEASE, GRAB = 0, 1
 
 @dataclass(frozen=True, slots=True)
 class GripperSpec:
-    """A gripper.
+    """The properties of a gripper.
 
     Attributes:
         after_s: how long an action takes.
-        loads: circles in which there is something to grab; None is everywhere.
+        loads: circles in which there is something to grab; None means everywhere.
     """
 
     component: int
@@ -35,12 +36,12 @@ class GripperSpec:
 
 @dataclass(frozen=True, slots=True)
 class GripperChange:
-    """What becomes of a gripper; None leaves it as it is.
+    """A change of a gripper; None leaves a property as it is.
 
     Attributes:
-        misses: it grabs beside whatever is there.
+        misses: its grabs take no load.
         drops: it loses its load now.
-        is_silent: it says nothing, and hears nothing.
+        is_silent: it sends nothing and receives nothing.
     """
 
     misses: bool | None = None
@@ -60,7 +61,7 @@ class Gripper:
 
     Attributes:
         has_load: what its sensor reads.
-        is_silent: it says nothing.
+        is_silent: it sends nothing.
     """
 
     def __init__(self, spec: GripperSpec) -> None:
@@ -71,7 +72,7 @@ class Gripper:
         self._moving: _Moving | None = None
 
     def change(self, change: GripperChange) -> None:
-        """Something becomes of it."""
+        """Applies a change of the scenario."""
         if change.misses is not None:
             self._misses = change.misses
         if change.is_silent is not None:
@@ -93,7 +94,7 @@ class Gripper:
         return [*acks, CommandAck(requester, MavResult.IN_PROGRESS, progress=255)]
 
     def step(self, position: Ned, now_s: float) -> CommandAck | None:
-        """The answer that is due by itself, if any."""
+        """The final answer to the action under way, if it is due now."""
         moving = self._moving
         if moving is None or now_s < moving.end_s:
             return None

@@ -1,12 +1,12 @@
 """The lidar: distances to the nearest walls, or the ground, all around the vehicle.
 
-A scanner that is fixed to the vehicle, in its centre: 72 beams, 5 degrees apart, the first one
-straight ahead, then clockwise. They lie in one plane, which leans as the vehicle leans: a beam
-meets the ground, or a roof, or passes over a wall that ends below it. Off a map that is not open
-is a wall, as for collisions.
+The scanner is fixed to the centre of the vehicle. It has 72 beams, 5 degrees apart, from straight
+ahead clockwise. They lie in one plane, which tilts with the vehicle: a beam meets the ground or a
+roof, or passes over a wall that ends below it. As for collisions, off the map counts as a wall,
+unless the map is open.
 
-A beam is exact up to rounding, and hits a corner that it grazes: the faces between free and
-occupied cells are straight lines along rows and columns, and every beam is cut with all of them.
+A beam is exact up to rounding, and also hits a corner that it only grazes: the faces between free
+and occupied cells are straight lines along rows and columns, and each beam is intersected with all.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ Floats = npt.NDArray[np.float64]
 _BEAMS: Floats = np.array(
     [(math.cos(i * STEP_RAD), math.sin(i * STEP_RAD)) for i in range(BEAMS)]
 ).T
-"""(2, BEAMS) forward and right of each beam."""
-_LEVEL, _LEAST_UP_M = 1e-12, 1e-3  # a beam that leans less meets no ground, however low it is
+"""(2, BEAMS) the forward and right components of each beam."""
+_LEVEL, _LEAST_UP_M = 1e-12, 1e-3  # a beam with less slope meets no ground, at any height
 
 _NORTH, _EAST = 0, 1
 
@@ -39,9 +39,9 @@ class LidarSpec:
     """Range and noise of the scanner.
 
     Attributes:
-        component: its MAVLink component id. 196 is MAV_COMP_ID_OBSTACLE_AVOIDANCE, the one id of
-            common.xml for who reports obstacles, and no autopilot uses it for anything else.
-        range_m: farther walls are not seen.
+        component: its MAVLink component id. 196 is MAV_COMP_ID_OBSTACLE_AVOIDANCE, the only id in
+            common.xml for a component that reports obstacles; no autopilot uses it otherwise.
+        range_m: walls farther away are not seen.
         noise_m: standard deviation of each distance.
     """
 
@@ -54,10 +54,9 @@ class WallFaces(NamedTuple):
     """The n borders between free cells and walls, in cells.
 
     Attributes:
-        ends: (3, n) where on the axis that a border lies across, and from where to where along
-            the other one.
+        ends: (3, n) the coordinate across the border, then its start and end along the other axis.
         axes: (3, n) the axis of each of these, 0 north or 1 east.
-        side: (n,) on which the wall is, 1 or -1.
+        side: (n,) on which side the wall is, 1 or -1.
     """
 
     ends: Floats
@@ -71,7 +70,7 @@ class Lidar:
     Args:
         spec: range and noise.
         grid: the true map; None is a world without walls.
-        random: of the noise.
+        random: source of the noise.
     """
 
     def __init__(self, spec: LidarSpec, grid: OccupancyGrid | None, random: Random) -> None:
@@ -80,7 +79,7 @@ class Lidar:
         self.set_map(grid)
 
     def set_map(self, grid: OccupancyGrid | None) -> None:
-        """The true map from now on."""
+        """Replaces the true map."""
         self._grid = grid
         self._faces: dict[int, WallFaces] = {}
 
@@ -115,8 +114,8 @@ class Lidar:
     ) -> Floats:
         """(BEAMS,) distance along each beam to a wall or a roof, inf without one.
 
-        Between two heights at which low walls end walls are as if they had no end. A beam crosses
-        one such layer after the other, and meets a roof where it comes down into a wall.
+        Between two heights at which low walls end, all walls are treated as infinitely high. A beam
+        crosses one such layer after the other, and meets a roof where it enters a wall from above.
         """
         row, column = world.cell(position)
         own = world.layer(up_m)
@@ -167,11 +166,11 @@ def _faces_of(grid: OccupancyGrid) -> WallFaces:
 
 
 def _faces(walls: npt.NDArray[np.bool_]) -> Floats:
-    """Ends and side, (4, n), of the borders of free cells and walls, joined where they touch.
+    """Ends and side, (4, n), of the borders between free cells and walls; adjacent ones are joined.
 
     Args:
-        walls: (lines + 2, cells + 2), with a rim of what lies off the map; the lines follow each
-            other along the axis that the borders lie across.
+        walls: (lines + 2, cells + 2), with a rim for what is off the map; lines are numbered along
+            the axis across the borders.
     """
     found = []
     steps = np.diff(walls[:, 1:-1].astype(np.int8), axis=0)
@@ -191,9 +190,9 @@ def _lengths_to_walls(
     Args:
         faces: of the map.
         start: (2,) north and east.
-        beams: (2, BEAMS) directions over the ground, shorter the steeper a beam is.
+        beams: (2, BEAMS) horizontal parts of the directions, shorter for steeper beams.
         far: faces farther away may be left out.
-        nearest: where each beam begins.
+        nearest: the length at which each beam begins.
     """
     offsets = faces.ends - start[faces.axes]
     away, begin, end = offsets

@@ -38,7 +38,7 @@ class MarkerModel(Strict):
 
 
 class MarkerCameraModel(Strict):
-    """The camera that looks down for markers, and the markers."""
+    """The camera that looks down for markers, and its markers."""
 
     component: Component = 40
     reports: Annotated[
@@ -64,7 +64,7 @@ class MarkerCameraModel(Strict):
 
 
 class MarkerEventModel(Strict):
-    """A marker appears, disappears, is moved or moves; what is left out stays as it is."""
+    """A marker appears, disappears, jumps or starts to move; keys left out change nothing."""
 
     name: Annotated[str, described("the name of one of the markers")]
     present: Annotated[bool | None, described("whether it is there")] = None
@@ -82,7 +82,7 @@ def marker_camera(model: MarkerCameraModel, document: Document) -> MarkerCameraS
     """The camera and its markers.
 
     Raises:
-        MissionError: two markers have one name.
+        MissionError: two markers have the same name.
     """
     names: set[str] = set()
     for i, entry in enumerate(model.markers):
@@ -107,10 +107,10 @@ def marker_camera(model: MarkerCameraModel, document: Document) -> MarkerCameraS
 def check_marker_event(
     event: MarkerEventModel, camera: MarkerCameraModel | None, document: Document, i: int
 ) -> None:
-    """Refuses an event about a marker that there is not, or one in which nothing happens.
+    """Refuses an event about an unknown marker, or one without an effect.
 
     Raises:
-        MissionError: at its place in the file.
+        MissionError: with the place in the file.
     """
     where = document.where("happens", i, "marker")
     if camera is None:
@@ -130,7 +130,7 @@ def check_marker_event(
 
 
 def marker_change(event: MarkerEventModel) -> MarkerChange:
-    """What becomes of a marker."""
+    """The change that an event makes to a marker."""
     place: NorthEast | None = None
     if event.east_m is not None and event.north_m is not None:
         place = (event.north_m, event.east_m)

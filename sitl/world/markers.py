@@ -1,9 +1,9 @@
 """Landing markers, and the camera on board that looks down for them.
 
-The camera looks along the body's own axis, so a tilt moves what it sees. It sees all markers that
-are there, not too far, not too near and within its view; what it measures is off by an angle, so
-that it is the better the nearer the marker is. It misses some looks, and now and then takes
-something else for a marker. Whatever stands between is left out.
+The camera looks along the body's down axis, so a tilt shifts what it sees. It sees all markers that
+are present, within its range of distances and its field of view. Its error is an angle, so a nearer
+marker is measured better. It misses some looks, and sometimes mistakes something else for a marker.
+Occlusion is not modelled.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from companion.geometry import Ned, NorthEast, Quaternion
 from sitl.flight.physics import FlightState
 
 STRAY_M = 3.0
-"""Deviation of what is taken for a marker and is none."""
+"""Standard deviation of the position of a false detection, in metres."""
 
 
 class MarkerReport(StrEnum):
-    """The form in which LANDING_TARGET tells where a marker is."""
+    """The form in which LANDING_TARGET reports a marker's position."""
 
     LOCAL_NED = "LOCAL_NED"
     BODY_FRD = "BODY_FRD"
@@ -36,11 +36,11 @@ class Marker:
 
     Attributes:
         name: for events.
-        number: that is read off it, its target_num.
-        position: where it is, or was at `since_s`.
-        velocity: how it moves, north and east.
-        is_present: whether it is there.
-        since_s: since when it moves so.
+        number: its target_num, which the camera reads from it.
+        position: now, or at `since_s` if it moves.
+        velocity: north and east.
+        is_present: whether it can be seen.
+        since_s: when this motion began.
     """
 
     name: str
@@ -51,7 +51,7 @@ class Marker:
     since_s: float = 0.0
 
     def at(self, now_s: float) -> Ned:
-        """Where it is at a time."""
+        """Its position at a time."""
         north, east, down = self.position
         moved_s = now_s - self.since_s
         return (north + self.velocity[0] * moved_s, east + self.velocity[1] * moved_s, down)
@@ -59,7 +59,7 @@ class Marker:
 
 @dataclass(frozen=True, slots=True)
 class MarkerChange:
-    """What becomes of a marker; None leaves it as it is."""
+    """A change of a marker; None leaves a property as it is."""
 
     name: str
     is_present: bool | None = None
@@ -69,17 +69,17 @@ class MarkerChange:
 
 @dataclass(frozen=True, slots=True)
 class MarkerCameraSpec:
-    """The camera.
+    """The properties of the camera.
 
     Attributes:
         component: its MAVLink component id.
-        reports: in which form.
-        rate_hz: looks a second.
-        nearest_m, range_m: distances within which a marker is seen.
-        view_rad: the whole angle of its view.
-        noise_rad: standard deviation of the direction; of the distance, the same share of it.
-        misses: share of the looks in which a marker is not found.
-        strays: share of those in which something else is taken for it.
+        reports: the form of its reports.
+        rate_hz: looks per second.
+        nearest_m, range_m: distances between which a marker is seen.
+        view_rad: the full angle of its field of view.
+        noise_rad: standard deviation of the direction; the distance has it as a relative error.
+        misses: share of looks in which a marker is not found.
+        strays: share of looks with a false detection instead.
         markers: at the start.
     """
 
@@ -96,7 +96,7 @@ class MarkerCameraSpec:
 
 
 class Sighting(NamedTuple):
-    """A marker as seen: from the vehicle to it, NED and in the body's axes."""
+    """A marker as seen: the vector from the vehicle to it, in NED and in body axes."""
 
     number: int
     offset: Ned
@@ -107,7 +107,7 @@ class MarkerCamera:
     """The camera and the markers of a world.
 
     Args:
-        spec: what it sees, and how well.
+        spec: its properties.
         rng: of its errors.
     """
 
@@ -117,7 +117,7 @@ class MarkerCamera:
         self._markers = {marker.name: marker for marker in spec.markers}
 
     def change(self, change: MarkerChange, now_s: float) -> None:
-        """Something becomes of a marker."""
+        """Applies a change of the scenario to a marker."""
         marker = self._markers[change.name]
         position = marker.at(now_s)
         place = change.place or position[:2]
@@ -130,7 +130,7 @@ class MarkerCamera:
         )
 
     def look(self, state: FlightState) -> list[Sighting]:
-        """What is seen in one look, in the order of the file."""
+        """The sightings of one look, in the order of the file."""
         seen = (self._sighting(marker, state) for marker in self._markers.values())
         return [sighting for sighting in seen if sighting is not None]
 

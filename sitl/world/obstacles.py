@@ -1,7 +1,7 @@
 """The true map: the map file plus the obstacles that are present.
 
-A cell that an obstacle touches is occupied. The grid and its distance field are made anew only when
-an obstacle appears or disappears.
+A cell that an obstacle touches is occupied. The grid and its distance field are recomputed only
+when an obstacle appears or disappears.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from companion.motion.grid import OccupancyGrid
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """All points within `radius_m` of a box; a circle is the box that is one point.
+    """All points within `radius_m` of a box; for a circle, the box is a single point.
 
     Attributes:
         south_west: corner of the box.
@@ -34,12 +34,12 @@ class Obstacle:
 
     @property
     def corners(self) -> tuple[NorthEast, NorthEast]:
-        """The south-western and north-eastern corner of what it fills."""
+        """The south-western and north-eastern corners of its bounding box."""
         (south, west), (north, east), r = self.south_west, self.north_east, self.radius_m
         return (south - r, west - r), (north + r, east + r)
 
     def distance_m(self, point: NorthEast) -> float:
-        """How far a point is from it; 0 within.
+        """The distance of a point from the obstacle in metres; 0 inside.
 
         >>> Obstacle("crate", (1.0, 1.0), (1.0, 1.0), 0.5, True).distance_m((1.0, 3.0))
         1.5
@@ -52,14 +52,14 @@ class Obstacle:
 
 
 class TrueMap:
-    """The walls and the obstacles.
+    """The walls and the present obstacles.
 
     Args:
-        walls: of the map file.
-        obstacles: all that may ever be there.
+        walls: the grid of the map file.
+        obstacles: all obstacles that the scenario names, present or not.
 
     Attributes:
-        grid: as it is now.
+        grid: the map with the obstacles that are present now.
     """
 
     def __init__(self, walls: OccupancyGrid | None, obstacles: Iterable[Obstacle]) -> None:
@@ -69,7 +69,7 @@ class TrueMap:
         self.grid = self._draw()
 
     def place(self, name: str, is_present: bool) -> bool:
-        """Puts an obstacle there or takes it away; true if the grid is another one now."""
+        """Adds or removes an obstacle; returns whether this has changed the grid."""
         if (name in self._present) == is_present:
             return False
         (self._present.add if is_present else self._present.discard)(name)
@@ -77,7 +77,7 @@ class TrueMap:
         return True
 
     def distance_m(self, name: str, point: NorthEast) -> float:
-        """How far a point is from one of the obstacles, whether it is there or not."""
+        """Distance of a point from an obstacle in metres, present or not."""
         return self._obstacles[name].distance_m(point)
 
     def _draw(self) -> OccupancyGrid | None:
@@ -91,7 +91,7 @@ class TrueMap:
 
 
 def _touched(obstacle: Obstacle, grid: OccupancyGrid) -> npt.NDArray[np.bool_]:
-    """The cells with a point in the obstacle: squares and box are apart by their gaps."""
+    """The cells that contain a point of the obstacle, by the gaps between square and box."""
     gaps = []
     for axis in (0, 1):
         low = grid.origin[axis] + np.arange(grid.occupied.shape[axis]) * grid.cell_m

@@ -1,9 +1,9 @@
-"""Pads on which a vehicle that stands disarmed gets energy: from a charger, or by another battery.
+"""Pads on which a standing, disarmed vehicle gets energy: from a charger, or by another battery.
 
-1. A charger gives its current while the vehicle stands there.
-2. Where batteries are changed, the vehicle has a full one after it has stood there for a while,
-   once each time it comes. Its autopilot stays powered meanwhile.
-3. A pad that does not work does neither; the time for a change begins when it works again.
+1. A charger gives its current while the vehicle stands on the pad.
+2. A pad that exchanges batteries gives a full one after the vehicle has stood there for a given
+   time, once at each visit. The autopilot stays powered meanwhile.
+3. A pad that does not work does neither. The time for an exchange starts again when it works.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ class PadSpec:
 
     Attributes:
         name: for events; may be empty.
-        current_a: that its charger gives.
-        swap_s: how long a change of the battery takes; None where it is charged.
-        works: at the start.
+        current_a: current of its charger.
+        swap_s: duration of a battery exchange; None for a charger.
+        works: whether it works at the start.
     """
 
     circle: Circle
@@ -35,7 +35,7 @@ class PadSpec:
 
 @dataclass(frozen=True, slots=True)
 class PadChange:
-    """What becomes of a pad; None leaves it as it is."""
+    """A change of a pad; None leaves a property as it is."""
 
     name: str
     works: bool | None = None
@@ -46,7 +46,7 @@ class Pads:
     """All pads of a world.
 
     Args:
-        specs: the first one that holds a vehicle serves it.
+        specs: the first pad under the vehicle serves it.
 
     >>> pads = Pads([PadSpec(Circle((0.0, 0.0), 1.0), current_a=8.0)])
     >>> pads.step(0.0, (0.2, 0.0, 0.0)), pads.step(1.0, None)
@@ -61,7 +61,7 @@ class Pads:
         self._is_changed = False
 
     def change(self, change: PadChange) -> None:
-        """Something becomes of the pads of a name."""
+        """Applies a change to all pads of its name."""
         for i, spec in enumerate(self._specs):
             if spec.name == change.name:
                 if change.works is not None:
@@ -70,11 +70,11 @@ class Pads:
                     self._current_a[i] = change.current_a
 
     def step(self, now_s: float, standing: Ned | None) -> tuple[float, bool]:
-        """The charger's current, and whether the battery is changed in this step.
+        """The charger's current, and whether the battery is exchanged in this step.
 
         Args:
             now_s: simulated time.
-            standing: where the vehicle stands disarmed; None if it does not.
+            standing: where the vehicle stands disarmed; None in all other cases.
         """
         found = None
         if standing is not None:

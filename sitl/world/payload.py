@@ -1,20 +1,21 @@
-"""The payload: answers to commands by a script, with the timing of the command protocol.
+"""The payload: scripted answers to commands, with the timing of the command protocol.
 
-Inside a circle the script has one result, elsewhere another one, each after a time. The rules are
-those of the command protocol (https://mavlink.io/en/services/command.html):
+The script has one result inside each circle and another elsewhere, each after a given time. The
+rules are those of the command protocol (https://mavlink.io/en/services/command.html):
 
 1. A long command is answered IN_PROGRESS at once, and again when it is repeated.
-2. A second requester is TEMPORARILY_REJECTED until the first is done.
+2. A second requester is TEMPORARILY_REJECTED until the first command is done.
 3. An unknown command is UNSUPPORTED.
-4. A command that is repeated soon after its final answer, because that was lost, is answered the
-   same again and not done twice; later it is a command of its own whose first sending was lost.
+4. If a command is repeated soon after its final answer, that answer was lost: the same answer is
+   sent again, and the command is not executed twice. A later repetition is a new command, whose
+   first sending was lost.
 
     state     a command arrives          its time is over
     idle      working
     working   working (rules 1, 2)       answered, the final answer is sent
     answered  working, or rule 4
 
-An event of the scenario may replace the script by one answer, or by silence.
+A scenario event may replace the script by a single answer, or by silence.
 """
 
 from __future__ import annotations
@@ -34,9 +35,9 @@ class PayloadAnswer:
     """A result, and when it is sent.
 
     Attributes:
-        is_silent: nothing at all is answered.
-        tells_progress: IN_PROGRESS is repeated each second with what is done, 0 to 100.
-        is_lost: the final answer is not heard at first, but when it is asked for again.
+        is_silent: no answer at all is sent.
+        tells_progress: IN_PROGRESS is repeated each second with the percentage done.
+        is_lost: the final answer is lost at first, and heard when it is requested again.
     """
 
     result: MavResult
@@ -62,7 +63,7 @@ class PayloadScript:
     Attributes:
         component: its MAVLink component id.
         command: the only command that it knows.
-        sites: the first circle that holds the vehicle decides.
+        sites: the first circle that contains the vehicle decides.
         otherwise: the answer outside all circles.
     """
 
@@ -95,7 +96,7 @@ class _Working:
     told_s: float
 
     def progress(self, now_s: float) -> int:
-        """The share that is done, percent; 0 unless it is to be told."""
+        """The share that is done, percent; 0 if progress is not reported."""
         if not self.answer.tells_progress:
             return 0
         return min(100, int(100 * (now_s - self.start_s) / max(self.answer.after_s, 1e-9)))
@@ -103,21 +104,21 @@ class _Working:
 
 @dataclass(frozen=True, slots=True)
 class _Answered:
-    """The last command has had its final answer."""
+    """The last command has received its final answer."""
 
     ack: CommandAck
     at_s: float
 
     def repeats(self, requester: Requester, now_s: float) -> bool:
-        """True if a repeated command is that one again (rule 4)."""
+        """Whether a repeated command is the same one again (rule 4)."""
         return self.ack.requester == requester and now_s <= self.at_s + REPEATED_WITHIN_S
 
 
 class Payload:
-    """Works on one command at a time.
+    """Executes one command at a time.
 
     Attributes:
-        override: the answer everywhere; None is the script.
+        override: the answer everywhere; None means by the script.
     """
 
     def __init__(self, script: PayloadScript) -> None:
@@ -134,7 +135,7 @@ class Payload:
         *,
         is_repeated: bool = False,
     ) -> CommandAck | None:
-        """The answer to give at once, None is silence; more may follow from `step`."""
+        """The immediate answer; None means silence. `step` may return more."""
         answer = self.override or self._answer_at(position)
         if answer.is_silent:
             return None
@@ -150,7 +151,7 @@ class Payload:
         return CommandAck(requester, MavResult.IN_PROGRESS, state.progress(now_s))
 
     def step(self, now_s: float) -> CommandAck | None:
-        """The answer that is due by itself, if any; a final one once for each command."""
+        """The answer that is due now, if any; a final one once per command."""
         state = self._state
         if not isinstance(state, _Working):
             return None

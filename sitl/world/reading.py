@@ -1,7 +1,7 @@
-"""The obstacles and events of a scenario file, as the simulator's types.
+"""Converts the obstacles and events of a scenario file into the simulator's types.
 
-Their models are in schema.py. What contradicts itself or can never happen is refused with its
-place in the file.
+Their models are in schema.py. Contradictions, and events that can never happen, are refused with
+their place in the file.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from sitl.world.visits import Circle
 AUTOPILOT = 1
 TRIGGERS = ("at_s", "place", "command")
 DEVICES = ("target", "payload", "lidar", "marker_camera", "cameras", "gimbal", "gripper")
-"""Keys of what has a component id."""
+"""Keys of devices that have a component id."""
 TOLD_OF = (*DEVICES, "map", "obstacles", "pads")
-"""Keys of what events are about."""
+"""Keys of things that events can change."""
 
 
 def command_number(name: str, document: Document, *keys: str | int) -> int:
-    """The number of a MAV_CMD that stands at some place of the file."""
+    """The number of the MAV_CMD that is named at a place of the file."""
     number = getattr(dialect, name, None)
     if not name.startswith("MAV_CMD_") or not isinstance(number, int):
         commands = [known for known in vars(dialect) if known.startswith("MAV_CMD_")]
@@ -50,7 +50,7 @@ def command_number(name: str, document: Document, *keys: str | int) -> int:
 def read_obstacles(
     model: ScenarioModel, document: Document, reading: DocumentReading
 ) -> tuple[Obstacle, ...]:
-    """The obstacles; each has a name and a shape of its own."""
+    """The obstacles; refuses equal names and obstacles without a shape."""
     parts = [partial(_obstacle, model, document, i) for i in range(len(model.obstacles))]
     read = [reading.read(part, "obstacles", i) for i, part in enumerate(parts)]
     return tuple(obstacle for obstacle in read if obstacle)
@@ -179,7 +179,7 @@ def _check_effects(
 
 
 def _words(value: object) -> str:
-    """A value as the file has it."""
+    """A value as it is written in the file."""
     if isinstance(value, str):
         return value
     if isinstance(value, dict):

@@ -1,8 +1,8 @@
-"""A program on board that reports what it sees, to the companion's `--events` port.
+"""A program on board that reports what it sees to the companion's `--events` port.
 
-What it reports, and when, are the scenario's events: each `report` is one datagram, a JSON object.
-It goes beside MAVLink, on the machine on which the companion runs: in lockstep the harness hands it
-on, in real time `sitl/link/report_sender.py` does.
+The scenario's events say what it reports and when: each `report` is one datagram, a JSON object. It
+does not use MAVLink, and runs on the companion's machine. In lockstep the harness passes the
+datagrams on; in real time `sitl/link/report_sender.py` does.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Mapping
 
 
 class Reporter:
-    """What is reported and was not taken yet."""
+    """The reports that have not been taken yet."""
 
     def __init__(self) -> None:
         self._datagrams: list[bytes] = []

@@ -1,9 +1,9 @@
 """The scenario file `NAME.sim.yaml`: the world in which a mission is flown.
 
-A scenario holds what the mission must not know: the true map, the wind, where a target appears,
-what the payload answers, how full the battery is, which parameters differ. It is read by the
-simulator alone. All keys but `version` are optional. Positions are ENU metres from home, headings
-are degrees clockwise from north; inside, everything is local NED and radians.
+A scenario says what the mission must not know: the true map, the wind, where a target appears, what
+the payload answers, the battery's charge, and which parameters differ. Only the simulator reads it.
+All keys but `version` are optional. Positions are in ENU metres from home, headings in degrees
+clockwise from north; inside the simulator, everything is in local NED and radians.
 
     version: 1
     map: maps/hall.yaml
@@ -20,8 +20,8 @@ are degrees clockwise from north; inside, everything is local NED and radians.
     happens:
       - {at_s: 30, obstacle: {name: crate, present: true}}
 
-A door: it opens the file, its map and its vehicle profile. A scenario may also be given as a text,
-or as data.
+This module is a door: it opens the file, its map and its vehicle profile. A scenario may also be
+given as text or as data.
 """
 
 from __future__ import annotations
@@ -78,29 +78,28 @@ PX4_HOME = GlobalOrigin(47.397742, 8.545594, 488.0)  # PX4's default in SITL: Ir
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A world; the default one is empty.
+    """A world; the default is an empty one.
 
     Attributes:
-        home: where local NED (0, 0, 0) of the world lies.
-        origin: where that of the autopilot lies; None is home.
-        vehicle: as it truly is; the mission may think otherwise.
-        start: where the vehicle stands at first.
-        yaw_rad: where it looks at first.
+        home: where the world's local NED (0, 0, 0) lies.
+        origin: where the autopilot's own origin lies; None means at home.
+        vehicle: its true properties, which may differ from the mission's.
+        start: first position of the vehicle.
+        yaw_rad: its first heading.
         airframe: a key of `AIRFRAMES`.
-        wander: of the estimate; None is none.
-        wind: the air's velocity, NED.
+        wander: errors of the estimate; None means none.
+        wind: the air's mean velocity, NED.
         battery: the pack at the start.
-        drains_always: the battery drains while disarmed too.
+        drains_always: the battery also drains while disarmed.
         parameters: values that differ from the airframe's.
-        detector: component id of the target detector; None is no detector.
-        lidar: None is no lidar.
-        marker_camera: None is no camera for landing markers, and none of these.
-        cameras: those that make photos.
-        gimbal, gripper: None is none.
-        pads: on which the battery is charged or changed.
+        detector: component id of the target detector; None means none.
+        lidar: None means none.
+        marker_camera: the camera for landing markers; None means neither camera nor markers.
+        cameras: those that take photos.
+        gimbal, gripper: None means none.
+        pads: on which the battery is charged or exchanged.
         events: in the order of the file.
-        map: its file, or itself; None is a world without walls, but for a map that was given
-            otherwise.
+        map: its file or its content; None is a world without walls, unless the caller gives a map.
         factors: what a campaign varies.
     """
 
@@ -131,20 +130,22 @@ class Scenario:
 
     @property
     def disturbs_links(self) -> bool:
-        """Whether its events lose, delay or double datagrams, or restart the autopilot."""
+        """Whether any event disturbs links (loses, delays, doubles datagrams) or restarts the
+        autopilot.
+        """
         kinds = {key for event in self.events for key, _ in event.effects}
         return not kinds.isdisjoint({"link", "reboot"})
 
     @property
     def met_obstacles(self) -> tuple[Obstacle, ...]:
-        """Those that are there at the start, or that an event lets appear."""
+        """Obstacles that are present at the start, or that some event adds."""
         told = [value for event in self.events for key, value in event.effects if key == "obstacle"]
         appear = {value.name for value in told if value.present}
         return tuple(each for each in self.obstacles if each.is_present or each.name in appear)
 
     @property
     def arming_refusals(self) -> tuple[str, ...]:
-        """Reasons for which its events refuse arming."""
+        """The reasons for which its events refuse arming."""
         values = [v for event in self.events for key, v in event.effects if key == "arming"]
         return tuple(value.refused for value in values if value.refused is not None)
 
@@ -154,15 +155,15 @@ def read_scenario(
     default_home: GlobalOrigin = PX4_HOME,
     default_map: OccupancyGrid | None = None,
 ) -> tuple[Scenario, OccupancyGrid | None]:
-    """A scenario and its map.
+    """Reads a scenario and its map.
 
     Args:
-        given: the path of its file, to which its map lies relative; or a YAML text; or data.
-        default_home: where home is if it is not said.
-        default_map: the map if none is named.
+        given: path of the file, to which the path of its map is relative; or YAML text; or data.
+        default_home: home, if the scenario does not say it.
+        default_map: the map, if the scenario names none.
 
     Raises:
-        MissionError: a file cannot be read, or says something that cannot be.
+        MissionError: a file cannot be read, or its content is invalid.
     """
     source = given if isinstance(given, Source) else read_source(given, "scenario")
     has_walls = default_map is not None and bool(default_map.occupied.any())
@@ -181,7 +182,7 @@ def read_scenario(
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
-    """The scenario of a text; the map is not opened, but a vehicle profile that has a file is.
+    """The scenario of a text; opens no map, but opens the file of a vehicle profile.
 
     Raises:
         MissionError: with the place in the file.
@@ -239,7 +240,7 @@ def _parse(
 def _checked(
     model: ScenarioModel, folder: Path, document: Document, reading: DocumentReading
 ) -> Scenario:
-    """The parts of a scenario that can be wrong; without those that are."""
+    """The parts of a scenario that can be invalid; those that are invalid are left out."""
     for name, value in model.parameters.items():
         reading.read(partial(_check_parameter, name, value, document), "parameters", name)
     if all(map(reading.is_whole, DEVICES)):
@@ -273,7 +274,7 @@ def _on_earth(place: GlobalModel) -> GlobalOrigin:
 
 
 def _grid(scenario: Scenario, document: Document) -> OccupancyGrid | None:
-    """The map that a scenario names or draws; one without an area spans what stands there."""
+    """The map that a scenario names or draws; without an area, it spans all that stands there."""
     map_ = scenario.map
     try:
         if not isinstance(map_, MapEntry):

@@ -1,10 +1,12 @@
 """The events of a scenario: their triggers, their effects, and which are due.
 
-An event has one trigger (a time, the n-th visit to a circle, the n-th command of a kind to a
-component on board), perhaps a delay after it, and one or more effects. It happens once, in the
-step in which it is due; several at once happen in the order of the file.
+1. An event has one trigger: a time, the n-th visit to a circle, or the n-th command of a kind to a
+   component on board.
+2. It may have a delay after the trigger, and has one or more effects.
+3. It happens once, in the step in which it is due. Events of one step happen in the order of the
+   file.
 
-`EFFECTS` is the table of effects: key of the scenario -> what is done to the world.
+`EFFECTS` maps each key of the scenario to its effect on the world.
 """
 
 from __future__ import annotations
@@ -33,66 +35,66 @@ TIME_ROUNDING_S = 1e-9
 
 
 class EffectReceiver(Protocol):
-    """The world as far as events can change it."""
+    """The world, as far as events can change it."""
 
     def show_target(self, is_seen: bool) -> None:
-        """The detector sees the target from now on, or does not."""
+        """Switches the detector's sighting of the target on or off."""
 
     def set_payload_answer(self, answer: PayloadAnswer) -> None:
-        """The payload's answer from now on, everywhere."""
+        """Replaces the payload's answer everywhere."""
 
     def set_wind(self, wind: Ned) -> None:
-        """The air's mean velocity, NED."""
+        """Sets the mean air velocity, NED."""
 
     def place_obstacle(self, name: str, is_present: bool) -> None:
-        """Puts an obstacle there or takes it away."""
+        """Adds or removes an obstacle."""
 
     def change_battery(self, change: BatteryChange) -> None:
-        """Something becomes of the battery."""
+        """Changes the battery."""
 
     def change_pad(self, change: PadChange) -> None:
-        """Something becomes of a pad."""
+        """Changes a pad."""
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
-        """The quality of GPS; None leaves it as it is."""
+        """Sets the quality of GPS; None leaves a property as it is."""
 
     def refuse_arming(self, reason: str | None) -> None:
-        """Arming is refused for this reason; None allows it."""
+        """Refuses arming for a reason; None allows it."""
 
     def send_operator_command(self, command: str) -> None:
-        """The operator sends the companion a MAV_CMD."""
+        """Lets the operator send a MAV_CMD to the companion."""
 
     def set_link_quality(
         self, port: Port | None, direction: Direction | None, quality: LinkQuality
     ) -> None:
-        """What a link does to datagrams; a port or direction of None is both."""
+        """Sets how a link treats datagrams; None as port or direction means both."""
 
     def jump_estimate(self, by: Ned) -> None:
-        """The estimated position steps, NED."""
+        """Shifts the estimated position by a vector, NED."""
 
     def lay_origin(self, origin: GlobalOrigin) -> None:
-        """The autopilot's local frame begins elsewhere."""
+        """Moves the origin of the autopilot's local frame."""
 
     def reboot(self, reboot: Reboot) -> None:
-        """The autopilot restarts."""
+        """Restarts the autopilot."""
 
     def set_answer(self, command: int, answer: Answer | None) -> None:
-        """How the autopilot takes a MAV_CMD from now on; None is as it should."""
+        """Sets how the autopilot answers a MAV_CMD; None restores PX4's answer."""
 
     def change_marker(self, change: MarkerChange) -> None:
-        """Something becomes of a landing marker."""
+        """Changes a landing marker."""
 
     def change_camera(self, change: CameraChange) -> None:
-        """Something becomes of a camera."""
+        """Changes a camera."""
 
     def change_gimbal(self, change: GimbalChange) -> None:
-        """Something becomes of the gimbal."""
+        """Changes the gimbal."""
 
     def change_gripper(self, change: GripperChange) -> None:
-        """Something becomes of the gripper."""
+        """Changes the gripper."""
 
     def report(self, values: Mapping[str, object]) -> None:
-        """A program on board reports something to the companion."""
+        """Lets a program on board report values to the companion."""
 
 
 EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
@@ -128,7 +130,7 @@ EFFECTS: Mapping[str, Callable[[EffectReceiver, Any], None]] = {
     "gripper": lambda world, value: world.change_gripper(gripper_change(value)),
     "report": lambda world, value: world.report(value),
 }
-"""Key in the scenario -> what it does with the key's value."""
+"""Key of the scenario -> what it does with the key's value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,10 +150,10 @@ class VisitTrigger:
 
 @dataclass(frozen=True, slots=True)
 class CommandTrigger:
-    """The n-th command of a kind, from 1; repetitions are the same command.
+    """The n-th command of a kind, from 1; a repetition is the same command.
 
     Attributes:
-        component: to whom; None is any component on board.
+        component: the addressee; None means any component on board.
     """
 
     command: int
@@ -164,7 +166,7 @@ class ScenarioEvent:
     """A trigger and its effects.
 
     Attributes:
-        effects: key of `EFFECTS` and the key's value, as the scenario has it.
+        effects: keys of `EFFECTS` with their values, as in the scenario.
         text: the effects in plain words.
         after_s: delay after the trigger.
     """
@@ -188,7 +190,7 @@ class EventSchedule:
 
     Args:
         events: in the order of the file.
-        start: where the vehicle is at first.
+        start: first position of the vehicle.
     """
 
     def __init__(self, events: tuple[ScenarioEvent, ...], start: Ned) -> None:
@@ -203,7 +205,7 @@ class EventSchedule:
             self._pending.append(pending)
 
     def note_command(self, command: int, component: int, now_s: float) -> None:
-        """A command has arrived for a component on board; 0 is for all."""
+        """Counts a command for a component on board; component 0 means all."""
         for pending in self._pending:
             trigger = pending.event.trigger
             if pending.due_s is None and isinstance(trigger, CommandTrigger):

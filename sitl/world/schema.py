@@ -1,7 +1,7 @@
 """The pydantic models of `NAME.sim.yaml`: its keys and their values.
 
-scenario.py turns them into the types that the simulator works with. Unknown keys are refused.
-Descriptions serve as hints in error messages.
+scenario.py converts them into the simulator's types. Unknown keys are refused. Error messages use
+the field descriptions as hints.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ Lost = Annotated[
 
 
 class StartModel(Strict):
-    """The place and heading of the vehicle at the start."""
+    """Position and heading of the vehicle at the start."""
 
     east_m: East = 0.0
     north_m: North = 0.0
@@ -52,7 +52,7 @@ class StartModel(Strict):
 
 
 class GlobalModel(Strict):
-    """A place on the earth."""
+    """A point on the earth."""
 
     latitude_deg: Annotated[float, described("degrees north", ge=-90, le=90)]
     longitude_deg: Annotated[float, described("degrees east", ge=-180, le=180)]
@@ -60,7 +60,7 @@ class GlobalModel(Strict):
 
 
 class WindModel(Strict):
-    """The air's velocity and its gusts."""
+    """The air's mean velocity and its gusts."""
 
     east_mps: EastSpeed = 0.0
     north_mps: NorthSpeed = 0.0
@@ -71,7 +71,7 @@ class WindModel(Strict):
 
 
 class WanderModel(Strict):
-    """The errors of the estimate while GPS has its fix; PX4's own are 0.25 m, 0.3 m/s, 0.5 m."""
+    """The errors of the estimate while GPS has a fix; those of PX4 are 0.25 m, 0.3 m/s, 0.5 m."""
 
     position_m: Annotated[float, described("RMS of the horizontal position", gt=0, le=5)] = 0.25
     velocity_mps: Annotated[float, described("RMS of the velocity", gt=0, le=5)] = 0.3
@@ -100,7 +100,7 @@ class TargetModel(Strict):
 
 
 class SiteModel(CircleModel):
-    """The answer of the payload inside a circle."""
+    """The payload's answer inside a circle."""
 
     result: Result
     after_s: After = 1.0
@@ -143,7 +143,7 @@ class ObstacleModel(Strict):
 
 
 class PayloadEventModel(Strict):
-    """The answer of the payload from now on, everywhere."""
+    """The payload's answer from now on, everywhere."""
 
     result: Result = "ACCEPTED"
     after_s: After = 1.0
@@ -153,7 +153,7 @@ class PayloadEventModel(Strict):
 
 
 class WindEventModel(Strict):
-    """The air's velocity from now on."""
+    """The air's mean velocity from now on."""
 
     east_mps: EastSpeed = 0.0
     north_mps: NorthSpeed = 0.0
@@ -167,7 +167,7 @@ class ObstacleEventModel(Strict):
 
 
 class GpsEventModel(Strict):
-    """The quality of GPS from now on; what is left out stays as it is."""
+    """The quality of GPS from now on; keys left out change nothing."""
 
     lost: Annotated[bool | None, described("there is no fix")] = None
     noise_m: Annotated[float | None, described("deviation of the fix, metres", ge=0, le=100)] = None
@@ -186,7 +186,7 @@ Jump = Annotated[float, described("metres", ge=-FAR_M, le=FAR_M)]
 
 
 class LinkEventModel(Strict):
-    """What a link does to datagrams from now on; what is left out is good again."""
+    """How a link treats datagrams from now on; keys left out mean no disturbance."""
 
     port: Annotated[Port | None, described("companion: 14540; ground: 14550; default: both")] = None
     direction: Annotated[Direction | None, described("only in this direction; default: both")] = (
@@ -199,7 +199,7 @@ class LinkEventModel(Strict):
 
 
 class EstimateEventModel(Strict):
-    """The estimated position steps by a vector, and keeps this error."""
+    """The estimated position is shifted by a vector, and keeps this error."""
 
     east_m: Jump = 0.0
     north_m: Jump = 0.0
@@ -207,7 +207,7 @@ class EstimateEventModel(Strict):
 
 
 class RebootEventModel(Strict):
-    """The autopilot restarts: disarmed, its clock at 0."""
+    """The autopilot restarts: it is disarmed, and its clock starts at 0."""
 
     silent_s: Annotated[float, described("seconds until it is heard again", ge=0, le=600)] = 3.0
     recovers: Annotated[bool, described("in the air: the vehicle holds and stays armed")] = False
@@ -221,7 +221,7 @@ class AnswerEventModel(Strict):
 
 
 class ScenarioEventModel(Strict):
-    """One trigger (at_s, place or command) and its effects, which happen once."""
+    """One trigger (`at_s`, place or command) and its effects, which happen once."""
 
     at_s: Annotated[float | None, described("trigger: simulated seconds", ge=0)] = None
     place: Annotated[VisitModel | None, described("trigger: a visit to a circle")] = None
@@ -318,13 +318,13 @@ class ScenarioModel(Strict):
 
     @property
     def lidar_on_board(self) -> LidarModel | None:
-        """The lidar: what the file says, or by default one where it has something to see."""
+        """The lidar: as in the file, or by default one if there is something to detect."""
         has_walls = self.map.walls if isinstance(self.map, MapEntry) else self.map
         return self.lidar or (LidarModel() if has_walls or self.obstacles else None)
 
     @property
     def components(self) -> tuple[tuple[tuple[str | int, ...], int], ...]:
-        """The place in the file of each component on board, and its MAVLink component id."""
+        """For each component on board, its place in the file and its MAVLink component id."""
         parts = {
             "target": self.target,
             "payload": self.payload,

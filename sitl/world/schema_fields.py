@@ -1,4 +1,4 @@
-"""What the models of a scenario file have in common: no unknown keys, and values with limits."""
+"""What all models of a scenario file share: they refuse unknown keys and limit values."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""A scenario file whose keys vary, as something that can be sent to another process or machine.
+"""A scenario file with varied keys, in a form that can be sent to another process or machine.
 
-The scenario has named files, a map and a vehicle profile; here they are read already, so that any
-row of a campaign can be made of it without a disk.
+The map and the vehicle profile that the file names are already read, so any row of a campaign can
+be made from this without a disk.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from sitl.world.vary import Factor, Values, with_values
 
 @dataclass(frozen=True)
 class VariedScenario:
-    """A scenario and what varies in it.
+    """A scenario and its factors.
 
     Attributes:
-        data: of the file, as it is there.
-        portable: the same with its files' contents in their place, but for the map.
+        data: the content of the file.
+        portable: the same with the content of its other files filled in, except the map.
         grid: its map; None without walls.
-        home: where home is, if the scenario does not say.
+        home: home, if the scenario does not say it.
         factors: what varies, in the order of the file.
-        folder: to which the names of its files are relative, where it was read.
+        folder: where it was read, to which its file names are relative.
     """
 
     data: Mapping[str, Any]
@@ -42,21 +42,21 @@ class VariedScenario:
     folder: Path
 
     def world(self, values: Values) -> tuple[Scenario, OccupancyGrid | None]:
-        """The scenario of a row.
+        """The scenario and map of a row.
 
         Args:
-            values: of factors by path; all others are as in the file.
+            values: of factors by path; the others keep the file's values.
 
         Raises:
-            MissionError: it cannot be, such as a start in an obstacle.
+            MissionError: the row is invalid, such as a start inside an obstacle.
         """
         data = with_values(self.portable, self.factors, values)
         return read_scenario(Source(data, "scenario", Path(), None), self.home, self.grid)
 
     def data_with(self, values: Values) -> dict[str, Any]:
-        """The data of a scenario file that says what a row does, beside the same files.
+        """The data of a scenario file for a row, to be stored beside the same files.
 
-        The vehicle is written out, as its profile lies in a folder that another file may not have.
+        The vehicle is written out in full, because its profile may not be there for another file.
         """
         data = with_values(self.data, self.factors, values)
         if "vehicle" in data:
@@ -64,7 +64,7 @@ class VariedScenario:
         return data
 
     def moved_obstacles(self, values: Values) -> frozenset[str]:
-        """The names of the obstacles that these values place, or make larger or smaller."""
+        """The names of the obstacles that these values move or resize."""
         return frozenset(
             self.data["obstacles"][factor.keys[1]]["name"]
             for factor in self.factors
@@ -74,7 +74,7 @@ class VariedScenario:
         )
 
     def with_optional_events(self) -> VariedScenario:
-        """The same, where each entry of `happens` may be left out, too."""
+        """The same scenario, in which each entry of `happens` may also be absent."""
         varied = {factor.path for factor in self.factors}
         numbers = range(len(self.data.get("happens") or ()))
         entries = {f"happens.{i}": ("happens", i) for i in numbers}
@@ -91,7 +91,7 @@ def read_varied(
     default_home: GlobalOrigin = PX4_HOME,
     default_map: OccupancyGrid | None = None,
 ) -> VariedScenario:
-    """Reads a scenario and what varies in it; arguments and errors are those of `read_scenario`."""
+    """Reads a scenario and its factors; arguments and errors are those of `read_scenario`."""
     scenario, grid = read_scenario(source, default_home, default_map)
     _, document = validate(source.content, source.name, ScenarioModel)
     data = document.data()
@@ -101,5 +101,5 @@ def read_varied(
     if isinstance(data.get("map"), str):
         del portable["map"]
     elif data.get("map") is None and isinstance(scenario.map, MapEntry):
-        portable["map"] = {}  # drawn anew in each row, where its obstacles are
+        portable["map"] = {}  # each row draws it anew, around its own obstacles
     return VariedScenario(data, portable, grid, default_home, scenario.factors, source.folder)

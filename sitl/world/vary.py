@@ -1,9 +1,10 @@
-"""The keys of a scenario that a campaign varies, and the scenario with other values there.
+"""The keys of a scenario that a campaign varies, and the scenario with other values for them.
 
-A key is named by its path, such as `wind.east_mps` or `obstacles.crate.circle.east_m`. An entry of
-a list is meant by its name, if it has one, or by its number from 0. A key that the file leaves out
-may be varied too; an entry of a list has to be there. The path of an entry itself is varied by
-`chance` alone: it is there in some rows, and in others not.
+1. A path names a key, such as `wind.east_mps` or `obstacles.crate.circle.east_m`.
+2. An entry of a list is named by its `name`, or by its number from 0 if it has none.
+3. A key that the file leaves out may be varied too; an entry of a list must exist.
+4. The path of a whole entry takes only `chance`: the entry is present in some rows and absent in
+   others.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ Data = Mapping[str, Any]
 Values = Mapping[str, Value]
 """Path of a key -> its value in a row."""
 _LISTED = 9
-"""So many whole numbers are listed; of more, about as many, evenly apart."""
+"""Up to this many whole numbers are listed; of a longer range, about as many, evenly spaced."""
 _FILES: Mapping[tuple[str | int, ...], str] = {
     ("map",): "fly a campaign for each map",
     ("vehicle",): "write vehicle: {profile: NAME}, and vary its keys, e.g. vehicle.radius_m",
     ("vehicle", "profile"): "vary other keys of the vehicle, e.g. vehicle.radius_m",
 }
-"""Keys that name a file, which does not travel with the rows of a campaign; what to do instead."""
+"""Keys that name a file, which is not stored with a campaign's rows -> what to do instead."""
 _LEFT_OUT = "what needs it may be left out instead, such as an event of it by {chance: ...}"
 
 
@@ -40,10 +41,10 @@ class Factor:
 
     Attributes:
         path: of the key.
-        keys: the same as keys and numbers of entries.
+        keys: the path as keys and indices of entries.
         distribution: of its values.
-        usual: what the file itself says there; None if nothing, or for an entry.
-        is_entry: it is a whole entry of a list, which is there or not.
+        usual: the value in the file itself; None if absent, or for an entry.
+        is_entry: whether it is a whole list entry, present or absent.
     """
 
     path: str
@@ -54,7 +55,7 @@ class Factor:
 
     @property
     def is_range(self) -> bool:
-        """Whether it may be any number between two of its values."""
+        """Whether any number between two of its values is also possible."""
         return isinstance(self.distribution, Uniform | Normal)
 
 
@@ -64,12 +65,12 @@ def read_factors(
     """The factors of a scenario, in the order of the file.
 
     Args:
-        entries: of its key `vary`.
+        entries: the content of its key `vary`.
         document: the whole file.
-        read: reads the data of a scenario; each factor is tried at its extremes.
+        read: parses the data of a scenario; each factor is tried at its extremes.
 
     Raises:
-        MissionError: a path leads nowhere, or to a key that cannot have all these values.
+        MissionError: a path leads nowhere, or its key cannot take all these values.
     """
     data = document.data()
     assert isinstance(data, dict)
@@ -99,7 +100,7 @@ def read_factors(
 def _as_whole_numbers(
     factor: Factor, data: Data, factors: Sequence[Factor], read: Callable[[Data], object]
 ) -> str:
-    """What to write for a range, if the key takes whole numbers alone; else ""."""
+    """The hint for a range whose key takes only whole numbers; "" for other keys."""
     if not isinstance(factor.distribution, Uniform | Normal):
         return ""
     numbers = range(math.ceil(factor.distribution.low), math.floor(factor.distribution.high) + 1)
@@ -119,12 +120,12 @@ def _as_whole_numbers(
 
 
 def with_values(data: Data, factors: Sequence[Factor], values: Values) -> dict[str, Any]:
-    """The data of a scenario with other values, and without `vary`.
+    """The data of a scenario with other values, and without the key `vary`.
 
     Args:
         data: of the file.
         factors: of the same file.
-        values: of some of the factors; all others stay as the file has them.
+        values: of some factors; the others keep the file's values.
     """
     varied = copy.deepcopy({key: value for key, value in data.items() if key != "vary"})
     chosen = [factor for factor in factors if factor.path in values]
@@ -141,7 +142,7 @@ def with_values(data: Data, factors: Sequence[Factor], values: Values) -> dict[s
 
 
 def _is_left_out_late(keys: Sequence[str | int]) -> tuple[int, int]:
-    """A rank: what lies within an entry goes before it, and a later entry before an earlier one."""
+    """Sort key for removals: contents before their entry, later entries before earlier ones."""
     return -len(keys), -int(keys[-1])
 
 
@@ -198,7 +199,7 @@ def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Fact
 
 
 def _is_list(keys: Sequence[str | int]) -> bool:
-    """Whether what a scenario has at some keys is a list."""
+    """Whether the scenario has a list at these keys."""
     return schema_at(ScenarioModel.model_json_schema(), tuple(keys)).get("type") == "array"
 
 

@@ -54,7 +54,7 @@ def distribution(entry: VaryEntry, path: str, document: Document) -> Distributio
     Args:
         entry: of the key `vary`.
         path: the entry's own key.
-        document: for the place of a mistake.
+        document: to locate a mistake.
 
     Raises:
         MissionError: its numbers contradict each other.

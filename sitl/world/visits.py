@@ -1,8 +1,7 @@
-"""Circles on the ground, and how often the vehicle has visited one.
+"""Circles on the ground, and how often the vehicle has visited each.
 
-A visit begins when the vehicle enters the circle. Being there at the start is no entry. A visit
-ends once the vehicle is clearly outside, so that a vehicle that holds on the edge does not visit
-twice.
+A visit begins when the vehicle enters the circle; a start inside is no visit. A visit ends once the
+vehicle is clearly outside, so a vehicle that holds at the edge is not counted twice.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ class Circle:
     radius_m: float
 
     def contains(self, position: Ned) -> bool:
-        """True if a position lies in or above the circle, its edge included."""
+        """Whether a position lies in or above the circle, edge included."""
         return horizontal_distance(position, self.centre) <= self.radius_m
 
 
@@ -30,11 +29,11 @@ class VisitCounter:
     """Counts the visits to a circle.
 
     Args:
-        circle: what is visited.
-        start: where the vehicle is at first.
+        circle: the place to visit.
+        start: first position of the vehicle.
 
     Attributes:
-        count: visits begun so far.
+        count: how many visits have begun.
     """
 
     def __init__(self, circle: Circle, start: Ned) -> None:

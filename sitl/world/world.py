@@ -1,9 +1,9 @@
 """The world around the vehicle, and its effects on the vehicle.
 
-The true map with its obstacles, the target detector, the payload, the lidar and the pads; the
-schedule of the scenario's events; collisions. All of it knows the truth. An event acts on the
-vehicle by its physics (wind, charge), its estimate (GPS) and its autopilot (arming). What it does
-to links and commands is only kept here, for those who carry and answer them.
+It contains the true map with obstacles, the target detector, the payload, the lidar, the pads, the
+schedule of scenario events, and collisions. All of them know the truth. An event acts on the
+vehicle by its physics (wind, charge), its estimate (GPS) or its autopilot (arming). Effects on
+links and on answers to commands are only stored here; link and autopilot apply them.
 """
 
 from __future__ import annotations
@@ -39,23 +39,23 @@ class World:
     """The world of one vehicle; the `EffectReceiver` of its scenario's events.
 
     Args:
-        scenario: what is there, and its events.
-        grid: of the map file, None without walls.
+        scenario: what exists, and its events.
+        grid: the map file; None without walls.
         physics: of the vehicle.
         estimator: of the vehicle.
-        autopilot: of the vehicle, at first.
-        seed: of what has chances of its own.
+        autopilot: the vehicle's first one.
+        seed: of all random parts of the world.
 
     Attributes:
         event_log: time and text of each event so far, damage included.
         is_wreck: the vehicle has fallen over or hit the ground with its body.
-        operator_commands: MAV_CMD names that the operator is to send to the companion now; who
-            sends them takes them off the list.
-        autopilot: of the vehicle; another one after a reboot.
+        operator_commands: MAV_CMD names that the operator has to send to the companion now; the
+            sender removes them.
+        autopilot: the present one; a reboot replaces it.
         link_qualities: of the links that are disturbed.
-        answers: how the autopilot takes a MAV_CMD, where it is not as it should be.
+        answers: how the autopilot answers a MAV_CMD, where this differs from PX4.
         reporter: a program on board.
-        set_down_m: how near to the vehicle an obstacle has appeared, at its nearest.
+        set_down_m: the least distance at which an obstacle has appeared beside the vehicle.
     """
 
     def __init__(
@@ -95,16 +95,16 @@ class World:
         self._drains_always = scenario.drains_always
 
     def note_command(self, command: int, component: int, now_s: float) -> None:
-        """A command has arrived for a component on board, 0 for all."""
+        """Counts a command for a component on board; component 0 means all."""
         self._schedule.note_command(command, component, now_s)
 
     def take_reboots(self) -> list[Reboot]:
-        """Those that are to be done since the last call."""
+        """The reboots that have become due since the last call."""
         reboots, self._reboots = self._reboots, []
         return reboots
 
     def take_origins(self) -> list[GlobalOrigin]:
-        """Where the autopilot's local frame is to begin, since the last call."""
+        """The new origins of the autopilot's local frame since the last call."""
         origins, self._origins = self._origins, []
         return origins
 
@@ -120,7 +120,7 @@ class World:
             self._lay_ground(state)
 
     def _update_battery(self, state: FlightState) -> None:
-        """Charging and draining of the battery; in PX4's simulator it drains while armed."""
+        """Charges and drains the battery; as in PX4's simulator, it drains while armed."""
         battery, is_armed = self._physics.battery, self.autopilot.is_armed
         is_draining = is_armed or self._drains_always
         if battery.is_draining != is_draining:
@@ -146,7 +146,7 @@ class World:
             self._crash(state, "Over the edge of a roof" if is_falling else "Crash detected")
 
     def _lay_ground(self, state: FlightState) -> None:
-        """What carries the vehicle is the ground, or the roof that it is above."""
+        """Tells the physics what carries the vehicle: the ground, or the roof below it."""
         before_m = self._physics.ground_up_m
         ground_m = ground_up_m(self._map.grid, state.position, before_m)
         if ground_m != before_m:
@@ -159,21 +159,21 @@ class World:
     # The effects of events.
 
     def show_target(self, is_seen: bool) -> None:
-        """The detector sees the target from now on, or does not."""
+        """Switches the detector's sighting of the target on or off."""
         if self.detector:
             self.detector.sees_target = is_seen
 
     def set_payload_answer(self, answer: PayloadAnswer) -> None:
-        """The payload's answer from now on, everywhere."""
+        """Replaces the payload's answer everywhere."""
         if self.payload:
             self.payload.override = answer
 
     def set_wind(self, wind: Ned) -> None:
-        """The air's mean velocity, NED."""
+        """Sets the mean air velocity, NED."""
         self._physics.set_wind(wind)
 
     def place_obstacle(self, name: str, is_present: bool) -> None:
-        """Puts an obstacle there or takes it away."""
+        """Adds or removes an obstacle."""
         if self._map.place(name, is_present):
             if is_present:
                 away_m = self._map.distance_m(name, self._physics.state.position[:2])
@@ -183,7 +183,7 @@ class World:
                 self.lidar.set_map(self._map.grid)
 
     def change_battery(self, change: BatteryChange) -> None:
-        """Something becomes of the battery."""
+        """Changes the battery."""
         self._physics.battery.age(change.capacity, change.resistance)
         if change.charge is not None:
             self._physics.battery.set_charge(change.charge)
@@ -191,12 +191,12 @@ class World:
             self.autopilot.health.knows_battery = change.is_known
 
     def change_pad(self, change: PadChange) -> None:
-        """Something becomes of a pad."""
+        """Changes a pad."""
         if self._pads is not None:
             self._pads.change(change)
 
     def set_gps(self, is_lost: bool | None, noise_m: float | None) -> None:
-        """The quality of GPS; None leaves it as it is."""
+        """Sets the quality of GPS; None leaves a property as it is."""
         gps = self._estimator.gps
         if is_lost is not None:
             gps = replace(gps, is_lost=is_lost)
@@ -205,21 +205,21 @@ class World:
         self._estimator.gps = gps
 
     def refuse_arming(self, reason: str | None) -> None:
-        """Arming is refused for this reason; None allows it."""
+        """Refuses arming for a reason; None allows it."""
         self.autopilot.refuse_arming(reason)
 
     def report(self, values: Mapping[str, object]) -> None:
-        """A program on board reports something to the companion."""
+        """Lets a program on board report values to the companion."""
         self.reporter.report(values)
 
     def send_operator_command(self, command: str) -> None:
-        """The operator sends the companion a MAV_CMD."""
+        """Lets the operator send a MAV_CMD to the companion."""
         self.operator_commands.append(command)
 
     def set_link_quality(
         self, port: Port | None, direction: Direction | None, quality: LinkQuality
     ) -> None:
-        """What a link does to datagrams; a port or direction of None is both."""
+        """Sets how a link treats datagrams; None as port or direction means both."""
         for each in Port if port is None else (port,):
             for towards in Direction if direction is None else (direction,):
                 if quality == LinkQuality():
@@ -228,42 +228,42 @@ class World:
                     self.link_qualities[each, towards] = quality
 
     def jump_estimate(self, by: Ned) -> None:
-        """The estimated position steps, NED."""
+        """Shifts the estimated position by a vector, NED."""
         self._estimator.jump(by)
 
     def lay_origin(self, origin: GlobalOrigin) -> None:
-        """The autopilot's local frame begins elsewhere."""
+        """Moves the origin of the autopilot's local frame."""
         self._origins.append(origin)
 
     def reboot(self, reboot: Reboot) -> None:
-        """The autopilot restarts."""
+        """Restarts the autopilot."""
         self._reboots.append(reboot)
 
     def set_answer(self, command: int, answer: Answer | None) -> None:
-        """How the autopilot takes a MAV_CMD from now on; None is as it should."""
+        """Sets how the autopilot answers a MAV_CMD; None restores PX4's answer."""
         if answer is None:
             self.answers.pop(command, None)
         else:
             self.answers[command] = answer
 
     def change_marker(self, change: MarkerChange) -> None:
-        """Something becomes of a landing marker."""
+        """Changes a landing marker."""
         if self.marker_camera:
             self.marker_camera.change(change, self._physics.state.time_s)
 
     def change_camera(self, change: CameraChange) -> None:
-        """Something becomes of a camera."""
+        """Changes a camera."""
         for camera in self.cameras:
             if change.component in (None, camera.spec.component):
                 camera.change(change)
                 return
 
     def change_gimbal(self, change: GimbalChange) -> None:
-        """Something becomes of the gimbal."""
+        """Changes the gimbal."""
         if self.gimbal:
             self.gimbal.change(change)
 
     def change_gripper(self, change: GripperChange) -> None:
-        """Something becomes of the gripper."""
+        """Changes the gripper."""
         if self.gripper:
             self.gripper.change(change)

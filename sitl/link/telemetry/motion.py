@@ -1,6 +1,6 @@
 """Telemetry of position and motion, as estimated.
 
-Source: common.xml. Frames: local NED about the origin; global ones WGS84 and above the sea.
+Source: common.xml. Frames: local NED about the origin; global ones are WGS 84 and above sea level.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def altitude(v: SimulatedVehicle) -> Fields:
 
 
 def vfr_hud(v: SimulatedVehicle) -> Fields:
-    """VFR_HUD; a multicopter reports no airspeed of its own, so ground speed stands there."""
+    """VFR_HUD; as a multicopter measures no airspeed, the field has the ground speed."""
     north, east, down = v.state.velocity
     speed = math.hypot(north, east)
     throttle = round(100 * sum(v.state.motors) / 4)
@@ -109,7 +109,7 @@ def odometry(v: SimulatedVehicle) -> Fields:
 
 
 def in_body(state: FlightState) -> tuple[float, float, float]:
-    """The velocity along forward, right and down of the body, m/s."""
+    """The velocity along the body's forward, right and down axes, m/s."""
     w, x, y, z = state.attitude
     n, e, d = state.velocity
     return (

@@ -15,7 +15,7 @@ UNKNOWN_16 = 65535
 HEIGHT_ACCURACY_M = 0.5
 GPS_VERTICAL_ACCURACY_M, GPS_SPEED_ACCURACY_MPS = 1.78, 0.4  # SensorGpsSim's epv, s_variance
 NO_FIX, FIX_3D = 1, 3  # GPS_FIX_TYPE
-RANGE_M = 50.0  # of the range finder that looks down
+RANGE_M = 50.0  # of the downward range finder
 IMU_AND_BAROMETER = 0x3F | 0x200 | 0x800 | 0x1000  # HIGHRES_IMU.fields_updated
 
 
@@ -65,7 +65,7 @@ def scaled_pressure(v: SimulatedVehicle) -> Fields:
 
 
 def distance_sensor(v: SimulatedVehicle) -> Fields:
-    """DISTANCE_SENSOR: a laser that looks down, to 50 m."""
+    """DISTANCE_SENSOR: a laser that points down, with a range of 50 m."""
     range_cm = round(min(v.sensors.range_below_m, RANGE_M + 0.01) * 100)
     return (v.boot_ms, 10, round(RANGE_M * 100), range_cm, 0, 0, 25, 0)
 

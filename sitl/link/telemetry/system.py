@@ -1,7 +1,7 @@
 """Telemetry of the system: mode, health, battery, versions, clocks.
 
-Sources: common.xml; what a PX4 was seen to send; for SYS_STATUS what MAVSDK's health checks and
-MAVProxy's fence need.
+Sources: common.xml; messages of a PX4; for SYS_STATUS, what MAVSDK's health checks and MAVProxy's
+fence need.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _SHOWN_AS = {"DESCEND": "AUTO.LAND"}  # MAVLink has no mode of this name
 
 
 def status(autopilot: Autopilot) -> tuple[bool, str, int]:
-    """Armed, mode and MAV_STATE: a change of any of them is told at once."""
+    """Armed, mode and MAV_STATE; a change of any of them is sent at once."""
     mode = _SHOWN_AS.get(autopilot.mode, autopilot.mode)
     if not autopilot.is_armed:
         return (False, mode, STANDBY)
@@ -71,7 +71,7 @@ def sys_status(v: SimulatedVehicle) -> Fields:
 
 
 def battery_status(v: SimulatedVehicle) -> Fields:
-    """BATTERY_STATUS of the one lithium polymer pack; of a gauge that is not read, nothing."""
+    """BATTERY_STATUS of the one lithium polymer pack; None while its gauge cannot be read."""
     if not v.autopilot.health.knows_battery:
         return (0, 1, 1, 32767, [UNKNOWN_16] * FULL_VOLTAGES, -1, -1, -1, -1, 0, 0)
     gauge = v.battery.gauge()
@@ -84,7 +84,7 @@ def battery_status(v: SimulatedVehicle) -> Fields:
         [cell_mv] * CELLS + [UNKNOWN_16] * (FULL_VOLTAGES - CELLS),
         _centiamperes(v.state.current_a),
         round(gauge.consumed_mah),
-        -1,  # PX4 tells no energy
+        -1,  # PX4 reports no energy
         math.floor(v.state.charge * 100 + 0.5),
         0 if gauge.remaining_s is None else max(1, int(gauge.remaining_s)),
         CHARGING if gauge.is_charging else int(v.autopilot.health.battery),
@@ -123,7 +123,7 @@ def system_time(v: SimulatedVehicle) -> Fields:
 
 
 def flight_information(v: SimulatedVehicle) -> Fields:
-    """FLIGHT_INFORMATION: of the flight under way, or of the last one; times since start."""
+    """FLIGHT_INFORMATION of the present flight, or of the last one; times since start."""
     flights = v.autopilot.flights
     return (v.boot_ms, round(flights.armed_s * 1e6), round(flights.in_air_s * 1e6), flights.count)
 
@@ -134,12 +134,12 @@ def ping(v: SimulatedVehicle) -> Fields:
 
 
 def timesync(v: SimulatedVehicle) -> Fields:
-    """TIMESYNC: a question, to which clients answer."""
+    """TIMESYNC: a request, which clients answer."""
     return (0, v.boot_us * 1000)
 
 
 def _centiamperes(current_a: float) -> int:
-    """Out of the battery; -1 would mean that the current is not known."""
+    """Current out of the battery; never -1, which would mean unknown."""
     value = round(current_a * 1e2)
     return value if value != -1 else 0
 
