@@ -1,9 +1,9 @@
 """Generalized Büchi automata, with acceptance marks on transitions.
 
-A label is a cube, a conjunction of literals; a letter is the set of propositions that hold at
-one position. A run is accepting exactly if it meets every acceptance set, numbered from 0 to
-`marks` - 1, infinitely often; with no acceptance set every infinite run accepts. An automaton
-is nondeterministic and need not be complete: a word without a run is rejected.
+A label is a cube, a conjunction of literals; a letter is the set of propositions that hold at one
+position. A run is accepting if it meets every acceptance set infinitely often; the sets are
+numbered from 0 to `marks` - 1, and without any every infinite run is accepting. An automaton may be
+nondeterministic and incomplete: a word without a run is rejected.
 
 Source: Couvreur, On-the-fly verification of linear temporal logic, FM 1999; the paper's
 definition of a Büchi automaton (Section II-D) is the case of one acceptance set.
@@ -52,11 +52,11 @@ class BuchiAutomaton:
     """A transition-based generalized Büchi automaton.
 
     Attributes:
-        states: how many; they are numbered from 0.
-        marks: how many acceptance sets; they are numbered from 0.
-        name: what it accepts, for people.
-        exclusive: propositions of which at most one holds at a time; what the automaton does with
-            letters that have two of them is left open.
+        states: number of states; they are numbered from 0.
+        marks: number of acceptance sets; they are numbered from 0.
+        name: what the automaton accepts, for people.
+        exclusive: propositions of which at most one holds at a time; letters with two of them may
+            be accepted or not.
     """
 
     states: int
@@ -112,11 +112,11 @@ class BuchiAutomaton:
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """The size and the kind of an automaton, in figures.
+    """The size and the properties of an automaton.
 
     Attributes:
-        is_deterministic: a word has at most one run.
-        is_complete: every word has a run.
+        is_deterministic: whether a word has at most one run.
+        is_complete: whether every word has a run.
     """
 
     states: int
@@ -128,7 +128,7 @@ class Statistics:
 
 
 def statistics(automaton: BuchiAutomaton) -> Statistics:
-    """Figures of an automaton; unreachable states count as well."""
+    """The statistics of an automaton; unreachable states count as well."""
     labels = [[transition.label for transition in leaving] for leaving in automaton.outgoing]
     return Statistics(
         automaton.states,
@@ -151,7 +151,7 @@ def _overlap(labels: Sequence[Label]) -> bool:
 def _match_every_letter(labels: Sequence[Label]) -> bool:
     """Whether each letter matches some label.
 
-    Letters that match a single literal are set aside; then they are split at a proposition.
+    Letters that match a label of one literal are removed first; the rest is split at a proposition.
     """
     pending = [
         [
@@ -168,7 +168,7 @@ def _match_every_letter(labels: Sequence[Label]) -> bool:
         if literals:
             pending.append([cube - negated for cube in cubes if cube.isdisjoint(literals)])
         elif cubes:
-            # without this literal the cube reads nothing: that half is looked at first
+            # without this literal the cube reads nothing, so that half is examined first
             name, sign = min(cubes[0])
             pending += [[*cubes, frozenset({(name, side)})] for side in (not sign, sign)]
         else:
@@ -179,6 +179,8 @@ def _match_every_letter(labels: Sequence[Label]) -> bool:
 def successors(
     automaton: BuchiAutomaton, states: Iterable[int], letter: frozenset[str]
 ) -> frozenset[int]:
-    """One step of the subset construction: the states of runs after they have read a letter."""
+    """One step of the subset construction: the states that runs are in after they have read a
+    letter.
+    """
     outgoing = automaton.outgoing
     return frozenset(t.target for s in states for t in outgoing[s] if t.label.matches(letter))

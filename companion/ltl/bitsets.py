@@ -1,4 +1,4 @@
-"""Sets of small numbers as bits of an int: bit i is set if the number i is in the set."""
+"""Sets of small numbers as the bits of an int: bit i is set if i is in the set."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def indices(bits: int) -> Iterator[int]:
 def minimal(
     sets: Iterable[int], spend: Callable[[int], None] = lambda comparisons: None
 ) -> list[int]:
-    """The sets that have no other of the sets as a subset; smallest first.
+    """The sets of which no other set is a subset; smallest first.
 
     Args:
-        spend: told how many comparisons come next.
+        spend: called with the number of comparisons that come next.
 
     >>> minimal([0b111, 0b001, 0b110, 0b001])
     [1, 6]

@@ -1,12 +1,13 @@
-"""The clock of a bound as it reads a word in time, position by position.
+"""The clock of a time bound, which reads a word position by position.
 
-What an event asks for is asked for from the moment in which it comes, not only from the position at
-which it is read: a vehicle reads next where it arrives. A goal that an event meets is met in that
-moment, too. What was asked for before, and still is, is asked for from each position on that says
-so. Between two positions a clock goes on, and may run over; a position that was reached in time
-counts, although it is read later.
-
-A clock that begins anew stands at 0 until the next position is left.
+1. An event asks for a goal from the moment at which it comes, not only from the position at which
+   it is read: the vehicle reads the next position only on arrival. An event that meets a goal
+   likewise meets it at that moment.
+2. A goal that was asked for before, and still is, is asked for again from each position that says
+   so.
+3. Between two positions a clock continues, and may run out. A position that was reached in time
+   counts, even if it is read later.
+4. A clock that starts again shows 0 until the vehicle leaves the next position.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from companion.ltl.time_bounds import Response, TimeBound
 
 @dataclass(frozen=True)
 class BoundClock:
-    """A bound, and since when it runs; times are in milliseconds, of which differences matter.
+    """A bound and the time since which it runs. Times are in milliseconds; only differences matter.
 
     >>> from companion.ltl.parser import atom
     >>> from companion.ltl.time_bounds import Within
@@ -29,13 +30,13 @@ class BoundClock:
     (False, True)
 
     Attributes:
-        since_ms: None while it stands still.
-        asked_ms: when an event asked for it, which no position has read yet.
-        is_asking: whether it is asked for by what is known now.
-        met_ms: when an event met the goal in time, which no position has read yet.
-        is_met: whether the goal holds by what is known now.
-        is_new: it begins anew with the next position that is left.
-        is_late: it has run over; for ever, unless it begins anew.
+        since_ms: None while the clock stands still.
+        asked_ms: when an event asked for the goal, if no position has read that yet.
+        is_asking: whether the goal is asked for, as far as is known now.
+        met_ms: when an event met the goal in time, if no position has read that yet.
+        is_met: whether the goal holds, as far as is known now.
+        is_new: whether the clock starts again when the next position is left.
+        is_late: whether the clock has run out; this is final, unless it starts again.
     """
 
     bound: TimeBound
@@ -48,20 +49,20 @@ class BoundClock:
     is_late: bool = False
 
     def begun(self, now_ms: int) -> BoundClock:
-        """The word begins."""
+        """The clock at the beginning of the word."""
         since_ms = now_ms if self.bound.begin() is not None else None
         return replace(self, since_ms=since_ms, asked_ms=None, met_ms=None)
 
     def anew(self) -> BoundClock:
-        """It begins anew with the next position; what was, is forgotten."""
+        """A clock that starts again at the next position and forgets what was before."""
         return BoundClock(self.bound, is_new=True)
 
     def seeing(self, letter: Letter, event_ms: int | None = None) -> BoundClock:
-        """With what the next letter will have, as far as it is known by now.
+        """The clock with what the next letter will contain, as far as it is known now.
 
         Args:
-            letter: that.
-            event_ms: when an event has changed it; None where a position has.
+            letter: what is known of the next letter.
+            event_ms: when an event changed it; None if a new position changed it.
         """
         if self.is_new:
             return self
@@ -81,38 +82,40 @@ class BoundClock:
 
     @property
     def is_called(self) -> bool:
-        """Whether an event asks for its goal, which no position has read yet."""
+        """Whether an event asks for the goal and no position has read that yet."""
         return self.since_ms is None and self.asked_ms is not None and self.met_ms is None
 
     def is_over(self, now_ms: int, unread: Letter | None) -> bool:
-        """Whether it has run over by now, and had not before.
+        """Whether the clock has run out by now, and had not before.
 
         Args:
-            now_ms: the time.
-            unread: the position that was reached and not left yet; None if there is none.
+            now_ms: the present time.
+            unread: the position that was reached and has not been left yet; None if there is none.
         """
         if self.is_late or not self.bound.is_late(self.elapsed_ms(now_ms)):
             return False
         return unread is None or not is_true(self.bound.goal, unread)
 
     def over(self) -> BoundClock:
-        """It has run over."""
+        """The clock, marked as run out."""
         return replace(self, is_late=True)
 
     def elapsed_ms(self, now_ms: int) -> int | None:
-        """What it shows; None if it stands still, as it does once an event has met the goal."""
+        """What the clock shows; None if it stands still, as it does once an event has met the
+        goal.
+        """
         if self.met_ms is not None:
             return None
         since = self.since_ms if self.since_ms is not None else self.asked_ms
         return None if since is None else max(0, now_ms - since)
 
     def after(self, letter: Letter, reached_ms: int, left_ms: int) -> BoundClock:
-        """One more position that was read.
+        """The clock after one more position is read.
 
         Args:
-            letter: what holds there.
-            reached_ms: when it was reached.
-            left_ms: when it was left.
+            letter: what holds at the position.
+            reached_ms: when the vehicle reached it.
+            left_ms: when the vehicle left it.
         """
         if self.is_new:
             return replace(self.begun(left_ms), is_new=False).after(letter, left_ms, left_ms)

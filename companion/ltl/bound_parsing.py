@@ -1,8 +1,8 @@
-"""Bounds in time while a text is parsed: what they say, and where they may stand.
+"""Time bounds during parsing: what they mean, and where they may occur.
 
-A bound stands at `F`, at `revisit(...)`, and at the F of `G (... -> F ...)`, each a conjunct of the
-whole text. Anywhere else its clock would not be one clock: below X or ! it begins or ends where no
-position says so, and an alternative may leave it without anybody who waits.
+A bound occurs at `F`, at `revisit(...)`, or at the F of `G (... -> F ...)`; each of these is a
+conjunct of the whole text. Elsewhere a bound would not be one clock: below X or ! no position says
+when the clock starts or stops, and in a disjunction it may be unclear whether anybody still waits.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
 from companion.ltl.timed_formula import TimedFormula
 
 MIN_LIMIT_S = 3.0
-"""A plan keeps 2 s in hand."""
+"""The shortest limit, because a plan keeps a margin of 2 s."""
 MAX_LIMIT_S = 86_400.0
 UNITS_S = {"s": 1.0, "min": 60.0}
 
@@ -28,7 +28,7 @@ _WRITE = {"BOUND": "write F[<=60s] at(A)", "LIMIT": "write revisit(A) <= 120 s"}
 
 @dataclass(frozen=True, slots=True)
 class TimedParts:
-    """Parts that all have to hold, some with a bound; one of these is at `bound`."""
+    """Parts that all have to hold; some have a bound, and one of these is at the token `bound`."""
 
     parts: tuple[Formula | TimeBound, ...]
     bound: Token
@@ -36,7 +36,7 @@ class TimedParts:
 
 @dataclass(frozen=True, slots=True)
 class TimedAnswer:
-    """`trigger -> F[<=T] goal`, which means something below G alone."""
+    """`trigger -> F[<=T] goal`, which has a meaning only below G."""
 
     trigger: Formula
     within: Within
@@ -44,7 +44,7 @@ class TimedAnswer:
 
 
 Parsed = Formula | TimedParts | TimedAnswer
-"""What a part of a text says."""
+"""What a part of a text stands for."""
 
 
 def span(first: Token, last: Token) -> tuple[int, int]:
@@ -54,7 +54,7 @@ def span(first: Token, last: Token) -> tuple[int, int]:
 
 
 def error_at(token: Token, what: str, advice: str) -> FormulaError:
-    """An error that `parse` completes with the text: who builds does not know it."""
+    """An error to which `parse` adds the text, which the builder does not know."""
     offset, length = span(token, token)
     return FormulaError(what, "", offset, length, advice)
 
@@ -74,7 +74,7 @@ def revisit(name: Token, goal: Parsed, limit: Token | None) -> TimedParts:
 
 
 def implication(left: Parsed, right: Parsed) -> Parsed:
-    """`left -> right`; with a bound it waits for a G."""
+    """`left -> right`; if it has a bound, it needs a G above it."""
     match right:
         case TimedParts(parts=(Within() as within,), bound=bound):
             return TimedAnswer(_state_formula(left, bound), within, bound)
@@ -88,7 +88,7 @@ def response(found: TimedAnswer) -> TimedParts:
 
 
 def conjunction(operands: tuple[Parsed, ...]) -> Parsed:
-    """All operands."""
+    """The conjunction of all operands."""
     parts: list[Formula | TimeBound] = []
     bound = None
     for operand in operands:
@@ -103,7 +103,7 @@ def conjunction(operands: tuple[Parsed, ...]) -> Parsed:
 
 
 def without_bounds(part: Parsed) -> Formula:
-    """A part where no bound may stand. Raises FormulaError if it has one."""
+    """A part that may contain no bound. Raises FormulaError if it has one."""
     if isinstance(part, Formula):
         return part
     raise error_at(
@@ -114,12 +114,12 @@ def without_bounds(part: Parsed) -> Formula:
 
 
 def whole(part: Parsed) -> Formula | TimedFormula:
-    """A whole text."""
+    """What a whole text stands for."""
     return TimedFormula(part.parts) if isinstance(part, TimedParts) else without_bounds(part)
 
 
 def misplaced(token: Token, before: str) -> tuple[str, str]:
-    """What is wrong with a bound where the grammar has none, and what to write.
+    """What is wrong with a bound that the grammar does not allow here, and what to write instead.
 
     Args:
         token: the bound.
@@ -143,7 +143,7 @@ def misplaced(token: Token, before: str) -> tuple[str, str]:
 
 
 def _state_formula(part: Parsed, bound: Token) -> Formula:
-    """A formula that one position decides."""
+    """A formula whose truth depends on one position only."""
     formula = without_bounds(part)
     temporal = next((f for f in subformulas(formula) if f.operator in TEMPORAL), None)
     if temporal is not None:
@@ -156,7 +156,7 @@ def _state_formula(part: Parsed, bound: Token) -> Formula:
 
 
 def _limit_ms(token: Token, text: str) -> int:
-    """The limit that a bound says."""
+    """The limit of a bound, from its text."""
     write = _WRITE[token.type]
     found = _LIMIT.fullmatch(text.strip())
     if found is None:

@@ -1,23 +1,22 @@
-"""Limits of what the translation of a formula may cost: they say their name and never vary.
+"""Limits for the cost of a translation; they are named, and the same formula always costs the same.
 
-A formula of one line can have an automaton that fills any machine. So a translation spends from
-a budget: elementary *steps*, which stand for time, and *bytes* that are kept to the end.
-Both are counted and not measured: a formula that is translated once is always translated, on a
-slow machine as on a fast one.
+The automaton of a one-line formula can fill any machine. So a translation spends from a budget:
+elementary *steps*, which stand for time, and *bytes* that are kept until the end. Both are counted
+instead of measured, so whether a formula can be translated does not depend on the machine.
 
-A step is one pass of an inner loop, e.g. one union of two sets of bits, about 0.25 us. Ints of
+A step is one pass of an inner loop, e.g. one union of two bit sets, about 0.25 us. Ints of
 thousands of bits cost more, in proportion to their width:
 
-- before a loop, or once for each round of a nested one, call `spend(passes, width)`, so that an
-  exhausted budget is noticed before the loop has run;
+- before a loop, or before each pass of an outer one, call `spend(passes, width)`, so that an
+  exhausted budget is noticed before the loop runs;
 - call `keep(sets, width)` for what stays until the end: terms in a cache, edges, relations. What
-  one step makes and drops again needs no mention if something else bounds it.
+  one step makes and drops again need not be counted if something else limits it.
 
-Some work is worth less than it costs: making an automaton smaller. It spends from parts of the
-budget's *spare* steps (`spared`), and where such a part is spent the automaton stays as it is.
+Making an automaton smaller is optional work. It spends from parts of the budget's *spare* steps
+(`spared`); when such a part is spent, the automaton stays as it is.
 
-With the defaults no formula takes more than a few seconds and 512 MB for the whole process.
-A formula that is split into conjuncts has one budget for all of them.
+With the defaults no formula takes more than a few seconds and 512 MB for the whole process. A
+formula that is split into conjuncts has one budget for all of them.
 """
 
 from __future__ import annotations
@@ -37,10 +36,10 @@ SPARE_STEPS = 40_000_000
 _STEP_US = 0.25
 
 _BITS_A_STEP = 1024
-"""An operation on ints of this width takes one step more than one on small ints."""
+"""An operation on ints of this width costs one step more than one on small ints."""
 
 _BYTES_A_SET = 128
-"""A small int and its place in a list or a set, or an edge."""
+"""Memory for a small int and its place in a list or set, or for an edge."""
 
 
 _SHORTEN = "write it with fewer operators or propositions"
@@ -48,10 +47,10 @@ _SPLIT = "split the task into conjuncts: each of them gets its own automaton"
 
 
 class TranslationLimit(MissionError):
-    """The automaton of a formula would be too large, or take too long to find.
+    """The automaton of a formula would be too large, or would take too long to find.
 
     Args:
-        limit: what there would be too much of, with its number, e.g. `10,000 states`.
+        limit: the limit that would be exceeded, e.g. `10,000 states`.
         where: the place of the formula in a file, once the caller knows it.
         advice: what to do about it.
     """
@@ -64,11 +63,11 @@ class TranslationLimit(MissionError):
         super().__init__(f"the automaton would take more than {limit}", where, advice)
 
     def located(self, where: Location | KeyPath) -> TranslationLimit:
-        """The same error, placed in a file or in data."""
+        """The same error with its place in a file or in data."""
         return TranslationLimit(self.limit, where, self.advice)
 
     def after_others(self, share: float) -> TranslationLimit:
-        """The same error where a share of the budget was spent on the lines before."""
+        """The same error if other lines have already spent a share of the budget."""
         shared = f"{self.limit}, which all lines of the task share"
         advice = f"the lines before it take {100 * share:.0f} %: write fewer or shorter ones"
         return TranslationLimit(shared, self.where, advice)
@@ -90,9 +89,9 @@ class Budget:
         write it with fewer operators or propositions
 
     Attributes:
-        steps: elementary steps that are allowed.
-        kept_bytes: bytes of memory that are allowed, roughly.
-        spare_steps: steps that are left for what need not be done.
+        steps: number of elementary steps that are allowed.
+        kept_bytes: approximate number of bytes that are allowed.
+        spare_steps: number of steps left for optional work.
     """
 
     steps: int = STEPS
@@ -103,22 +102,24 @@ class Budget:
 
     @property
     def share(self) -> float:
-        """That is spent, of its steps or its bytes; above 1 where it has not sufficed."""
+        """The spent share, of steps or bytes, whichever is more; above 1 if the budget did not
+        suffice.
+        """
         return max(self._spent / self.steps, self._kept / self.kept_bytes)
 
     @classmethod
     def of_a_mission(cls) -> Budget:
-        """A budget for all lines of a task together: some 6 s, and 200 MB."""
+        """A budget for all lines of a task together: about 6 s and 200 MB."""
         return cls(steps=16_000_000, spare_steps=8_000_000)
 
     @classmethod
     def unlimited(cls) -> Budget:
-        """A budget that no formula spends."""
+        """A budget that never runs out."""
         return cls(sys.maxsize, sys.maxsize)
 
     @contextmanager
     def spared(self, steps: int, kept_bytes: int = BYTES) -> Iterator[Budget]:
-        """A budget of at most these steps for what need not be done; it takes from the spare ones.
+        """A budget for optional work: at most these steps, taken from the spare ones.
 
         >>> budget = Budget(spare_steps=1000)
         >>> with budget.spared(300) as spare:
@@ -133,10 +134,10 @@ class Budget:
             self.spare_steps -= min(part._spent, part.steps)
 
     def spend(self, passes: int, width: int = 0) -> None:
-        """Take steps for passes of a loop over ints of `width` bits.
+        """Spends steps for passes of a loop over ints of `width` bits.
 
         Raises:
-            TranslationLimit: there are not as many steps left.
+            TranslationLimit: too few steps are left.
         """
         steps = passes * (1 + width // _BITS_A_STEP)
         spent(_STEP_US * steps)
@@ -145,10 +146,10 @@ class Budget:
             raise TranslationLimit(f"{self.steps:,} steps of work")
 
     def keep(self, sets: int, width: int = 0) -> None:
-        """Take memory for as many sets of `width` bits, or as many edges with such labels.
+        """Spends memory for as many sets of `width` bits, or as many edges with such labels.
 
         Raises:
-            TranslationLimit: there is not as much memory left.
+            TranslationLimit: too little memory is left.
         """
         self._kept += sets * (_BYTES_A_SET + width // 7)  # an int has 7.5 bits a byte
         if self._kept > self.kept_bytes:

@@ -1,7 +1,7 @@
-"""Strongly connected components of a graph, and what can be reached from which of them.
+"""Strongly connected components of a graph, and which nodes can reach which of them.
 
-Source: Tarjan, Depth-first search and linear graph algorithms, 1972; with a stack of our own, so
-that a long path does not recurse.
+Source: Tarjan, Depth-first search and linear graph algorithms, 1972; with an explicit stack, so a
+long path causes no deep recursion.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ K = TypeVar("K", bound=Hashable)
 
 
 def strong_components(successors: Sequence[Iterable[int]]) -> list[list[int]]:
-    """Strongly connected components, every component after those that it can reach.
+    """Strongly connected components; each comes after all those that it can reach.
 
     Args:
-        successors: of each node; nodes are numbered from 0.
+        successors: those of each node; nodes are numbered from 0.
 
     >>> strong_components([[1], [0, 2], []])
     [[2], [1, 0]]
@@ -55,7 +55,7 @@ def strong_components(successors: Sequence[Iterable[int]]) -> list[list[int]]:
 
 
 def components_by_name(successors: Mapping[K, Sequence[K]]) -> list[list[K]]:
-    """Strongly connected components; successors without an entry do not count.
+    """Strongly connected components of named nodes; successors without an entry are ignored.
 
     >>> components_by_name({"a": ["b"], "b": ["a", "elsewhere"]})
     [['b', 'a']]
@@ -69,7 +69,7 @@ def components_by_name(successors: Mapping[K, Sequence[K]]) -> list[list[K]]:
 
 
 def acyclic(successors: Mapping[K, Sequence[K]]) -> set[K]:
-    """Those that are on no cycle; successors without an entry do not count.
+    """The nodes that are on no cycle; successors without an entry are ignored.
 
     >>> sorted(acyclic({"a": ["a", "b"], "b": ["c"], "c": []}))
     ['b', 'c']
@@ -87,7 +87,7 @@ def reaching(
     components: Iterable[Sequence[int]],
     accepting: Iterable[bool],
 ) -> set[int]:
-    """The nodes from which an accepting component is reached.
+    """The nodes from which an accepting component can be reached.
 
     Args:
         components: as `strong_components` returns them.

@@ -1,4 +1,4 @@
-"""The conjuncts of a task: each has an automaton of its own."""
+"""Splits a task into conjuncts, each of which has an automaton of its own."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from companion.ltl.formula import (
 def conjuncts(formula: Formula) -> tuple[Formula, ...]:
     """The formulas whose conjunction is the given one, split at & and at G over &.
 
-    What holds unless something happens is split as well: (f & g) | h, if f or g is temporal and a
-    finite prefix shows h, as it shows F c; and !h -> f & g.
+    (f & g) | h is split as well if f or g is temporal and a finite prefix can show h, as it can
+    show F c. So is !h -> f & g.
 
     >>> from companion.ltl.parser import parse
     >>> [str(f) for f in conjuncts(parse("G(a & F b & G(c & a)) & d"))]
@@ -41,7 +41,7 @@ def conjuncts(formula: Formula) -> tuple[Formula, ...]:
 
 
 def _distributed(formula: Formula) -> list[Formula]:
-    """The conjuncts of (f & g) | h, or of !h -> f & g; none if there is nothing to be split."""
+    """The conjuncts of (f & g) | h, or of !h -> f & g; none if it cannot be split."""
     operator, operands = formula.operator, formula.operands
     if operator is Operator.IMPLIES:
         premise, conclusion = operands
@@ -59,12 +59,14 @@ def _distributed(formula: Formula) -> list[Formula]:
 
 
 def _is_temporal_conjunction(formula: Formula) -> bool:
-    """Whether a formula is a conjunction, of which an operand speaks of other positions too."""
+    """Whether a formula is a conjunction with an operand about other positions."""
     is_temporal = any(node.operator in TEMPORAL for node in subformulas(formula))
     return formula.operator is Operator.AND and is_temporal
 
 
 def _is_guarantee(formula: Formula) -> bool:
-    """Whether a finite prefix of each word that satisfies a formula shows it, by its operators."""
+    """Whether the operators imply that each word that satisfies the formula has a finite prefix
+    that shows it.
+    """
     nodes = subformulas(negation_normal_form(formula))
     return not any(node.operator is Operator.RELEASE for node in nodes)

@@ -1,9 +1,11 @@
-"""Construction: the graph of one formula as it stands, with sets of letters as labels.
+"""Constructs the graph of one formula without splitting it; labels are sets of letters.
 
-The formula is unfolded (`tableau.py`), and the graph reduced (`reductions/`). A language that has a
-weak deterministic automaton gets the smallest of these, if that is no larger. G F a is also made
-from automata of F a (`reductions/recurrence.py`), and what is not deterministic is unfolded letter
-by letter as well; the smallest graph is taken.
+1. The formula is unfolded (`tableau.py`), and the graph is reduced (`reductions/`).
+2. A language with a weak deterministic automaton gets the smallest of these, unless it is larger.
+3. The graph of G F a is also made from automata of F a (`reductions/recurrence.py`).
+4. If the graph is nondeterministic, the formula is also unfolded letter by letter.
+
+The smallest graph is the result.
 """
 
 from __future__ import annotations
@@ -22,12 +24,12 @@ from companion.ltl.simplify import simplified
 from companion.ltl.tableau import unfolded, unfolded_by_letters
 
 MAX_STATES_AGAIN = 100
-"""States up to which other automata of the same formula are made, to take the smallest."""
+"""A graph with more states than this is taken without trying other constructions."""
 
 
 @dataclass(frozen=True, slots=True)
 class Constructed:
-    """A graph; the smallest there is if it is weak and deterministic."""
+    """A graph; if it is weak and deterministic, it is the smallest possible one."""
 
     graph: LabelledGraph[LetterSet]
     is_weak: bool
@@ -35,12 +37,12 @@ class Constructed:
 
 @dataclass(frozen=True, slots=True)
 class Construction:
-    """Makes graphs of simplified formulas over one alphabet.
+    """Constructs graphs of simplified formulas over one alphabet.
 
     Attributes:
-        max_states: states, and transitions of one state, that a tableau may have.
-        budget: for what must be done.
-        extra: for what need not be done.
+        max_states: most states of a tableau, and most transitions of one of its states.
+        budget: for the work that is necessary.
+        extra: for the work that is optional.
     """
 
     alphabet: Alphabet
@@ -80,10 +82,10 @@ class Construction:
     def _others(
         self, formula: Formula, graph: LabelledGraph[LetterSet]
     ) -> list[LabelledGraph[LetterSet]]:
-        """Other graphs of a formula: of G F a some that start again, else a more deterministic one.
+        """Other graphs of a formula: restarting ones for G F a, otherwise a more deterministic one.
 
         Args:
-            graph: the one that is known.
+            graph: the graph that is known already.
         """
         if is_recurrence(formula):
             once = formula.operands[1]

@@ -1,11 +1,14 @@
-"""Decomposition: the graph of a conjunction from the graphs of its parts.
+"""Decomposition: makes the graph of a conjunction from the graphs of its parts.
 
-Conjuncts that share no proposition are translated apart and intersected. Of the others, those that
-have weak deterministic automata are tried apart from the rest, and so is each that depends on no
-finite prefix; of a disjunction those that have such automata are followed beside the rest
-(`union.py`). The smallest graph is taken. An a U b that the other conjuncts imply is left out, as
-Spot does it (Duret-Lutz, LTL translation improvements in Spot 1.0, IJCCBS 2014): Spot leaves out
-any, we those alone that make automata larger.
+1. Groups of conjuncts that share no proposition are translated separately and intersected.
+2. Of other conjuncts, those with weak deterministic automata are tried separately from the rest. So
+   is each conjunct that depends on no finite prefix.
+3. In a disjunction, operands with weak deterministic automata run beside the rest (`union.py`).
+4. An a U b that the other conjuncts imply is left out, as in Spot (Duret-Lutz, LTL translation
+   improvements in Spot 1.0, IJCCBS 2014). Spot leaves out all of them, this module only those that
+   make the automaton larger.
+
+The smallest graph is the result.
 """
 
 from __future__ import annotations
@@ -50,14 +53,14 @@ def decomposed(formula: Formula, construction: Construction) -> LabelledGraph[Le
     graphs = {group: _smaller(group, construction) for group in groups}
     whole = _intersected(graphs, construction.budget)
     if len(graphs) == 1 or all(map(is_deterministic, graphs.values())):
-        return trimmed(whole)  # there is nothing more to merge
+        return trimmed(whole)  # nothing more can be merged
     return reduced(whole, construction.extra)
 
 
 def _intersected(
     graphs: Mapping[Formula, LabelledGraph[LetterSet]], budget: Budget
 ) -> LabelledGraph[LetterSet]:
-    """The intersection of the graphs of formulas; those that no prefix matters to come last."""
+    """The intersection of the graphs of formulas; those that depend on no prefix come last."""
     first, *others = sorted(graphs, key=is_ageless)
     whole = graphs[first]
     for formula in others:
@@ -66,7 +69,7 @@ def _intersected(
 
 
 def _independent(formula: Formula, exclusive: frozenset[str], budget: Budget) -> list[Formula]:
-    """Formulas whose conjunction is the given one, and that share no proposition."""
+    """Formulas that share no proposition and whose conjunction is the given one."""
     groups: list[tuple[frozenset[str], list[Formula]]] = []
     for part in _conjuncts(formula, budget):
         names, together = atoms(part), [part]
@@ -82,7 +85,9 @@ def _independent(formula: Formula, exclusive: frozenset[str], budget: Budget) ->
 
 
 def _smaller(formula: Formula, construction: Construction) -> LabelledGraph[LetterSet]:
-    """The smallest graph: of all conjuncts, of those that are needed, or of parts of these."""
+    """The smallest graph: of all conjuncts, of the necessary ones, or of separate parts of
+    these.
+    """
     whole = construction.construct(formula)
     if whole.is_weak or not 1 < len(whole.graph.edges) <= MAX_STATES_AGAIN:
         return whole.graph
@@ -95,12 +100,12 @@ def _smaller(formula: Formula, construction: Construction) -> LabelledGraph[Lett
         found += _parted(needed, extra)
         found += _united(needed, extra)
     except TranslationLimit:
-        pass  # what was found so far is right as well
+        pass  # what was found so far is correct as well
     return min(found, key=lambda graph: (*graph.size[:2], not is_deterministic(graph)))
 
 
 def _without_implied(formula: Formula, construction: Construction) -> Formula:
-    """A conjunction without those a U b that the others imply; no word fulfils them and not it."""
+    """A conjunction without each a U b that the others imply; it accepts the same words."""
     if formula.operator is not Operator.AND:
         return formula
     parts = list(formula.operands)
@@ -115,14 +120,16 @@ def _without_implied(formula: Formula, construction: Construction) -> Formula:
 
 
 def _may_imply(others: Sequence[Formula], until: Formula) -> bool:
-    """Whether formulas mention what a U b waits for, and wait for something themselves."""
+    """Whether formulas mention what a U b waits for, and themselves wait for something."""
     nodes = set(subformulas(conjoin(*others)))
     awaited = atoms(until.operands[1])
     return any(f.operator is Operator.UNTIL for f in nodes) and awaited <= {f.atom for f in nodes}
 
 
 def _parted(formula: Formula, construction: Construction) -> list[LabelledGraph[LetterSet]]:
-    """One from obligations, other conjuncts, and each ageless one apart; none if all are alike."""
+    """The graph made from obligations, other conjuncts, and each ageless conjunct; none if all are
+    of one kind.
+    """
     parts = _conjuncts(formula, construction.budget)
     if not parts[1:]:
         return []
@@ -137,7 +144,7 @@ def _parted(formula: Formula, construction: Construction) -> list[LabelledGraph[
 
 
 def _united(formula: Formula, construction: Construction) -> list[LabelledGraph[LetterSet]]:
-    """One of a disjunction of obligations and others, which are followed at once."""
+    """The graph of a disjunction, with obligations and other operands followed at the same time."""
     parts = _disjuncts(formula, construction.budget)
     if not parts[1:]:
         return []
@@ -158,7 +165,7 @@ def _united(formula: Formula, construction: Construction) -> list[LabelledGraph[
 
 
 def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:
-    """The conjuncts of a simplified formula, split at & and at G over &; simplified as well."""
+    """The conjuncts of a simplified formula, split at & and at G over &; also simplified."""
     parts: list[Formula] = []
     for part in formula.operands if formula.operator is Operator.AND else (formula,):
         event, kept = part.operands if part.operator is Operator.RELEASE else (TRUE, part)
@@ -170,7 +177,7 @@ def _conjuncts(formula: Formula, budget: Budget) -> list[Formula]:
 
 
 def _disjuncts(formula: Formula, budget: Budget) -> list[Formula]:
-    """The disjuncts of a simplified formula, split at | and at F over |; simplified as well."""
+    """The disjuncts of a simplified formula, split at | and at F over |; also simplified."""
     if formula.operator is Operator.OR:
         return list(formula.operands)
     if formula.operator is Operator.UNTIL:

@@ -1,8 +1,8 @@
 """Automata as drawings, in the DOT language of Graphviz.
 
-States are circles, and an arrow from nowhere leads to each initial state. An edge has the text
-of its label and, below it, the marks that it carries. If there is one acceptance set and it is a
-set of states, its states are drawn with a double line instead.
+States are circles, and an arrow from nowhere leads to each initial state. The text of an edge is
+its label and, below it, its marks. If the only acceptance set is a set of states, these are drawn
+with a double line instead.
 
 Source: https://graphviz.org/doc/info/lang.html.
 """
@@ -30,7 +30,7 @@ def to_dot(automaton: BuchiAutomaton) -> str:
     }
 
     Raises:
-        CompanionError: it is no automaton.
+        CompanionError: the argument is not an automaton.
     """
     check_kind(automaton, BuchiAutomaton, "an automaton, as of translate")
     on_states = automaton.marks == 1 and automaton.has_state_acceptance

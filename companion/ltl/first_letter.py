@@ -1,4 +1,4 @@
-"""An automaton whose next letter has some propositions besides those that it is given."""
+"""Makes an automaton that adds some propositions to the first letter that it reads."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from companion.ltl.automaton import BuchiAutomaton, Label, Transition
 def with_first_letter(
     automaton: BuchiAutomaton, states: Iterable[int], holding: frozenset[str]
 ) -> BuchiAutomaton:
-    """The automaton from some states on, where certain propositions hold in the first letter.
+    """The automaton, started in some states, as if certain propositions held in the first letter.
 
-    It begins in a state of its own, to which nothing leads back; the other states keep their
-    numbers.
+    It begins in a new state that no transition enters; the other states keep their numbers.
 
     >>> from companion.ltl.parser import parse
     >>> from companion.ltl.translate import translate
@@ -24,8 +23,8 @@ def with_first_letter(
     [('home', 0), ('!home', 1)]
 
     Args:
-        automaton: reads the words.
-        states: where it may be.
+        automaton: the automaton that reads the words.
+        states: the states that it may be in.
         holding: propositions that hold in the first letter.
     """
     start, unmarked = automaton.states, frozenset[int]()

@@ -2,11 +2,11 @@
 
     true false  at(A)  ! X F G (tightest)  U R W  &  |  ->  <-> (weakest)
 
-U, R, W, -> and <-> associate to the right. `F a` is `true U a`, `G a` is `false R a`, and
-`a W b` is `b R (a | b)`. Formulas are interned: structurally equal ones are one object, so they
-are compared and hashed by identity. Nothing here recurses: a formula may be as deep as memory
-allows. Text is read in `parser.py`, the meaning is in `semantics.py`, the automaton in
-`translate.py`.
+U, R, W, -> and <-> associate to the right. `F a` is `true U a`, `G a` is `false R a`, and `a W b`
+is `b R (a | b)`. Formulas are interned: structurally equal ones are one object, so they are
+compared and hashed by identity. No function here is recursive, so only memory limits the depth of a
+formula. `parser.py` reads text, `semantics.py` defines the meaning, `translate.py` makes the
+automaton.
 
 Source: the paper, Section II-C; Baier and Katoen, Principles of Model Checking, Chapter 5.
 
@@ -54,7 +54,7 @@ TEMPORAL = frozenset(
         Operator.WEAK_UNTIL,
     }
 )
-"""Those that speak of other positions too."""
+"""The operators that are about other positions too."""
 
 _Key = tuple[Operator, tuple["Formula", ...], str]
 _interned: WeakValueDictionary[_Key, Formula] = WeakValueDictionary()
@@ -76,7 +76,7 @@ class Formula:
     def __new__(
         cls, operator: Operator, operands: tuple[Formula, ...] = (), atom: str = ""
     ) -> Formula:
-        """The one object for these fields."""
+        """The only object with these fields."""
         key = (operator, operands, atom)
         formula = _interned.get(key)
         if formula is None:
@@ -88,14 +88,14 @@ class Formula:
         return formula
 
     def __str__(self) -> str:
-        """The formula with as few parentheses as possible; `parse` reads it back."""
+        """The formula with as few parentheses as possible; `parse` can read it."""
         return _written(self, 0)
 
     def __repr__(self) -> str:
         return f"parse({str(self)!r})"
 
     def __reduce__(self) -> tuple[type[Formula], _Key]:
-        """Pickled by its fields, so that a copy in another process is interned there."""
+        """Pickles the fields, so that the other process interns its copy."""
         return (Formula, (self.operator, self.operands, self.atom))
 
 
@@ -118,11 +118,11 @@ _STRENGTH = {
     Operator.TRUE: 7,
     Operator.FALSE: 7,
 }
-"""Binding strength; an operand weaker than its place needs parentheses."""
+"""Binding strength; an operand that binds less than its place requires gets parentheses."""
 
 
 def operand_text(formula: Formula, operator: Operator) -> str:
-    """A formula as it is written as the first operand of an operator.
+    """A formula as it is written when it is the first operand of an operator.
 
     >>> from companion.ltl.parser import parse
     >>> operand_text(parse("a | b"), Operator.EVENTUALLY)
@@ -136,7 +136,7 @@ _PREFIXES = (Operator.NOT, Operator.NEXT, Operator.EVENTUALLY, Operator.ALWAYS)
 
 
 def _written(whole: Formula, least: int) -> str:
-    """The text of a formula, in parentheses if it binds less than a strength."""
+    """The text of a formula, in parentheses if it binds less than `least`."""
     written: list[str] = []
     pending: list[str | tuple[Formula, int]] = [(whole, least)]
     while pending:
@@ -153,7 +153,7 @@ def _written(whole: Formula, least: int) -> str:
 
 
 def _pieces(formula: Formula) -> list[str | tuple[Formula, int]]:
-    """Text and operands of one node, each operand with the strength that its place asks for."""
+    """Text and operands of one node, each operand with the strength that its place requires."""
     operator, operands = formula.operator, formula.operands
     strength = _STRENGTH[operator]
     if not operands:
@@ -165,12 +165,12 @@ def _pieces(formula: Formula) -> list[str | tuple[Formula, int]]:
     for operand in operands[1:]:
         pieces += [f" {operator.value} ", (operand, strength + 1)]
     if operator not in (Operator.AND, Operator.OR):
-        pieces[-1] = (operands[1], strength)  # right associative
+        pieces[-1] = (operands[1], strength)  # these operators are right associative
     return pieces
 
 
 def negate(formula: Formula) -> Formula:
-    """The negation; of a negation, its operand.
+    """The negation of a formula; the negation of a negation is its operand.
 
     >>> from companion.ltl.parser import parse
     >>> str(negate(parse("F a"))), str(negate(parse("!a")))
@@ -182,7 +182,7 @@ def negate(formula: Formula) -> Formula:
 
 
 def conjoin(*formulas: Formula) -> Formula:
-    """All of the formulas; true for none, the formula itself for one.
+    """The conjunction; true for no formula, the formula itself for one.
 
     >>> str(conjoin()), str(conjoin(TRUE, FALSE))
     ('true', 'true & false')
@@ -191,7 +191,7 @@ def conjoin(*formulas: Formula) -> Formula:
 
 
 def disjoin(*formulas: Formula) -> Formula:
-    """At least one of the formulas; false for none, the formula itself for one."""
+    """The disjunction; false for no formula, the formula itself for one."""
     return Formula(Operator.OR, formulas) if len(formulas) > 1 else (*formulas, FALSE)[0]
 
 
@@ -216,7 +216,7 @@ def always(formula: Formula) -> Formula:
 
 
 def until(before: Formula, event: Formula) -> Formula:
-    """`before U event`: the event comes, and up to then `before` holds."""
+    """`before U event`: the event comes, and `before` holds until then."""
     return Formula(Operator.UNTIL, (before, event))
 
 
@@ -226,12 +226,12 @@ def release(event: Formula, kept: Formula) -> Formula:
 
 
 def weak_until(before: Formula, event: Formula) -> Formula:
-    """`before W event`: as U, but the event need not come."""
+    """`before W event`: like U, but the event need not come."""
     return Formula(Operator.WEAK_UNTIL, (before, event))
 
 
 def subformulas(formula: Formula) -> Iterator[Formula]:
-    """Every distinct node once, operands before the nodes that they are part of.
+    """Every distinct node once, operands before the nodes that contain them.
 
     >>> from companion.ltl.parser import parse
     >>> [str(f) for f in subformulas(parse("F(a & b) | a"))]
@@ -260,7 +260,7 @@ def atoms(formula: Formula) -> frozenset[str]:
 
 
 def dual(node: Formula, negated: Iterable[Formula]) -> Formula:
-    """The negation of a node in negation normal form, given those of its operands."""
+    """The negation of a node in negation normal form, given the negations of its operands."""
     if node.operator in (Operator.ATOM, Operator.NOT):
         return negate(node)
     return Formula(_DUAL[node.operator], tuple(negated))
@@ -275,7 +275,7 @@ _DUAL = {
     Operator.UNTIL: Operator.RELEASE,
     Operator.RELEASE: Operator.UNTIL,
 }
-"""The operator that a negation leaves behind when it moves on to the operands."""
+"""The operator that remains when a negation moves on to the operands."""
 
 
 def negation_normal_form(formula: Formula) -> Formula:

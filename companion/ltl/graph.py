@@ -1,8 +1,8 @@
-"""Automata while they are made: bare graphs, with cubes or sets of letters as labels.
+"""Automata under construction: bare graphs whose labels are cubes or sets of letters.
 
-`LabelledGraph[Cube]` comes from the tableau and goes into a `BuchiAutomaton`, in
-`LabelledGraph[LetterSet]` most reductions are made. Node 0 is initial. Acceptance marks and sets
-of nodes are bits of an int (`bitsets.py`).
+The tableau makes a `LabelledGraph[Cube]`, and a `BuchiAutomaton` is made from one. Most reductions
+work on `LabelledGraph[LetterSet]`. Node 0 is initial. Acceptance marks and sets of nodes are bits
+of an int (`bitsets.py`).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Nodes = int
 
 
 class LabelledEdge(NamedTuple, Generic[L]):
-    """A transition; the source is known from where the edge is kept."""
+    """A transition; its source is the node in whose list it is."""
 
     label: L
     marks: Marks
@@ -40,7 +40,7 @@ class LabelledGraph(Generic[L]):
     """An automaton; node 0 is initial.
 
     Attributes:
-        edges: leaving each node.
+        edges: the edges that leave each node.
         marks: number of acceptance sets.
     """
 
@@ -61,14 +61,14 @@ class LabelledGraph(Generic[L]):
 def reachable(
     edges: Sequence[Sequence[LabelledEdge[L]]], marks: int, start: int = 0
 ) -> LabelledGraph[L]:
-    """The graph of what a node reaches, renumbered in the order in which it is met."""
+    """The graph that is reachable from a node, renumbered in the order of discovery."""
     return renumbered(edges, marks, start)[0]
 
 
 def renumbered(
     edges: Sequence[Sequence[LabelledEdge[L]]], marks: int, start: int = 0
 ) -> tuple[LabelledGraph[L], dict[int, int]]:
-    """The graph of what a node reaches, and the new numbers, by the old ones."""
+    """The graph that is reachable from a node, and the new numbers by the old ones."""
     number_of = {start: 0}
     pending = [start]
     kept = []
@@ -88,11 +88,11 @@ def product(
     budget: Budget,
     width: int,
 ) -> LabelledGraph[LetterSet]:
-    """The graph of the pairs that a pair of nodes reaches; equal edges are joined.
+    """The graph of the pairs that are reachable from a pair; equal edges are joined.
 
     Args:
-        start: the pair that is initial.
-        leaving: the edges of a pair, with the pairs that they lead to.
+        start: the initial pair.
+        leaving: the edges of a pair, with the pairs to which they lead.
         marks: number of acceptance sets.
         width: bits of a label.
 
@@ -127,12 +127,12 @@ def accepting_nodes(graph: LabelledGraph[L]) -> set[int]:
 
 
 def is_deterministic(graph: LabelledGraph[LetterSet]) -> bool:
-    """Whether no letter has two edges at a node."""
+    """Whether no two edges of a node read the same letter."""
     return not any(map(overlap, graph.edges))
 
 
 def overlap(edges: Iterable[LabelledEdge[LetterSet]]) -> bool:
-    """Whether a letter has two of the edges."""
+    """Whether two of the edges read the same letter."""
     read = LetterSet(0)
     for edge in edges:
         if read & edge.label:
@@ -144,7 +144,7 @@ def overlap(edges: Iterable[LabelledEdge[LetterSet]]) -> bool:
 def with_letters(
     graph: LabelledGraph[Cube], alphabet: Alphabet, budget: Budget
 ) -> LabelledGraph[LetterSet]:
-    """The graph with sets of letters as labels, given one with cubes."""
+    """Converts a graph with cubes to sets of letters as labels."""
     edges: list[list[LabelledEdge[LetterSet]]] = []
     for leaving in graph.edges:
         letters: dict[tuple[Marks, int], LetterSet] = defaultdict(LetterSet)
@@ -158,7 +158,7 @@ def with_letters(
 def with_cubes(
     graph: LabelledGraph[LetterSet], alphabet: Alphabet, budget: Budget
 ) -> LabelledGraph[Cube]:
-    """The graph with cubes as labels, given one with sets of letters."""
+    """Converts a graph with sets of letters to cubes as labels."""
     cubes_of: dict[LetterSet, list[Cube]] = {}
     edges: list[list[LabelledEdge[Cube]]] = []
     for leaving in graph.edges:
@@ -176,7 +176,7 @@ def with_cubes(
 def graph_of(automaton: BuchiAutomaton, alphabet: Alphabet) -> LabelledGraph[Cube]:
     """The graph of an automaton.
 
-    Node 0 is the initial state, or a new one if there are several.
+    Node 0 is the initial state, or a new state if several are initial.
     """
     edges = [
         [

@@ -1,7 +1,7 @@
 """Automata as text that other tools read: the Hanoi Omega-Automata format, version 1.
 
-Generalized Büchi acceptance, marks on transitions or on states; explicit labels; one line a state
-and a transition. Texts of several automata may follow each other: that is a stream of automata.
+Acceptance is generalized Büchi, marks are on transitions or on states, and labels are explicit.
+Each state and each transition has one line. Several texts in a row are a stream of automata.
 Source: https://adl.github.io/hoaf/.
 """
 
@@ -24,11 +24,11 @@ def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
     --END--
 
     Args:
-        marks_on_states: write the marks once for each state, for tools that know no others.
+        marks_on_states: whether to write marks once for each state, for tools that know no others.
 
     Raises:
-        ValueError: marks are wanted on states, but the automaton has no state acceptance.
-        CompanionError: it is no automaton.
+        ValueError: marks on states are requested, but the automaton has no state acceptance.
+        CompanionError: the argument is not an automaton.
     """
     check_kind(automaton, BuchiAutomaton, "an automaton, as of translate")
     if marks_on_states and not automaton.has_state_acceptance:
@@ -59,7 +59,7 @@ def to_hoa(automaton: BuchiAutomaton, marks_on_states: bool = False) -> str:
 
 
 def _verdicts(automaton: BuchiAutomaton) -> list[str]:
-    """Properties that tools need not find out themselves; one that is not named may hold or not."""
+    """Properties that tools then need not compute; a property not named may hold or not."""
     figures = statistics(automaton)
     held = {"deterministic": figures.is_deterministic, "complete": figures.is_complete}
     names = [name for name, is_held in held.items() if is_held]

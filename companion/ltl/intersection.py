@@ -1,8 +1,8 @@
 """Intersection: the product of two graphs accepts the words that both of them accept.
 
-A language that no finite prefix belongs to, as that of G F a, may be read from any position on. So
-its graph need not run where the other one cannot accept: it is *suspended* there, and starts where
-a component is entered in which the other one can.
+If no finite prefix matters to a language, as with G F a, it may be read from any position on. Its
+graph need not run while the other one cannot accept: it is *suspended*, and starts when the other
+graph enters a component in which it can accept.
 
 Source: Babiak, Badie, Duret-Lutz, Křetínský and Strejček, Compositional approach to suspension and
 other improvements to LTL translation, SPIN 2013, for suspension.
@@ -17,7 +17,7 @@ from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, accepting_no
 from companion.ltl.labels import LetterSet
 
 _SUSPENDED = -1
-"""Stands for the node of a graph that does not run."""
+"""Replaces the node of a graph that is suspended."""
 
 
 def intersection(
@@ -27,11 +27,11 @@ def intersection(
     *,
     suspending: bool = False,
 ) -> LabelledGraph[LetterSet]:
-    """The words that both graphs accept; the marks of the second come after those of the first.
+    """A graph of the words that both accept; the second graph's marks come after the first's.
 
     Args:
-        suspending: whether the second is suspended where the first cannot accept; whether it
-            accepts a word must not depend on any finite prefix.
+        suspending: whether the second is suspended while the first cannot accept; allowed only if
+            no finite prefix decides whether the second accepts a word.
 
     Raises:
         TranslationLimit: the budget is spent.

@@ -1,15 +1,16 @@
-"""The labels of edges while an automaton is made: cubes and sets of letters.
+"""The labels of edges under construction: cubes and sets of letters.
 
-A *letter* is the set of propositions that hold at one position. A label says which letters an
-edge reads, in one of two forms:
+A *letter* is the set of propositions that hold at one position. A label says which letters an edge
+reads, in one of two forms:
 
 - a *cube* is a conjunction of literals, with two bits for each proposition: p, !p. Cubes are small
-  for any number of propositions, but they are not closed under union and difference;
-- a *set of letters* has a bit for each letter. It says what two edges read together, or what one
-  of them reads and the other does not, but doubles with each proposition.
+  for any number of propositions, but not closed under union and difference;
+- a *set of letters* has a bit for each letter. It can express the union and the difference of what
+  two edges read, but its size doubles with each proposition.
 
-An `Alphabet` turns one form into the other. Of *exclusive* propositions at most one holds at a time
-(a vehicle is at one place); letters with two of them do not occur, so 50 places make 51 letters.
+An `Alphabet` converts one form into the other. At most one of the *exclusive* propositions holds at
+a time (a vehicle is at one place); letters with two of them do not exist, so 50 places make 51
+letters.
 """
 
 from __future__ import annotations
@@ -24,15 +25,15 @@ from companion.ltl.automaton import Label
 from companion.ltl.bitsets import indices
 
 MAX_LETTERS = 4096
-"""Letters up to which sets of them are used: ints of 512 bytes."""
+"""The most letters for which sets of letters are used: ints of 512 bytes."""
 
 if TYPE_CHECKING:
 
     class Cube:
         """A conjunction of literals: bit 2 i for proposition i, bit 2 i + 1 for its negation.
 
-        `a | b` has the literals of both cubes, so it reads what both of them read; `a & b` has the
-        literals that they share; `a & b == a` says that `a` reads all that `b` reads.
+        `a | b` has the literals of both cubes, so it reads what both of them read. `a & b` has the
+        literals that they share. `a & b == a` means that `a` reads all that `b` reads.
         """
 
         def __init__(self, literals: int = 0) -> None: ...
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
     class LetterSet:
         """A set of letters, one bit each, with union, intersection and complement.
 
-        `~a` is infinite, for use as in `b & ~a`, the difference.
+        `~a` is an infinite set; use it as in `b & ~a`, the difference.
         """
 
         def __init__(self, letters: int = 0) -> None: ...
@@ -56,18 +57,18 @@ if TYPE_CHECKING:
         def __int__(self) -> int: ...
 
         def bit_count(self) -> int:
-            """How many letters."""
+            """The number of letters."""
 
         def bit_length(self) -> int:
-            """One more than the number of the last letter."""
+            """One more than the highest number of a letter."""
 
 else:
-    # Ints at run time: these are the operations that all reductions spend their time with. The type
-    # checker knows them as classes that do not mix, with the operations above and no others.
+    # At run time both are ints, whose operations are what all reductions spend their time on. For
+    # the type checker they are distinct classes with only the operations above.
     Cube = LetterSet = int
 
 L = TypeVar("L", bound=Cube | LetterSet)
-"""The form that the labels of a graph have."""
+"""The kind of labels that a graph has."""
 
 
 class Alphabet:
@@ -91,7 +92,7 @@ class Alphabet:
 
     @property
     def is_small(self) -> bool:
-        """Whether labels may be sets of letters."""
+        """Whether labels can be sets of letters."""
         return self._size <= MAX_LETTERS
 
     @cached_property
@@ -103,8 +104,8 @@ class Alphabet:
     def _literals(self) -> list[LetterSet]:
         """The letters of each literal: p, !p, q, !q, ...
 
-        A letter is a block of 2^f letters, for f propositions that are not exclusive, and a place
-        in it: in block 0 no exclusive proposition holds, in block i the i-th of them.
+        With f propositions that are not exclusive, letters come in blocks of 2^f: in block 0 no
+        exclusive proposition holds, in block i the i-th one.
         """
         places = [i for i, name in enumerate(self.names) if name in self.exclusive]
         free = [i for i, name in enumerate(self.names) if name not in self.exclusive]
@@ -132,7 +133,7 @@ class Alphabet:
         return self._letters_of[cube]
 
     def cubes(self, letters: LetterSet) -> list[Cube]:
-        """Disjoint cubes that together read these letters."""
+        """Disjoint cubes that together read exactly these letters."""
         found = []
         while letters:
             cube = self._cube_of.get(letters)
@@ -147,7 +148,7 @@ class Alphabet:
         return self.letters(cube).bit_count()
 
     def _widened(self, letter: LetterSet, within: LetterSet) -> Cube:
-        """A cube around a letter that reads nothing outside a set, and has no literal too many."""
+        """The largest cube that contains a letter and reads only letters of the set."""
         literals = [i for i, letters in enumerate(self._literals) if letters & letter]
         left = [self.every]  # what literals read together: none, the last, the last two, ...
         for i in reversed(literals):
@@ -161,14 +162,14 @@ class Alphabet:
         return cube
 
     def cube(self, label: Label) -> Cube:
-        """What a label asks of these propositions, as a cube."""
+        """Converts a label to a cube."""
         bit_of = self._bit_of
         positive = sum([bit_of[name] for name in label.positive if name in bit_of])
         negative = sum([bit_of[name] for name in label.negative if name in bit_of])
         return Cube(positive | negative << 1)
 
     def label(self, cube: Cube) -> Label:
-        """A cube as a label."""
+        """Converts a cube to a label."""
         literals = [divmod(i, 2) for i in indices(int(cube))]
         positive, negative = (
             frozenset(self.names[number] for number, is_negated in literals if is_negated == sign)
@@ -178,10 +179,10 @@ class Alphabet:
 
 
 class CubeOrder:
-    """Cubes as sets of letters where the letters are these cubes themselves, whatever else exists.
+    """Treats cubes as sets of letters, where each letter is one of the given cubes.
 
-    A cube stands for all that have its literals. So a union of such sets includes another one
-    exactly if one member of the union does: edges are compared one by one.
+    A cube stands for all given cubes that have its literals. So a union of such sets includes
+    another set only if a single member of the union does: edges are compared one by one.
 
     >>> p, p_and_q = Cube(0b0001), Cube(0b0101)
     >>> order = CubeOrder([p, p_and_q])
@@ -207,15 +208,15 @@ class CubeOrder:
 
     @property
     def width(self) -> int:
-        """Bits of a set."""
+        """Number of bits of a set."""
         return len(self._cubes)
 
     def letters(self, cube: Cube) -> LetterSet:
-        """The cubes that have all literals of one of them."""
+        """The given cubes that have all literals of this cube."""
         return self._letters_of[cube]
 
     def cubes(self, letters: LetterSet) -> list[Cube]:
-        """The weakest cubes of a set, those from which no literal can be left out."""
+        """The weakest cubes in a set: no literal can be left out of them."""
         found = []
         while letters:
             found.append(self._cubes[lowest_letter(letters).bit_length() - 1])
@@ -224,18 +225,18 @@ class CubeOrder:
 
 
 def lowest_letter(letters: LetterSet) -> LetterSet:
-    """One letter of a set that is not empty, as a set."""
+    """One letter of a nonempty set, as a set."""
     bits = int(letters)
     return LetterSet(bits & -bits)
 
 
 def highest_letter(letters: LetterSet) -> LetterSet:
-    """One letter of a set that is not empty, as a set: another one if there are several."""
+    """One letter of a nonempty set, as a set; not `lowest_letter` if there are several."""
     return LetterSet(1 << letters.bit_length() - 1)
 
 
 def opposite(literal: Cube) -> Cube:
-    """The negation of a cube of one literal.
+    """The negation of a cube that has one literal.
 
     >>> bin(opposite(Cube(0b100))), bin(opposite(Cube(0b1000)))
     ('0b1000', '0b100')
@@ -245,7 +246,7 @@ def opposite(literal: Cube) -> Cube:
 
 
 def joined(cubes: Iterable[Cube]) -> list[Cube]:
-    """Fewer cubes that read the same: a & p and a & !p are a.
+    """Fewer cubes that read the same letters: a & p and a & !p become a.
 
     >>> a_and_p, a_and_not_p = Cube(0b0101), Cube(0b1001)
     >>> [bin(cube) for cube in joined([a_and_p, a_and_not_p])]

@@ -1,13 +1,14 @@
-"""A three-valued monitor (LTL3): what is known of a formula after finitely many letters.
+"""A three-valued monitor (LTL3): what finitely many letters tell about a formula.
 
-After the positions so far a formula is TRUE if every continuation satisfies it, FALSE if none
-does, and INCONCLUSIVE otherwise. It is FALSE once no run of its automaton is left in a state from
-which some word is accepted, and TRUE once none is left of the automaton of its negation. TRUE and
-FALSE stay for ever. `G F p` is always INCONCLUSIVE: no finite word decides what happens infinitely
-often.
+1. A formula is TRUE if every continuation satisfies it, FALSE if none does, and INCONCLUSIVE
+   otherwise.
+2. It is FALSE once its automaton has no run left in a state from which some word is accepted. It is
+   TRUE once the automaton of its negation has none.
+3. TRUE and FALSE are final. `G F p` is always INCONCLUSIVE: no finite word decides what happens
+   infinitely often.
 
-A continuation may have any letters, also those that no skill leads to. Whether the vehicle can
-still do its task is a question for the planner.
+A continuation may contain any letters, even those that no skill can produce. Whether the vehicle
+can still do its task is a question for the planner.
 
 Source: Bauer, Leucker and Schallhart, Runtime verification for LTL and TLTL, ACM TOSEM 2011.
 """
@@ -38,9 +39,9 @@ class Runs:
     """The runs of an automaton that can still accept.
 
     Attributes:
-        automaton: what reads.
+        automaton: the automaton that reads the word.
         live: its states from which some word is accepted.
-        states: those of them that the runs are in.
+        states: the live states that the runs are in.
     """
 
     automaton: BuchiAutomaton
@@ -49,17 +50,17 @@ class Runs:
 
     @classmethod
     def begin(cls, automaton: BuchiAutomaton) -> Runs:
-        """Before the first letter."""
+        """The runs before the first letter."""
         live = live_states(automaton)
         return cls(automaton, live, automaton.initial & live)
 
     def after(self, letter: Letter) -> Runs:
-        """One letter later."""
+        """The runs one letter later."""
         states = successors(self.automaton, self.states, letter) & self.live
         return replace(self, states=states)
 
     def marks_met(self, letter: Letter) -> frozenset[int]:
-        """The acceptance marks that one of the runs meets while it reads the next letter."""
+        """The acceptance marks that one of the runs meets when it reads the next letter."""
         taken = (t for state in self.states for t in self.automaton.outgoing[state])
         met = (t.marks for t in taken if t.target in self.live and t.label.matches(letter))
         return frozenset().union(*met)
@@ -67,7 +68,7 @@ class Runs:
 
 @dataclass(frozen=True, slots=True)
 class Monitor:
-    """A formula and the letters so far; a value, as are its successors.
+    """A formula after some letters; immutable.
 
     >>> from companion.ltl.parser import parse
     >>> monitor = Monitor.of(parse("!q U p"))
@@ -85,7 +86,7 @@ class Monitor:
 
     @classmethod
     def of(cls, formula: Formula) -> Monitor:
-        """Before the first letter.
+        """The monitor before the first letter.
 
         Raises:
             TranslationLimit: one of the two automata would be too large.
@@ -95,7 +96,7 @@ class Monitor:
         return cls(*map(Runs.begin, automata))
 
     def after(self, letter: Letter) -> Monitor:
-        """One letter later."""
+        """The monitor one letter later."""
         return Monitor(self.holding.after(letter), self.failing.after(letter))
 
     @property
@@ -109,7 +110,7 @@ class Monitor:
 def live_states(automaton: BuchiAutomaton) -> frozenset[int]:
     """The states from which some word is accepted.
 
-    They reach a component that some run can stay in and meet every mark again and again.
+    From them a run can reach a component in which it can meet every mark again and again.
     """
     edges = [[t for t in leaving if _can_read(t)] for leaving in automaton.outgoing]
     successors = [[t.target for t in leaving] for leaving in edges]

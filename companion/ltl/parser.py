@@ -1,8 +1,8 @@
 """Parsing: reads formulas from text, and explains what cannot be read.
 
-The grammar is in `grammar.lark`. A mission pattern, e.g. `patrolling(A, B)`, is read as the
-formula that it stands for (`patterns.py`); bounds in time are in `bound_parsing.py`. Nothing here
-recurses: the parser is LALR and builds the tree from below. A text beyond the limits below is
+The grammar is in `grammar.lark`. A mission pattern, e.g. `patrolling(A, B)`, is read as the formula
+that it stands for (`patterns.py`); `bound_parsing.py` handles time bounds. No function here is
+recursive: the parser is LALR and builds the tree bottom-up. A text that exceeds the limits below is
 refused before it is read.
 
 >>> parse("visit(A, B)") is parse("F at(A) & F at(B)")
@@ -28,7 +28,7 @@ from companion.ltl.timed_formula import Line, TimedFormula, untimed
 
 @v_args(inline=True)
 class _FormulaBuilder(Transformer[Token, Parsed]):
-    """Makes formulas while the text is parsed, one method a rule of grammar.lark."""
+    """Makes formulas during parsing, with one method for each rule of grammar.lark."""
 
     def constant(self, name: Token) -> Formula:
         return Formula(Operator(name))
@@ -49,7 +49,7 @@ class _FormulaBuilder(Transformer[Token, Parsed]):
         return Formula(Operator.ATOM, (), _canonical(name, arguments))
 
     def fact(self, name: Token, *rest: Token) -> Token:
-        return _fact(name, rest[1::2], rest[-1])  # between brackets and commas
+        return _fact(name, rest[1::2], rest[-1])  # the arguments, without brackets and commas
 
     def unary(self, operator: Token, operand: Parsed) -> Parsed:
         if isinstance(operand, TimedAnswer) and operator == Operator.ALWAYS.value:
@@ -60,7 +60,7 @@ class _FormulaBuilder(Transformer[Token, Parsed]):
         return bound_parsing.within(bound, goal)
 
     def revisit(self, name: Token, goal: Token | Parsed, limit: Token | None = None) -> Parsed:
-        if isinstance(goal, Token):  # a place, as in patterns
+        if isinstance(goal, Token):  # a place, as in a pattern
             goal = Formula(Operator.ATOM, (), _canonical(AT, [goal]))
         return bound_parsing.revisit(name, goal, limit)
 
@@ -81,7 +81,7 @@ def _canonical(name: str, arguments: Sequence[str]) -> str:
 
 
 _FACT = "FACT"
-"""Type of the token that stands for a whole proposition among the arguments of a pattern."""
+"""Type of a token that stands for a whole proposition as an argument of a pattern."""
 
 
 def _fact(name: Token, arguments: Sequence[Token], closing: Token) -> Token:
@@ -91,7 +91,7 @@ def _fact(name: Token, arguments: Sequence[Token], closing: Token) -> Token:
 
 @cache
 def _parser() -> Lark:
-    # The basic lexer keeps `U` an operator even where only a proposition could stand.
+    # With the basic lexer, `U` is always an operator, even where only a proposition is possible.
     builder = _FormulaBuilder()
     return Lark.open(
         "grammar.lark", rel_to=__file__, parser="lalr", lexer="basic", transformer=builder
@@ -105,7 +105,7 @@ def _read(text: str) -> Parsed:
 
 MAX_CHARACTERS = 250_000
 MAX_ARGUMENTS = 10_000
-"""Limits of a text, for time and memory: each argument of a pattern is read several times."""
+"""These limits of a text save time and memory: each argument of a pattern is read several times."""
 
 
 def _check_length(text: str) -> None:
@@ -120,7 +120,7 @@ def _check_length(text: str) -> None:
 
 
 def parse(text: str) -> Formula:
-    """The formula of a text. Raises FormulaError with the offending token underlined.
+    """Parses a formula. Raises FormulaError with the offending token underlined.
 
     >>> parse("G F at(A) U")
     Traceback (most recent call last):
@@ -136,7 +136,7 @@ def parse(text: str) -> Formula:
 
 
 def parse_line(text: str) -> Line:
-    """A line of a task: a formula, or one with bounds in time. Raises FormulaError as `parse` does.
+    """Parses a line of a task, which may have time bounds. Raises FormulaError as `parse` does.
 
     >>> str(parse_line("G (alarm -> F[<=1.5 min] at(A))"))
     'G(alarm -> F[<=90s] at(A))'
@@ -153,7 +153,7 @@ def parse_line(text: str) -> Line:
 
 
 def occurrences(text: str) -> list[tuple[str, int, int]]:
-    """The places where a text mentions propositions. Raises FormulaError as `parse_line` does.
+    """Finds the propositions that a text mentions. Raises FormulaError as `parse_line` does.
 
     Returns:
         (canonical text, offset, length) of every mention, in the order of the text. An argument
@@ -190,7 +190,7 @@ def occurrences(text: str) -> list[tuple[str, int, int]]:
 
 
 def _arguments_after(tokens: Sequence[Token], position: int) -> tuple[list[Token], int]:
-    """Arguments of the name at a position, and the position after them."""
+    """The arguments of the name at a position, and the position after them."""
     arguments: list[Token] = []
     position += 1
     if tokens[position].type != "_OPEN":
@@ -211,7 +211,7 @@ _EXPECTED = (
     ("_CLOSE", "an operator (& | -> <-> U R W) or )"),
     ("$END", "an operator (& | -> <-> U R W) or the end"),
 )
-"""The first terminal that the parser would accept tells what it was waiting for."""
+"""The first of these terminals that the parser would accept tells what was expected."""
 
 
 _FOREIGN = {
@@ -226,16 +226,16 @@ _FOREIGN = {
                     "what has to come: formulas look forwards, with X F G U R W"),
     "forall": "at(A) & at(B), or a pattern such as visit(A, B)", "exists": "at(A) | at(B)",
 }  # fmt: skip
-"""Spellings of other tools and books, and ours."""
+"""Spellings of other tools and books -> ours."""
 _WORDS = re.compile(r"\w+|<=>|[^\w\s()]{1,2}")
 
 
 def _in_another_notation(text: str, offset: int) -> FormulaError | None:
-    """What is wrong at an offset, or in the word before it, if that is how others write."""
+    """An error if the text at an offset, or the word before it, is another tool's notation."""
     near = [word for word in _WORDS.finditer(text) if word.start() <= offset][-2:]
     for word in near[::-1]:
         if text[word.end() : offset].strip():
-            continue  # something stands between
+            continue  # other text stands between them
         for spelling in (word[0], word[0].lower(), word[0][:1]):
             if ours := _FOREIGN.get(spelling):
                 what = f"{word[0][: len(spelling)]!r} is another notation"
@@ -281,7 +281,7 @@ def _explained(error: UnexpectedToken, text: str) -> FormulaError:
 
 
 def atom(text: str) -> Formula:
-    """The proposition of a text. Raises FormulaError if it is anything else.
+    """The formula of a single proposition. Raises FormulaError for any other text.
 
     >>> str(atom("at( A )"))
     'at(A)'

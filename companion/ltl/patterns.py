@@ -1,8 +1,8 @@
 """The robotic mission patterns: the usual tasks of a robot in temporal logic.
 
-A pattern is written like a proposition with arguments, e.g. `patrolling(A, B, C)`, and stands for
-the formula of its scheme, which is text: `formula.py` reads the expansion in place of the call,
-so nothing else knows of patterns. A place `A` stands for the proposition at(A); a condition is a
+A pattern is written like a proposition with arguments, e.g. `patrolling(A, B, C)`. It stands for
+the formula of its scheme, which is text: `parser.py` reads the expansion in place of the call, so
+no other module knows of patterns. A place `A` stands for the proposition at(A); a condition is a
 proposition such as `targetFound` or `at(A)`; a count is a number from 1 to 9.
 
 A visit is a position at which at(A) holds: staying at A for two positions counts as two visits,
@@ -27,11 +27,11 @@ from enum import Enum
 from itertools import pairwise
 
 AT = "at"
-"""The proposition of a place."""
+"""The predicate of propositions about places."""
 
 
 class ParameterKind(Enum):
-    """The kinds of arguments that patterns have; the value is how signatures call it."""
+    """The kinds of arguments that patterns have; the value is the word used in signatures."""
 
     PLACE = "place"
     CONDITION = "condition"
@@ -46,7 +46,7 @@ _WANTED = {
     ),
     ParameterKind.COUNT: (r"[1-9]", "a number from 1 to 9"),
 }
-"""For each kind the form of suitable arguments, and how messages describe them."""
+"""For each kind, the form of suitable arguments, and how messages describe them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +54,9 @@ class Pattern:
     """A name for a formula scheme.
 
     Attributes:
-        conjuncts: from the propositions and counts that the arguments stand for, as text, to
-            the formulas that all have to hold.
-        is_open: whether more arguments may follow, of the same kind as the last.
+        conjuncts: turns the propositions and counts of the arguments, as text, into the formulas
+            that all have to hold.
+        is_open: whether more arguments of the last one's kind may follow.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Pattern:
 
     @property
     def signature(self) -> str:
-        """The pattern as it is written, with the kinds of its arguments."""
+        """How the pattern is written, with the kinds of its arguments."""
         listed = [parameter.value for parameter in self.parameters] + ["..."] * self.is_open
         return f"{self.name}({', '.join(listed)})"
 
@@ -100,7 +100,9 @@ class Pattern:
                 return None
 
     def expansion(self, arguments: Sequence[str]) -> str:
-        """The text of the formula that the pattern stands for, with suitable arguments."""
+        """The text of the formula that the pattern stands for; the arguments have to be
+        suitable.
+        """
         meant = (self.proposition(i, argument) or argument for i, argument in enumerate(arguments))
         return " & ".join(f"({conjunct})" for conjunct in self.conjuncts(*meant))
 
@@ -132,7 +134,7 @@ def _strict_ordered_visit(*places: str) -> list[str]:
 
 
 def _taking_turns(*places: str) -> list[str]:
-    """No place is visited again before the next one in the circle."""
+    """No place is visited again before the next place in the cycle."""
     return [f"G({a} -> X(!{a} W {b}))" for a, b in _circle(places)]
 
 
@@ -221,4 +223,4 @@ PATTERNS = {
         Pattern("wait", (_PLACE, _CONDITION), lambda a, p: [f"{a} U {p}"]),
     )
 }
-"""All patterns, by the name that a formula calls them."""
+"""All patterns, by the name that formulas use."""

@@ -1,7 +1,7 @@
-"""What is left of a formula after a letter: what the rest of the word has to satisfy.
+"""Progression: what the rest of the word has to satisfy after a letter has been read.
 
-A word satisfies a formula exactly if what follows its first letter satisfies the progressed one.
-Obligations of a flight are read off it: of `G(a -> F b)`, after `a`, `F b` is left beside it.
+A word satisfies a formula exactly if the word without its first letter satisfies the progressed
+formula. It shows the obligations of a flight: after `a`, `G(a -> F b)` becomes itself and `F b`.
 
 Source: Bacchus and Kabanza, Planning for temporally extended goals, Annals of Mathematics and
 Artificial Intelligence 22, 1998, Section 3.
@@ -73,20 +73,20 @@ def _not(formula: Formula) -> Formula:
 
 
 def _all(*formulas: Formula) -> Formula:
-    """Their conjunction, each part once."""
+    """The conjunction of some formulas, each part once."""
     parts = _flat(formulas, Operator.AND)
     return FALSE if FALSE in parts else conjoin(*(each for each in parts if each is not TRUE))
 
 
 def _any(*formulas: Formula) -> Formula:
-    """Their disjunction, each part once."""
+    """The disjunction of some formulas, each part once."""
     parts = _flat(formulas, Operator.OR)
     parts = tuple(each for each in parts if not _is_implied(each, parts))
     return TRUE if TRUE in parts else disjoin(*(each for each in parts if each is not FALSE))
 
 
 def _is_implied(formula: Formula, parts: tuple[Formula, ...]) -> bool:
-    """Whether a part of a disjunction adds nothing to another: a to F a, F(a & F b) to F b.
+    """Whether a part of a disjunction is redundant: a beside F a, F(a & F b) beside F b.
 
     >>> from companion.ltl.parser import parse
     >>> str(_any(parse("G a"), parse("F G a")))
@@ -101,6 +101,6 @@ def _is_implied(formula: Formula, parts: tuple[Formula, ...]) -> bool:
 
 
 def _flat(formulas: tuple[Formula, ...], operator: Operator) -> tuple[Formula, ...]:
-    """Operands of operands of one kind, each once, in their order."""
+    """Flattens nested operands of one operator; each once, in their order."""
     nested = (each.operands if each.operator is operator else (each,) for each in formulas)
     return tuple(dict.fromkeys(part for parts in nested for part in parts))

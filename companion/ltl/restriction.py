@@ -1,9 +1,9 @@
-"""Restriction: what is left of an automaton while some propositions keep their value.
+"""Restriction: reduces an automaton for propositions that keep their value.
 
-A plan assumes that events keep their value and beliefs hold, and many facts no action changes.
-Letters then differ in few propositions, and the automaton of a conjunct often shrinks to a state
-or two: `G (F at(A) | targetFound)` is `G F at(A)` until a target is found, and nothing at all
-afterwards. The formula is not translated again; the automaton is cut down and reduced.
+A plan assumes that events keep their value and beliefs hold, and many facts are changed by no
+action. So letters differ in few propositions, and the automaton of a conjunct often shrinks to a
+state or two: `G (F at(A) | targetFound)` is `G F at(A)` until a target is found, and `true`
+afterwards. The formula is not translated again; its automaton is cut down and reduced.
 """
 
 from __future__ import annotations
@@ -22,18 +22,19 @@ from companion.ltl.reductions.quotient import merged_cubes_and_simulators
 from companion.ltl.reductions.trimming import trimmed
 
 MAX_STEPS = 12_000_000
-"""For the reduction of one automaton: about a second."""
+"""Budget for the reduction of one automaton: about a second."""
 
 
 @dataclass(frozen=True)
 class Restriction:
-    """A reduced automaton, and the place of each state of the whole one in it.
+    """A reduced automaton, and which of its states replaces each state of the whole automaton.
 
     Attributes:
         automaton: reads the propositions that are left; has no initial states of its own.
-        state_of: for each state of the whole automaton its state here; no entry if it accepts
-            nothing any more.
-        simulators: for each state here the states (bits) that accept all that it accepts.
+        state_of: for each state of the whole automaton its state here; no entry if nothing is
+            accepted from it any more.
+        simulators: for each state here, the states (as bits) that accept everything that it
+            accepts.
     """
 
     automaton: BuchiAutomaton
@@ -41,9 +42,9 @@ class Restriction:
     simulators: tuple[int, ...]
 
     def states(self, whole: frozenset[int]) -> list[int]:
-        """The states for a set of states of the whole automaton; of equal ones the first.
+        """The states here for a set of states of the whole automaton; the first of equal ones.
 
-        One that another simulates stays: its runs may close a loop sooner.
+        A state that another one simulates is kept: its runs may close a loop sooner.
         """
         found = sorted({self.state_of[state] for state in whole if state in self.state_of})
         return [s for s in found if not any(self._are_equal(s, t) for t in found if t < s)]
@@ -53,7 +54,7 @@ class Restriction:
 
     @cached_property
     def everything(self) -> frozenset[int]:
-        """States from which every word is accepted: they read all letters with every mark."""
+        """The states from which every word is accepted: they read all letters with every mark."""
         return frozenset(
             state
             for state, leaving in enumerate(self.automaton.outgoing)
@@ -65,13 +66,15 @@ class Restriction:
 
     @cached_property
     def can_return(self) -> bool:
-        """Whether a run can come back to a state that it has left."""
+        """Whether a run can return to a state that it has left."""
         successors = [{t.target for t in leaving} for leaving in self.automaton.outgoing]
         return any(len(component) > 1 for component in strong_components(successors))
 
     @cached_property
     def one_shot_goals(self) -> frozenset[int]:
-        """States that wait for one letter of some kind, whatever else is read: `F p`."""
+        """The states that wait for one letter of some kind, whatever else they read, as for `F
+        p`.
+        """
         if not statistics(replace(self.automaton, initial=frozenset({0}))).is_complete:
             return frozenset()
         found = set()
@@ -85,7 +88,7 @@ class Restriction:
 
 
 def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Restriction:
-    """An automaton for words in which the constants have the given values at every position.
+    """An automaton for words in which the constants have these values at every position.
 
     >>> from companion.ltl.parser import parse
     >>> from companion.ltl.translate import translate
@@ -119,10 +122,10 @@ def restricted(automaton: BuchiAutomaton, constants: Mapping[str, bool]) -> Rest
 def _reduced(
     edges: tuple[tuple[LabelledEdge[Cube], ...], ...], marks: int
 ) -> tuple[LabelledGraph[Cube], list[Nodes]]:
-    """A graph reduced, and the simulators of each node that is left.
+    """A reduced graph, and the simulators of each node that is left.
 
-    It is kept: conjuncts of one kind, such as those of a patrol, differ in their names alone.
-    A graph whose reduction would take too many steps stays as it is.
+    Results are cached: conjuncts of one kind, such as those of a patrol, differ only in their
+    names. A graph whose reduction would take too many steps stays as it is.
     """
     graph = trimmed(LabelledGraph([list(leaving) for leaving in edges], marks))
     try:
@@ -134,10 +137,10 @@ def _reduced(
 def _with_root(
     automaton: BuchiAutomaton, constants: Mapping[str, bool], alphabet: Alphabet
 ) -> LabelledGraph[Cube]:
-    """The states as nodes from 1 on, with the labels that are possible, and a root before them.
+    """The states as nodes from 1 on, with the labels that are possible, preceded by a root.
 
-    The root has an edge with a label of its own to each state, so all of them can be reached, and
-    none of these edges covers another one.
+    From the root an edge leads to each state, with a label of its own. So all states are reachable,
+    and none of these edges covers another one.
     """
     first_tag = 2 * len(alphabet.names)
     root = [

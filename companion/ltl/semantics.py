@@ -1,13 +1,13 @@
-"""The semantics of LTL on lasso words: its definition itself, without any automaton.
+"""The semantics of LTL on lasso words: the definition itself, without any automaton.
 
-A lasso word is a finite prefix followed by a loop that repeats for ever; it has finitely many
-distinct positions, so each subformula is a set of positions, and each temporal operator a least
+A lasso word is a finite prefix followed by a loop that repeats for ever. It has finitely many
+distinct positions, so each subformula is a set of positions, and each temporal operator is a least
 or greatest fixpoint over them. This is the independent check of every plan. `accepts` asks an
-automaton the same question, so that the two can be compared.
+automaton the same question, for comparison.
 
-The paper's Section II-C prints the Until rule with `a` holding for i <= j <= k, which would ask
-for `a & b` at position k. This is a misprint; the definition everywhere else, and here, is
-i <= j < k: `b` holds at k and `a` at every position before it.
+The paper's Section II-C prints the Until rule with `a` holding for i <= j <= k, which would demand
+`a & b` at position k. This is a misprint. The definition everywhere else, and here, is i <= j < k:
+`b` holds at k and `a` at every position before it.
 
 Source: Baier and Katoen, Principles of Model Checking, Definitions 5.6 and 5.7.
 """
@@ -22,7 +22,7 @@ from companion.ltl.components import strong_components
 from companion.ltl.formula import Formula, Operator, subformulas
 
 Letter = frozenset[str]
-"""The propositions that hold at one position; all others do not."""
+"""The propositions that hold at one position; all others are false."""
 
 
 def holds(formula: Formula, prefix: Sequence[Letter], loop: Sequence[Letter]) -> bool:
@@ -52,23 +52,27 @@ def holds(formula: Formula, prefix: Sequence[Letter], loop: Sequence[Letter]) ->
 
 @lru_cache(maxsize=256)
 def _parts(formula: Formula) -> tuple[Formula, ...]:
-    """The subformulas, operands first; kept, as each plan of a mission is checked by the same."""
+    """The subformulas, operands first; cached, since all plans of a mission are checked by the
+    same.
+    """
     return tuple(subformulas(formula))
 
 
 def _positions(operator: Operator, operands: list[int], everywhere: int, loop_start: int) -> int:
-    """Positions at which an operator holds, given those of its operands."""
+    """The positions at which an operator holds, given those of its operands."""
 
     def next_(positions: int) -> int:
         wraps = positions >> loop_start & 1  # the last position is followed by the loop's first
         return positions >> 1 | (wraps << everywhere.bit_length() - 1)
 
     def eventually(positions: int) -> int:
-        """Up to the last of some positions; everywhere if one is in the loop."""
+        """All positions up to the last of these; all positions if one of these is in the loop."""
         return everywhere if positions >> loop_start else (1 << positions.bit_length()) - 1
 
     def fixpoint(always: int, while_next: int, start: int) -> int:
-        """Positions p with p in `always`, or p in `while_next` and the next position again."""
+        """The positions p that are in `always`, or in `while_next` with the result true at p +
+        1.
+        """
         positions = start
         while (grown := always | while_next & next_(positions)) != positions:
             positions = grown
@@ -119,7 +123,7 @@ def accepts(automaton: BuchiAutomaton, prefix: Sequence[Letter], loop: Sequence[
     >>> accepts(translate(parse("F G p")), [frozenset()], [frozenset({"p"})])
     True
 
-    It does exactly if the product of automaton and word has a reachable strongly connected
+    It does so exactly if the product of automaton and word has a reachable strongly connected
     component whose transitions carry every mark.
 
     Raises:

@@ -1,7 +1,7 @@
-"""Simplification: an equivalent formula that makes a smaller automaton.
+"""Simplification: finds an equivalent formula that makes a smaller automaton.
 
-Works on negation normal form. Laws of U and R are in `laws/fixpoints.py`, those of | and & in
-`laws/chains.py`; here they are tried, from the operands to the whole, until none applies.
+It works on negation normal form. The laws of U and R are in `laws/fixpoints.py`, those of | and &
+in `laws/chains.py`. They are applied from the operands to the whole until none applies any more.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from companion.ltl.laws.fixpoints import fixpoint
 from companion.ltl.laws.implication import Implication
 from companion.ltl.laws.sides import both_sides
 
-_STEPS, _STEPS_AN_OPERAND = 100, 25  # of a budget, for one law
+_STEPS, _STEPS_AN_OPERAND = 100, 25  # for one law: at least so many, and more for each operand
 
 
 def simplified(formula: Formula, budget: Budget | None = None) -> Formula:
@@ -54,7 +54,7 @@ def simplified(formula: Formula, budget: Budget | None = None) -> Formula:
 
 
 def _rewritten(node: Formula, implication: Implication) -> Formula:
-    """A simpler formula by one law, or the node itself; its operands are simplified."""
+    """The formula that one law makes simpler, or the node itself; the operands are simplified."""
     until, release = implication.until, implication.release
     match node.operator:
         case Operator.UNTIL:

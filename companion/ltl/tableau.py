@@ -1,17 +1,18 @@
 """The tableau: from a formula in negation normal form to a first, rough automaton.
 
 A state is a set of obligations: formulas that must hold from the next position on. Expanding an
-obligation splits it into what must hold now and what is left for later; an until can be
-fulfilled now or postponed, and a run that postpones the same until for ever is wrong. So each
-until has its mark, on all transitions that do not postpone it.
+    obligation splits it into what must hold now and what is left for later. An until can be
+    fulfilled now or postponed, but a run that postpones the same until for ever must not be
+    accepted. So each until has its mark, on all transitions that do not postpone it.
 
-A *term* is one way to meet a set of obligations, written as a set of bits in an int: literals
-that must hold now (two bits a proposition), obligations for the next position, untils postponed.
-A term that is a subset of another asks for less, so the other is superfluous. Where labels are sets
-of letters, a term may lose those of its letters with which another one asks for less from then on.
+A *term* is one way to meet a set of obligations, as a set of bits in an int: literals that must
+    hold now (two bits a proposition), obligations for the next position, postponed untils. If a
+    term is a subset of another, it demands less, and the other is redundant. With sets of letters
+    as labels, a term can lose those of its letters for which another term demands less from then
+    on.
 
-A disjunction of one U or R and of eventual formulas waits as a whole: a U b | F c is
-b | F c | a & X(a U b | F c), since F c may as well begin later.
+A disjunction of one U or R with eventual formulas waits as a whole: a U b | F c is b | F c | a &
+    X(a U b | F c), because F c may also begin later.
 
 Source: Couvreur, On-the-fly verification of linear temporal logic, FM 1999; Giannakopoulou and
 Lerda, From states to transitions, FORTE 2002; Gastin and Oddoux, Fast LTL to Büchi automata
@@ -32,7 +33,7 @@ from companion.ltl.labels import Alphabet, Cube, L, LetterSet
 from companion.ltl.laws.sides import both_sides
 
 Term = int
-"""A set of bits: literals, obligations, postponed untils. No bits: nothing is asked."""
+"""A set of bits: literals, obligations, postponed untils. No bits means no demand."""
 
 _FIXPOINTS = (Operator.UNTIL, Operator.RELEASE)
 
@@ -43,10 +44,10 @@ def unfolded(
     """The automaton of a formula in negation normal form.
 
     Args:
-        alphabet: over propositions, at least those of the formula.
+        alphabet: the alphabet, which contains at least the formula's propositions.
 
     Raises:
-        TranslationLimit: there would be more than `max_states` states, or as many transitions of
+        TranslationLimit: there would be more than `max_states` states, or that many transitions of
             one state, or the budget is spent.
     """
     tableau = _Tableau(alphabet.names, alphabet.exclusive, max_states, budget)
@@ -56,7 +57,7 @@ def unfolded(
 def unfolded_by_letters(
     formula: Formula, alphabet: Alphabet, max_states: int, budget: Budget
 ) -> LabelledGraph[LetterSet]:
-    """The same with sets of letters: more deterministic, often with other states.
+    """The automaton with sets of letters: more deterministic, often with other states.
 
     Raises:
         TranslationLimit: as `unfolded`.
@@ -83,19 +84,19 @@ class _Tableau:
         self._next_of: dict[Formula, Term] = {}
         self._obligation_of: dict[Term, Formula] = {}
         self._postponed_of: dict[Formula, Term] = {}
-        self._not_later = self._literal_bits  # what a term does not ask of the next position
+        self._not_later = self._literal_bits  # the bits that demand nothing of the next position
         self._until, _ = both_sides()  # knows which formulas are eventual
         self._terms_of: dict[Formula, list[Term]] = {}
         self._terms_of_group: dict[Term, list[Term]] = {}
 
     def with_cubes(self, terms: Sequence[Term]) -> list[tuple[Cube, Term]]:
-        """Terms with what they ask of the letter that is read."""
+        """Terms, each with a cube of the letters that it allows."""
         return [(Cube(term & self._literal_bits), term) for term in terms]
 
     def with_letters(
         self, alphabet: Alphabet, terms: Sequence[Term]
     ) -> list[tuple[LetterSet, Term]]:
-        """Terms with the letters with which no other one asks for less from then on."""
+        """Terms, each with the letters for which no other term demands less from then on."""
         self._budget.spend(len(terms) ** 2, alphabet.every.bit_length())
         read = [alphabet.letters(cube) for cube, _ in self.with_cubes(terms)]
         later = [term & ~self._literal_bits for term in terms]
@@ -115,7 +116,7 @@ class _Tableau:
         """The automaton; sets of obligations with equal terms are one state.
 
         Args:
-            labelled: finds the labels of the terms of a state; a term without one is left out.
+            labelled: finds the labels of a state's terms; a term without a label is left out.
         """
         number_of: dict[tuple[Term, ...], int] = {}
         state_of: dict[Term, int] = {}
@@ -158,8 +159,8 @@ class _Tableau:
     def _expand_all(self, obligations: Term) -> list[Term]:
         """The terms of a set of obligations.
 
-        Those that have no bit in common are expanded apart: their terms need no comparison, and
-        the terms of the few sets of those that do come back in many states.
+        Obligations without common bits are expanded separately, because their terms need not be
+        compared. The few sets of obligations with common bits occur in many states.
         """
         groups: list[tuple[Term, Term]] = []  # bits of the terms, obligations
         known = 0
@@ -186,7 +187,7 @@ class _Tableau:
         return self._terms_of_group[obligations]
 
     def _expand(self, formula: Formula) -> list[Term]:
-        """The terms of a formula, those of its operands first."""
+        """The terms of a formula, found after those of its operands."""
         pending = [formula]
         while pending:
             node = pending[-1]
@@ -200,7 +201,7 @@ class _Tableau:
         return self._terms_of[formula]
 
     def _terms(self, node: Formula) -> list[Term]:
-        """The terms of a formula whose operands have theirs: the expansion laws of LTL."""
+        """The terms of a formula, given those of its operands: the expansion laws of LTL."""
         match node.operator, node.operands:
             case Operator.TRUE, _:
                 return [0]
@@ -226,9 +227,9 @@ class _Tableau:
         return [self._bit_of[node]]
 
     def _waiting(self, alternatives: Sequence[Formula]) -> Formula | None:
-        """One that is a U or an R; None if more than that one is not eventual.
+        """The operand that is a U or an R; None if more than this operand is not eventual.
 
-        None as well if another one leads to it: then it is a state anyway.
+        Also None if another operand leads to it, because then it is a state anyway.
         """
         rest = [f for f in alternatives if f not in self._until.pure]
         choices = [f for f in rest or alternatives if f.operator in _FIXPOINTS]
@@ -238,16 +239,16 @@ class _Tableau:
         return None if choices[0] in subformulas(disjoin(*others)) else choices[0]
 
     def _delayed(self, terms: Sequence[Term], part: Formula, whole: Formula) -> list[Term]:
-        """The terms of a part of a disjunction: those that wait for it wait for the whole."""
+        """The terms of a part of a disjunction; those that wait for the part wait for the whole."""
         one, every = self._obligations(part), self._obligations(whole)
         return [term & ~one | every if term & ~self._not_later == one else term for term in terms]
 
     def _union(self, *choices: list[Term]) -> list[Term]:
-        """The terms that meet one of the choices."""
+        """The terms that meet at least one of the choices."""
         return self._minimal({term for terms in choices for term in terms})
 
     def _product(self, left: list[Term], right: list[Term]) -> list[Term]:
-        """The terms that meet a term of either side, without contradictory ones."""
+        """The terms that meet a term of either side; contradictory ones are left out."""
         if left == [0] or right == [0]:
             return right if left == [0] else left
         self._budget.spend(len(left) * len(right), self._width)
@@ -255,7 +256,7 @@ class _Tableau:
         self._check(len(possible), "transitions of one state")
         if reduce(or_, left, 0) & reduce(or_, right, 0):
             return self._minimal(possible)
-        return list(possible)  # as both sides are, if they have nothing in common
+        return list(possible)  # minimal, as both sides are and they share no bit
 
     def _is_contradictory(self, term: Term) -> bool:
         even = self._literal_bits // 3  # ...010101, the propositions without their negations
@@ -266,7 +267,7 @@ class _Tableau:
         return minimal(terms, partial(self._budget.spend, width=self._width))
 
     def _obligations(self, formula: Formula) -> Term:
-        """The bits of a formula as an obligation, one for each conjunct."""
+        """The bits of a formula as obligations, one for each conjunct."""
         if formula.operator is Operator.AND:
             return reduce(or_, map(self._obligations, formula.operands))
         if formula is TRUE:
@@ -288,7 +289,7 @@ class _Tableau:
 
     @property
     def _width(self) -> int:
-        """Bits of a term."""
+        """Number of bits of a term."""
         return len(self._bit_of) + len(self._next_of) + len(self._postponed_of)
 
     def _new_bit(self) -> Term:

@@ -1,15 +1,16 @@
-"""Lines of a task with a bound in time, as clocks that read a word.
+"""Lines of a task with a time bound, as clocks that read a word.
 
-A bound is pointwise: it speaks of the positions of a word, and of the times at which these are
-reached. Each kind is one clock, which is a deterministic automaton with one stop watch:
+A bound is pointwise: it is about the positions of a word and the times at which they are reached.
+Each kind of bound is one clock, a deterministic automaton with one stop watch:
 
-- `F[<=T] p`: a clock runs from the first position on until p holds.
-- `G (a -> F[<=T] p)`: a clock begins where a holds and p does not, unless it runs, and ends at p.
-- `revisit(p) <= T`: a clock runs always, and is set to 0 where p holds. That is not `G F[<=T] p`:
-  p holds at p itself, so the leg that leaves it would not be counted.
+- `F[<=T] p`: the clock runs from the first position until p holds.
+- `G (a -> F[<=T] p)`: the clock starts where a holds and p does not, unless it already runs, and
+  stops at p.
+- `revisit(p) <= T`: the clock always runs, and is reset to 0 where p holds. That is not `G F[<=T]
+  p`: p holds at p itself, so the leg that leaves it would not be counted.
 
-Without its bound each line is a formula, `untimed`, which automata read as any other. So a
-clock only has to refuse what comes too late.
+Without its bound each line is an ordinary formula, `untimed`, which an automaton reads. So a clock
+only has to refuse what comes too late.
 
 Source: Koymans, Specifying real-time properties with metric temporal logic, Real-Time Systems 1990
 (pointwise semantics); Alur and Dill, A theory of timed automata, TCS 1994.
@@ -26,16 +27,16 @@ from companion.ltl.formula import Formula, Operator, always, eventually, implies
 
 MARGIN_MS = 2000
 MARGIN_PERCENT = 5
-"""What plans keep in hand: flights are late."""
+"""The margin that plans keep, because flights take longer than planned."""
 
 
 @dataclass(frozen=True)
 class TimeBound(ABC):
-    """One bounded line.
+    """A line with a time bound.
 
     Attributes:
         goal: what has to come in time; without temporal operators.
-        limit_ms: by when, in milliseconds.
+        limit_ms: the time limit in milliseconds.
     """
 
     goal: Formula
@@ -44,11 +45,11 @@ class TimeBound(ABC):
     @property
     @abstractmethod
     def untimed(self) -> Formula:
-        """What it says without its bound."""
+        """The line without its bound."""
 
     @property
     def planned_ms(self) -> int:
-        """The limit that plans keep: 5 % less, or 2 s if that is more.
+        """The limit that plans keep: shorter by 5 %, or by 2 s if that is more.
 
         >>> from companion.ltl.parser import atom
         >>> [Within(atom("p"), limit).planned_ms for limit in (10_000, 60_000)]
@@ -72,15 +73,15 @@ class TimeBound(ABC):
 
     @abstractmethod
     def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
-        """The clock once a position was read.
+        """The clock after a position is read.
 
         Args:
             elapsed_ms: what it showed when the position was reached; None if it stood still.
-            is_true: whether a formula without temporal operators holds there.
+            is_true: whether a formula without temporal operators holds at the position.
         """
 
     def is_late(self, elapsed_ms: int | None) -> bool:
-        """Whether a clock that shows this at a position, before it is read, has run over."""
+        """Whether a clock that shows this at an unread position has run out."""
         return elapsed_ms is not None and elapsed_ms > self.limit_ms
 
 
@@ -93,15 +94,15 @@ class Within(TimeBound):
 
     @property
     def untimed(self) -> Formula:
-        """Without its bound."""
+        """The line without its bound."""
         return eventually(self.goal)
 
     def begin(self) -> int | None:
-        """Before the first position."""
+        """The clock before the first position."""
         return 0
 
     def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
-        """Once a position was read."""
+        """The clock after a position is read."""
         return None if is_true(self.goal) else elapsed_ms
 
 
@@ -120,15 +121,15 @@ class Response(TimeBound):
 
     @property
     def untimed(self) -> Formula:
-        """Without its bound."""
+        """The line without its bound."""
         return always(implies(self.trigger, eventually(self.goal)))
 
     def begin(self) -> int | None:
-        """Before the first position."""
+        """The clock before the first position."""
         return None
 
     def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
-        """Once a position was read."""
+        """The clock after a position is read."""
         if is_true(self.goal):
             return None
         return 0 if elapsed_ms is None and is_true(self.trigger) else elapsed_ms
@@ -148,13 +149,13 @@ class Revisit(TimeBound):
 
     @property
     def untimed(self) -> Formula:
-        """Without its bound."""
+        """The line without its bound."""
         return always(eventually(self.goal))
 
     def begin(self) -> int | None:
-        """Before the first position."""
+        """The clock before the first position."""
         return 0
 
     def after(self, elapsed_ms: int | None, is_true: Callable[[Formula], bool]) -> int | None:
-        """Once a position was read."""
+        """The clock after a position is read."""
         return 0 if is_true(self.goal) else elapsed_ms

@@ -1,4 +1,4 @@
-"""Lines of a task, some parts of which have a bound in time.
+"""Lines of a task in which some parts have a time bound.
 
 All parts have to hold. A line without any bound is a plain formula.
 
@@ -20,12 +20,12 @@ from companion.ltl.time_bounds import TimeBound
 
 @dataclass(frozen=True)
 class TimedFormula:
-    """A conjunction of formulas and bounds, one bound at least among them."""
+    """A conjunction of formulas and time bounds, with at least one bound."""
 
     parts: tuple[Formula | TimeBound, ...]
 
     def __str__(self) -> str:
-        """The line as `parse_line` reads it back."""
+        """The line in a form that `parse_line` can read."""
         return " & ".join(
             operand_text(part, Operator.AND) if isinstance(part, Formula) else str(part)
             for part in self.parts
@@ -33,11 +33,11 @@ class TimedFormula:
 
 
 Line = Formula | TimedFormula
-"""What a line of a task says."""
+"""What a line of a task stands for."""
 
 
 def parts(line: Line) -> Iterator[tuple[Formula, TimeBound | None]]:
-    """The conjuncts of a line: formulas, those with a bound without it, and their bounds."""
+    """The conjuncts of a line as formulas, each with its bound, if it has one."""
     for part in (line,) if isinstance(line, Formula) else line.parts:
         if isinstance(part, TimeBound):
             yield part.untimed, part
@@ -46,7 +46,7 @@ def parts(line: Line) -> Iterator[tuple[Formula, TimeBound | None]]:
 
 
 def untimed(line: Line) -> Formula:
-    """What a line says without its bounds."""
+    """A line without its time bounds."""
     if isinstance(line, Formula):
         return line
     return conjoin(*(p.untimed if isinstance(p, TimeBound) else p for p in line.parts))

@@ -3,8 +3,8 @@
     translate:    formula -> normal form -> simplify -> tableau -> reductions -> automaton
     state_based:  automaton -> degeneralisation -> reductions -> automaton
 
-If the letters are few, labels are sets of letters on the way, which makes smaller automata, and the
-conjuncts go from tableau to reductions apart (`decomposition.py`, `construction.py`). Otherwise
+With few letters, intermediate labels are sets of letters, which gives smaller automata, and the
+conjuncts are translated and reduced separately (`decomposition.py`, `construction.py`). Otherwise
 labels stay cubes.
 """
 
@@ -30,11 +30,11 @@ from companion.ltl.tableau import unfolded
 MAX_STATES = 10_000
 
 LEAST_STEPS = 25_000
-"""The cost of the smallest formula; it counts where one budget is for thousands of conjuncts."""
+"""What any formula costs at least; it matters if thousands of conjuncts share one budget."""
 
 EXTRA_STEPS = 12_000_000
 EXTRA_BYTES = 100_000_000
-"""The budget for making an automaton smaller; when it is spent, the automaton stays as it is."""
+"""The budget for making an automaton smaller; once it is spent, the automaton stays as it is."""
 
 
 def translate(
@@ -54,9 +54,9 @@ def translate(
     (1, [('p', {0}), ('!p', set())])
 
     Args:
-        exclusive: propositions of which at most one holds at a time; what the automaton does with
-            letters that have two of them is left open.
-        max_states: states, and transitions of one state, that may be made before reduction.
+        exclusive: propositions of which at most one holds at a time; letters with two of them may
+            be accepted or not.
+        max_states: the most states, and transitions of one state, that are made before reduction.
         budget: what may be spent; a new one by default.
 
     Raises:
@@ -83,7 +83,7 @@ def _translated(
             graph = with_cubes(decomposed(simple, construction), alphabet, budget)
         else:
             rough = unfolded(simple, alphabet, max_states, budget)
-            budget.keep(3 * rough.size[1])  # they are all there at once in several forms
+            budget.keep(3 * rough.size[1])  # they exist at the same time in several forms
             graph = reduced_cubes(rough, extra)
     return automaton_of(graph, alphabet, str(formula))
 

@@ -1,8 +1,8 @@
-"""Union: the product of two graphs that accepts the words that one of them accepts.
+"""Union: the product of two graphs accepts the words that at least one of them accepts.
 
 The first graph is weak and deterministic. Its one run is followed together with those of the
-second, and shows whether the first accepts: while it does all marks are met, otherwise those of the
-second. So nothing is guessed, as it is in a new initial node with the edges of both.
+second, and shows whether the first accepts: while it does, all marks are met, otherwise those of
+the second. So no choice is guessed, unlike in a new initial node with the edges of both.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from companion.ltl.graph import LabelledEdge, LabelledGraph, Marks, accepting_no
 from companion.ltl.labels import LetterSet
 
 _DEAD = -1
-"""Stands for the node of a graph that accepts nothing more."""
+"""Replaces the node of a graph that accepts nothing any more."""
 
 _SUSPENDED = -2
-"""Stands for the node of a graph that does not run."""
+"""Replaces the node of a graph that is suspended."""
 
 
 def union(
@@ -28,14 +28,14 @@ def union(
     *,
     suspending: bool = False,
 ) -> LabelledGraph[LetterSet]:
-    """The words that one of two graphs accepts; with the marks of the second.
+    """A graph of the words that one of two graphs accepts, with the marks of the second.
 
     Args:
-        weak: deterministic; all cycles of a component accept, or none does.
-        other: has one mark at least.
+        weak: deterministic; either all cycles of a component accept, or none does.
+        other: has at least one mark.
         every: the set of all letters.
-        suspending: whether the second is suspended while the first accepts; whether it accepts a
-            word must not depend on any finite prefix.
+        suspending: whether the second is suspended while the first accepts; allowed only if no
+            finite prefix decides whether the second accepts a word.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -63,7 +63,7 @@ def union(
 def _completed(
     graph: LabelledGraph[LetterSet], node: int, every: LetterSet
 ) -> list[LabelledEdge[LetterSet]]:
-    """The edges of a node, and one to the dead node with the letters that have none."""
+    """The edges of a node, and one to the dead node for the letters that no other edge reads."""
     leaving = [] if node == _DEAD else graph.edges[node]
     missing = every
     for label, _, _ in leaving:

@@ -1,4 +1,4 @@
-"""Laws of chains of |, and of &.
+"""Laws of chains of | and of &.
 
 Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Somenzi and Bloem,
 Efficient Büchi automata from LTL formulae, CAV 2000.
@@ -16,7 +16,7 @@ from companion.ltl.laws.sides import Side, is_waiting, joined
 
 
 def chain(node: Formula, side: Side, other: Side, implication: Implication) -> Formula:
-    """A simpler formula by laws of |, the join of `side` and the meet of `other`."""
+    """The formula that the laws of | make simpler; | is the join of `side`, & the meet."""
     operator = node.operator
     parts: dict[Formula, None] = {}
     for operand in node.operands:
@@ -46,7 +46,7 @@ def chain(node: Formula, side: Side, other: Side, implication: Implication) -> F
 
 
 def _folded(part: Formula, parts: Collection[Formula], side: Side) -> Formula:
-    """F b for X F b beside b."""
+    """F b instead of X F b if b is another part."""
     later = part.operands[0] if part.operator is Operator.NEXT else part
     if later is part or not side.is_far(later):
         return part
@@ -56,14 +56,14 @@ def _folded(part: Formula, parts: Collection[Formula], side: Side) -> Formula:
 
 
 def _is_comparable(parts: Sequence[Formula]) -> bool:
-    """Whether parts are few, and not all literals."""
+    """Whether the parts are few, and not all of them literals."""
     return 1 < len(parts) <= MAX_OPERANDS and any(
         f.operator not in (Operator.ATOM, Operator.NOT) for f in parts
     )
 
 
 def _facts(parts: Sequence[Formula], side: Side) -> list[list[Formula]]:
-    """For each F b, or F(a | b), what fails for ever if it fails."""
+    """For each F b, or F(a | b), the formulas that fail for ever if it fails."""
     found: list[list[Formula]] = []
     for part in parts:
         body = part.operands[1] if side.is_far(part) else None
@@ -74,7 +74,9 @@ def _facts(parts: Sequence[Formula], side: Side) -> list[list[Formula]]:
 
 
 def _without_lasting_facts(parts: Sequence[Formula], side: Side, other: Side) -> list[Formula]:
-    """G F a | f without a in f, if f depends on no finite prefix: a fails from some position on."""
+    """G F a | f without a in f, if f depends on no finite prefix: else a fails from some position
+    on.
+    """
     ageless = [f for f in parts if f in side.pure and f in other.pure]
     lasting = [f.operands[1] if other.is_far(f) else f for f in ageless]
     shorter = without_facts(ageless, _facts(lasting, side), side, other)
@@ -111,7 +113,7 @@ def _without_implied(
 def _without_those_below(
     part: Formula, others: Sequence[Formula], side: Side, implication: Implication
 ) -> Formula:
-    """A disjunction without the operands that imply one of some formulas."""
+    """A disjunction without the operands that imply one of the given formulas."""
     if part.operator is not side.join or len(part.operands) > MAX_OPERANDS:
         return part
     kept = [x for x in part.operands if not any(implication.is_below(x, f, side) for f in others)]
@@ -146,7 +148,7 @@ def _weakened(parts: list[Formula], side: Side, other: Side) -> list[Formula]:
 
 
 def _grouped(parts: Iterable[Formula], side: Side, other: Side) -> list[Formula]:
-    """Operands of a chain of |, those that can be said together as one."""
+    """The operands of a chain of |, with those joined that one formula can express."""
     groups: dict[Hashable, list[Formula]] = defaultdict(list)
     for part in parts:
         if other.is_far(part) and side.is_far(part.operands[1]):

@@ -1,7 +1,7 @@
 """Facts: what holds at all positions need not be said again.
 
-G a & f is G a & f', where f' is f with true in the place of a and false in that of !a: f speaks
-of no position before its own. In G(a & b) the same is done with a in b.
+G a & f is G a & f', where f' is f with a replaced by true and !a by false: f is about no position
+before its own. In G(a & b) the same is done with a in b.
 """
 
 from __future__ import annotations
@@ -12,16 +12,16 @@ from companion.ltl.formula import Formula, Operator, negate, subformulas
 from companion.ltl.laws.sides import Side, joined
 
 MAX_NODES = 400
-"""Nodes of a chain up to which it is searched."""
+"""The most nodes of a chain that are searched."""
 
 
 def without_facts(
     parts: Sequence[Formula], facts: Sequence[Sequence[Formula]], side: Side, other: Side
 ) -> list[Formula]:
-    """The parts of a chain of |, each without the facts of the others.
+    """The parts of a chain of |, each simplified by the facts of the others.
 
     Args:
-        facts: for each part the formulas that fail at all positions if it does.
+        facts: for each part, the formulas that fail at all positions if the part fails.
     """
     if not any(facts):
         return list(parts)
@@ -34,7 +34,7 @@ def without_facts(
         for j, group in enumerate(facts):
             for fact in group if j != i else ():
                 if j > i and fact in facts[i]:
-                    continue  # the first of equal ones stays
+                    continue  # of equal parts the first one stays
                 values[fact] = side.bottom
                 if fact.operator in (Operator.ATOM, Operator.NOT):
                     values[negate(fact)] = side.top
@@ -43,7 +43,7 @@ def without_facts(
 
 
 def _nodes(part: Formula) -> list[Formula]:
-    """The nodes of a formula, the formula itself last; about MAX_NODES of them at most."""
+    """The nodes of a formula, the formula itself last; at most about MAX_NODES."""
     nodes = []
     for node in subformulas(part):
         nodes.append(node)
@@ -55,9 +55,10 @@ def _nodes(part: Formula) -> list[Formula]:
 def _replaced(
     nodes: Sequence[Formula], values: dict[Formula, Formula], side: Side, other: Side
 ) -> Formula:
-    """The last of some nodes, with values in the place of formulas.
+    """The last of some nodes, with formulas replaced by values.
 
-    Where G b is known to fail, a R b is b U (a & b); where F b is known, a U b is b R (a | b).
+    If G b is known to fail, a R b becomes b U (a & b); if F b is known to hold, a U b becomes b R
+    (a | b).
     """
     made: dict[Formula, Formula] = {}
     for node in nodes:

@@ -16,7 +16,7 @@ from companion.ltl.laws.sides import Side, is_waiting, joined
 
 
 def fixpoint(node: Formula, side: Side, other: Side, implication: Implication) -> Formula:
-    """A simpler formula by one law of `left U right`, or the node itself."""
+    """The formula that one law of `left U right` makes simpler, or the node itself."""
     left, right = node.operands
     if right in side.pure or left is side.bottom or left is right:
         return right  # a U F b = F b, false U b = b, b U b = b
@@ -44,7 +44,7 @@ def fixpoint(node: Formula, side: Side, other: Side, implication: Implication) -
 
 
 def _with_left(node: Formula, side: Side, other: Side, implication: Implication) -> Formula:
-    """Laws of `left U right` for operands that imply each other; left is not true."""
+    """Laws of `left U right` whose operands imply each other; left is not true."""
     left, right = node.operands
 
     def below(one: Formula, other: Formula) -> bool:
@@ -94,7 +94,7 @@ def _with_shorter_left(node: Formula, side: Side, implication: Implication) -> F
 
 
 def _split(node: Formula, outside: list[Formula], side: Side, operator: Operator) -> Formula:
-    """Takes operands that do not need it out of the reach of U."""
+    """Moves operands out of U that do not need it."""
     if not outside:
         return node
     left, right = node.operands
@@ -127,10 +127,10 @@ def _far(node: Formula, side: Side, other: Side, implication: Implication) -> Fo
 
 
 def _parted(alternative: Formula, side: Side, other: Side) -> list[Formula]:
-    """The alternatives that one under F is worth.
+    """The alternatives that may replace an alternative under F.
 
-    X G a is G a, G(b | G a) is G b | G a, G(b | F a) is G b | G F a. Under G, F(a R b) is worth
-    F(a & b | G b).
+    X G a is G a, G(b | G a) is G b | G a, G(b | F a) is G b | G F a. Under G, F(a R b) may be
+    replaced by F(a & b | G b).
     """
     body = alternative.operands[-1] if alternative.operands else alternative
     if alternative.operator is Operator.NEXT and body in other.pure:
@@ -152,7 +152,9 @@ def _parted(alternative: Formula, side: Side, other: Side) -> list[Formula]:
 
 
 def _now(alternative: Formula, side: Side, other: Side) -> Formula:
-    """A universal formula under F without X: X G a & G(b & X c) is worth G a & G(b & c)."""
+    """A universal formula under F without X: X G a & G(b & X c) may be replaced by G a & G(b &
+    c).
+    """
     parts = []
     for part in alternative.operands if alternative.operator is side.meet else (alternative,):
         bare = part.operands[0] if part.operator is Operator.NEXT else part
@@ -165,7 +167,7 @@ def _now(alternative: Formula, side: Side, other: Side) -> Formula:
 
 
 def _bare(part: Formula, side: Side, other: Side) -> Formula:
-    """Under F G: a for X a, and for F G a."""
+    """A part under F G: a instead of X a, and instead of F G a."""
     if part.operator is Operator.NEXT:
         return part.operands[0]
     if side.is_far(part) and other.is_far(part.operands[1]):
@@ -176,12 +178,12 @@ def _bare(part: Formula, side: Side, other: Side) -> Formula:
 def _once_for_all(node: Formula, always: Side, eventually: Side) -> Formula:
     """G(t | F p & F q) = G(F p & F q) | G t | F(F p & F q & X G t).
 
-    What is eventual either holds for ever or fails for ever from some position on. So the
-    automaton need not keep track of what is owed as long as it may still have to be paid again.
-    It has fewer states from two operands on.
+    An eventual formula either always holds again, or fails for ever from some position on. So the
+    automaton need not track a debt while it may have to be paid again. With two or more operands it
+    has fewer states.
     """
     body = node.operands[1]
-    owed: dict[Formula, list[Formula]] = defaultdict(list)  # by the formula that pays
+    owed: dict[Formula, list[Formula]] = defaultdict(list)  # debts, by the formula that pays them
     kept = []
     for clause in body.operands if body.operator is Operator.AND else (body,):
         ways = clause.operands if clause.operator is Operator.OR else (clause,)

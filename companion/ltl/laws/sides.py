@@ -1,9 +1,10 @@
 """The two sides of the laws: U with |, and R with &.
 
 In negation normal form every law has a dual: exchange & with |, U with R, true with false. So each
-law is written once, for a `Side` that stands for U or for R; comments show the case of U. A formula
-is *eventual* if it holds as soon as it holds at a later position (F a), *universal* if it then also
-holds at every later position (G a). One that is both (G F a) does not depend on any finite prefix.
+    law is written once, for a `Side` that stands for U or for R; comments show the case of U. A
+    formula is *eventual* if it holds whenever it holds at a later position (F a). It is *universal*
+    if, once it holds, it also holds at every later position (G a). A formula that is both (G F a)
+    is *ageless*: it does not depend on any finite prefix.
 
 Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Somenzi and Bloem,
 Efficient Büchi automata from LTL formulae, CAV 2000.
@@ -20,7 +21,7 @@ _NEUTRAL = {Operator.AND: TRUE, Operator.OR: FALSE}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Side:
-    """U with its laws, whose F is `true U`, or its dual: R, whose G is `false R`.
+    """U with its laws, where F is `true U`; or its dual R, where G is `false R`.
 
     Attributes:
         fixpoint: U.
@@ -28,7 +29,7 @@ class Side:
         meet: &, over which the left operand of U distributes.
         top: true, the left operand that makes U an F.
         bottom: false.
-        pure: eventual formulas, those with F f = f; grows with the formulas that are seen.
+        pure: the eventual formulas, for which F f = f; grows with the formulas seen.
     """
 
     fixpoint: Operator
@@ -51,7 +52,7 @@ class Side:
         return formula.operator is self.fixpoint and formula.operands[0] is self.top
 
     def classify(self, node: Formula) -> None:
-        """Add a node to the pure ones if it is; its operands are classified."""
+        """Adds a node to the pure formulas if it is one; its operands have been classified."""
         operands = node.operands
         match node.operator:
             case Operator.ATOM | Operator.NOT:
@@ -65,7 +66,7 @@ class Side:
 
 
 def both_sides() -> tuple[Side, Side]:
-    """U, then R, for one formula."""
+    """The sides of U and of R, for one formula."""
     return (
         Side(Operator.UNTIL, Operator.OR, Operator.AND, TRUE, FALSE),
         Side(Operator.RELEASE, Operator.AND, Operator.OR, FALSE, TRUE),
@@ -73,7 +74,7 @@ def both_sides() -> tuple[Side, Side]:
 
 
 def is_ageless(formula: Formula) -> bool:
-    """Whether a formula in negation normal form is seen to depend on no finite prefix.
+    """Whether the shape of a formula in negation normal form shows that it depends on no prefix.
 
     >>> from companion.ltl.formula import negation_normal_form
     >>> from companion.ltl.parser import parse
@@ -88,12 +89,12 @@ def is_ageless(formula: Formula) -> bool:
 
 
 def is_waiting(formula: Formula, side: Side) -> bool:
-    """Whether a formula is an F on the side of U; what is done with these has no useful dual."""
+    """Whether a formula is an F on the side of U; the treatment of these has no useful dual."""
     return side.fixpoint is Operator.UNTIL and side.is_far(formula)
 
 
 def joined(operator: Operator, parts: list[Formula]) -> Formula:
-    """A chain of | or &; of one formula itself, of none what the chain begins with.
+    """A chain of | or &; the formula itself for one, the neutral element for none.
 
     >>> joined(Operator.AND, []) is TRUE
     True

@@ -1,7 +1,7 @@
-"""Bisimulation: which nodes do the same in all steps, by refinement of a partition.
+"""Bisimulation: finds nodes that behave alike in all steps, by refining a partition.
 
-Nodes of one colour are a block; a block is split while its nodes read different letters, or with
-different marks, into some block.
+Nodes of one colour begin as one block. A block is split as long as its nodes read different
+letters, or meet different marks, on the way into some block.
 
 Source: Moore, Gedanken-experiments on sequential machines, 1956, for deterministic automata;
 Kanellakis and Smolka, CCS expressions, finite state processes, and three problems of equivalence,
@@ -17,14 +17,14 @@ from companion.ltl.graph import LabelledEdge, Marks, Nodes
 from companion.ltl.labels import LetterSet
 
 Arrows = Sequence[Sequence[LabelledEdge[LetterSet]]]
-"""The edges that leave each node, or those that enter it with their sources as targets."""
+"""The edges that leave each node; or those that enter it, with their sources as targets."""
 
 Signature = dict[tuple[Marks, int], LetterSet]
-"""The letters of the edges with certain marks to (or from) a certain block of nodes."""
+"""For certain marks and a certain block of nodes, the letters of the edges to (or from) it."""
 
 
 def bisimilar(arrows: Arrows, colours: Sequence[int], budget: Budget) -> list[Nodes]:
-    """For each node the nodes that have its colour and do the same in all steps.
+    """For each node, the nodes that have its colour and behave alike in all steps.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -50,7 +50,7 @@ def bisimilar(arrows: Arrows, colours: Sequence[int], budget: Budget) -> list[No
 
 
 def signature(leaving: Iterable[LabelledEdge[LetterSet]], block: Sequence[int]) -> Signature:
-    """The letters of edges with the same marks to the same block."""
+    """The letters of the edges with the same marks to the same block."""
     found: Signature = {}
     for label, marks, target in leaving:
         kind = (marks, block[target])
@@ -64,5 +64,7 @@ def signature(leaving: Iterable[LabelledEdge[LetterSet]], block: Sequence[int]) 
 def redirected(
     leaving: Iterable[LabelledEdge[LetterSet]], block: Sequence[int]
 ) -> list[LabelledEdge[LetterSet]]:
-    """One edge for all with the same marks to the same block, which becomes the target."""
+    """Replaces edges with the same marks to the same block by one edge, whose target is the
+    block.
+    """
     return [LabelledEdge(letters, *kind) for kind, letters in signature(leaving, block).items()]

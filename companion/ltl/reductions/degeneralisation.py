@@ -1,16 +1,16 @@
-"""Degeneralisation: one acceptance set, and it a set of states, instead of several on edges.
+"""Degeneralisation: makes one acceptance set of states from several sets of edges.
 
-In a strongly connected component a node becomes (node, level): on level i a run waits for mark
-i, and an edge climbs over the marks that it carries. Where it passes the last one the run has to
-meet an accepting state. What need not be copied is not:
+Within a strongly connected component a node becomes (node, level). On level i a run waits for mark
+i, and an edge climbs over the marks that it carries. When an edge passes the last mark, the run has
+to meet an accepting state. Unnecessary copies are avoided:
 
-- a component where every cycle accepts, or none, has one level;
-- of the copies of a component one strongly connected part is kept, and entered anywhere in it;
-- a copy accepts itself if it lies on no rejecting cycle, so edges that lead through such copies
-  have met theirs; only other edges that pass the last mark lead to an accepting copy beside it.
+- a component in which every cycle accepts, or none does, has one level;
+- of the copies of a component, one strongly connected part is kept, which may be entered anywhere;
+- a copy is accepting itself if it is on no rejecting cycle, so edges through such copies need
+  nothing more; only other edges that pass the last mark lead to an extra accepting copy.
 
-The order of the levels matters, and so does whether an edge that passes the last mark climbs on.
-So several graphs are made, to be reduced and compared.
+The result depends on the order of the levels, and on whether an edge that passes the last mark
+climbs on. So several graphs are made, to be reduced and compared.
 
 Source: Gastin and Oddoux, Fast LTL to Büchi automata translation, CAV 2001; Babiak, Badie,
 Duret-Lutz, Křetínský and Strejček, Compositional approach to suspension and other improvements
@@ -33,16 +33,16 @@ from companion.ltl.labels import L
 from companion.ltl.reductions.trimming import essential_marks, trimmed
 
 MAX_CANDIDATE_EDGES = 40_000
-"""Edges that all candidates together may have, but for the last one that is made."""
+"""The most edges of all candidates together, apart from the last candidate made."""
 
 _State = tuple[int, int]
 """A node and its level."""
 
 _Copy = tuple[int, int, bool]
-"""A node, its level, and whether it is the accepting copy of two."""
+"""A node, its level, and whether this is the accepting one of two copies."""
 
 _Steps = Mapping[_State, Sequence[tuple[L, _State, bool]]]
-"""For each state the labels and targets of its edges, and whether they pass the last mark."""
+"""For each state its edges: label, target, and whether the edge passes the last mark."""
 
 
 def degeneralised(graph: LabelledGraph[L], budget: Budget) -> list[LabelledGraph[L]]:
@@ -74,10 +74,10 @@ class _Component(Generic[L]):
     """A strongly connected component.
 
     Attributes:
-        inside: for each node the edges that stay.
-        outside: for each node the edges that leave.
-        marks: those that a run has to meet to accept, each as a set of one; if none, either all
-            cycles accept or none does.
+        inside: for each node the edges that stay in the component.
+        outside: for each node the edges that leave it.
+        marks: the marks that an accepting run has to meet, each as a set of one; if there are none,
+            either all cycles accept or none does.
     """
 
     inside: Mapping[int, Sequence[LabelledEdge[L]]]
@@ -87,10 +87,10 @@ class _Component(Generic[L]):
 
 
 def _components(graph: LabelledGraph[L], saturated: bool) -> list[_Component[L]]:
-    """The components, each before those that lead to it.
+    """The components; each comes before those that lead to it.
 
     Args:
-        saturated: edges have a mark as well if every cycle through them has it.
+        saturated: whether edges also get each mark that is on every cycle through them.
     """
     components = []
     every_mark = (1 << graph.marks) - 1
@@ -112,7 +112,7 @@ def _components(graph: LabelledGraph[L], saturated: bool) -> list[_Component[L]]
 def _saturated(
     inside: Mapping[int, Sequence[LabelledEdge[L]]], mark: Marks
 ) -> Mapping[int, Sequence[LabelledEdge[L]]]:
-    """With a mark (as a set of one) on all edges that are on no cycle without it."""
+    """The edges, with a mark (a set of one) added to all that are on no cycle without it."""
     without = {
         n: [e.target for e in leaving if not e.marks & mark] for n, leaving in inside.items()
     }
@@ -130,7 +130,7 @@ def _saturated(
 
 
 def _orders(marks: Sequence[Marks]) -> list[tuple[Marks, ...]]:
-    """All orders of up to four marks; of more their rotations, forwards and backwards."""
+    """All orders of up to four marks; for more marks, their rotations in both directions."""
     if len(marks) <= 4:
         return list(permutations(marks))
     turned = [(*marks[i:], *marks[:i]) for i in range(len(marks))]
@@ -140,7 +140,7 @@ def _orders(marks: Sequence[Marks]) -> list[tuple[Marks, ...]]:
 def _copied(
     components: Iterable[_Component[L]], turn: int, climbs_on: bool, budget: Budget
 ) -> LabelledGraph[L]:
-    """The graph of copies, for an order of levels in each component."""
+    """The graph of copies, for one order of levels in each component."""
     entry: dict[int, _Copy] = {}
     leaving: dict[_Copy, list[tuple[L, _Copy]]] = {}
     accepting: set[_Copy] = set()
@@ -165,7 +165,7 @@ def _copied(
 def _levels(
     component: _Component[L], order: Sequence[Marks], climbs_on: bool, budget: Budget
 ) -> _Steps[L]:
-    """One strongly connected part of the copies of a component, by level."""
+    """One strongly connected part of the copies of a component."""
     top = len(order)
     start = (next(iter(component.inside)), 0)
     number_of = {start: 0}
@@ -184,7 +184,7 @@ def _levels(
                 states.append(state)
             edges[-1].append((label, state, passes))
     parts = strong_components([[number_of[t] for _, t, _ in leaving] for leaving in edges])
-    # a component comes after those that it reaches: the first one reaches no other
+    # components come after those that they reach, so the first one reaches no other
     return {states[i]: edges[i] for i in sorted(parts[0])}
 
 
@@ -195,14 +195,14 @@ def _climbed(level: int, marks: Marks, order: Sequence[Marks]) -> int:
 
 
 def _off_rejecting_cycles(steps: _Steps[L]) -> set[_State]:
-    """States on no cycle of edges that do not pass the last mark."""
+    """The states that are on no cycle of edges which do not pass the last mark."""
     return acyclic({s: [t for _, t, passes in edges if not passes] for s, edges in steps.items()})
 
 
 def _doubled(steps: _Steps[L], passing: set[_State]) -> set[tuple[int, int, int, int]]:
-    """Pairs of states, one after the other on a cycle that no state off rejecting cycles lies on.
+    """Pairs of consecutive states on a cycle without any state that is off rejecting cycles.
 
-    The second state has an accepting copy beside it, which edges from the first one lead to.
+    The second state has an extra accepting copy, to which edges from the first one lead.
     """
     rest = {
         s: [t for _, t, _ in edges if t not in passing]
@@ -216,7 +216,7 @@ def _doubled(steps: _Steps[L], passing: set[_State]) -> set[tuple[int, int, int,
 def _reached(
     leaving: Mapping[_Copy, Sequence[tuple[L, _Copy]]], start: _Copy, accepting: set[_Copy]
 ) -> LabelledGraph[L]:
-    """The graph of what is reached, with a mark on the edges of accepting copies."""
+    """The reachable graph, with a mark on the edges of accepting copies."""
     number_of = {start: 0}
     pending = [start]
     edges: list[list[LabelledEdge[L]]] = []

@@ -1,8 +1,8 @@
-"""Quotients: one node for all that simulate each other, and no edge that a better one covers.
+"""Quotients: merge nodes that simulate each other, and drop edges that better ones cover.
 
-What is merged is given by a relation: simulation, or bisimulation, which is quicker to find. An
-edge loses the letters that a better edge reads, which leaves few runs a word. Backwards the same
-is done with the edges into a node.
+A relation says what can be merged: simulation, or bisimulation, which is quicker to find. An edge
+loses the letters that a better edge reads, so a word has few runs. Backwards, the same is done with
+the edges into a node.
 
 Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Somenzi and Bloem,
 Efficient Büchi automata from LTL formulae, CAV 2000; Clemente and Mayr, Advanced automata
@@ -23,11 +23,11 @@ from companion.ltl.reductions.bisimulation import Arrows, Signature, redirected,
 from companion.ltl.reductions.simulation import leaders, ordered, simulators
 
 Relation = Callable[[Arrows, Sequence[int]], list[Nodes]]
-"""From edges and colours to the nodes that can stand for each node: simulators, or bisimilar."""
+"""Finds for each node those that can stand for it: its simulators, or the nodes bisimilar to it."""
 
 
 def merged(graph: LabelledGraph[LetterSet], relation: Relation) -> LabelledGraph[LetterSet]:
-    """The quotient of a graph by a relation of the edges that leave nodes."""
+    """The quotient of a graph by a relation on the edges that leave nodes."""
     above = relation(graph.edges, [0] * len(graph.edges))
     leader = leaders(above)
     edges = [_uncovered(signature(leaving, leader), above) for leaving in graph.edges]
@@ -38,10 +38,10 @@ def merged(graph: LabelledGraph[LetterSet], relation: Relation) -> LabelledGraph
 def merged_backwards(
     graph: LabelledGraph[LetterSet], colours: Sequence[int], relation: Relation
 ) -> LabelledGraph[LetterSet]:
-    """The quotient of a graph by a relation of the edges that enter nodes.
+    """The quotient of a graph by a relation on the edges that enter nodes.
 
     Args:
-        colours: bits that a node must have to stand for one that has them; () for none.
+        colours: bits that a node must have to stand for another one with them; () for none.
     """
     size = len(graph.edges)
     entering: list[list[LabelledEdge[LetterSet]]] = [[] for _ in range(size)]
@@ -63,7 +63,7 @@ def merged_backwards(
 
 
 def merged_cubes(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
-    """The quotient of a graph by simulation, where edges are compared one by one.
+    """The quotient of a graph by simulation, with edges compared one by one.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -74,9 +74,9 @@ def merged_cubes(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cu
 def merged_cubes_and_simulators(
     graph: LabelledGraph[Cube], budget: Budget
 ) -> tuple[LabelledGraph[Cube], list[Nodes]]:
-    """The same quotient, and for each of its nodes the nodes that simulate it.
+    """The quotient by simulation, and for each of its nodes the nodes that simulate it.
 
-    A quotient by simulation keeps the relation itself.
+    The relation itself is still valid in the quotient.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -125,11 +125,10 @@ def _descended(
     above: Sequence[Nodes],
     leader: Sequence[int],
 ) -> list[int]:
-    """For each node its leader, or a node further down that accepts the same.
+    """For each node its leader, or a node further down that accepts the same words.
 
-    The marks of a single edge do not matter. So two nodes whose edges match, but for the marks
-    on them, accept the same words; the second can take the place of the first if it never leads
-    back to it.
+    The marks of a single edge do not matter. So two nodes accept the same words if their edges
+    match except for marks. The second can replace the first if it never leads back to it.
     """
     first_with: dict[frozenset[LabelledEdge[LetterSet]], int] = {}
     chosen = list(leader)

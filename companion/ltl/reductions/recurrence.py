@@ -1,12 +1,12 @@
-"""Recurrence: an automaton of G F a from one of F a, for an `a` that some finite prefix shows.
+"""Recurrence: makes an automaton of G F a from one of F a, if a finite prefix can show `a`.
 
 An automaton of F a accepts by reaching one state, in which `a` has been seen. An automaton of G F a
-starts again where that state would be reached, with a mark: at its initial state, or, since the
-last letter may be the first of the next `a`, where that letter leads from there.
+starts again instead of reaching that state, on an edge with a mark. It starts at the initial state,
+or, because the last letter may be the first of the next `a`, where that letter leads from there.
 
-A deterministic automaton of F a remembers all that may be the beginning of an `a`. What G F a says
-does not depend on any prefix, so every state of it accepts the same, and may be initial. One that
-guesses where `a` begins is often smaller: 4 states for G F(a & X X X b) instead of 8.
+A deterministic automaton of F a remembers every possible beginning of an `a`. No prefix matters to
+G F a, so all its states accept the same words, and any may be initial. An automaton that guesses
+where `a` begins is often smaller: 4 states for G F(a & X X X b) instead of 8.
 
 Source: Esparza, Křetínský and Sickert, One theorem to rule them all: a unified translation of LTL
 into omega-automata, LICS 2018, for the automaton of G F a.
@@ -30,7 +30,7 @@ from companion.ltl.labels import LetterSet
 
 
 def is_recurrence(formula: Formula) -> bool:
-    """Whether a formula in negation normal form is G F a, and `a` has no R."""
+    """Whether a formula in negation normal form is G F a with no R in `a`."""
     if formula.operator is not Operator.RELEASE or formula.operands[0] is not FALSE:
         return False
     inner = formula.operands[1]
@@ -48,10 +48,10 @@ def restarted(
 
     Args:
         every: the set of all letters.
-        overlapping: whether the last letter of an `a` counts as the first of the next.
+        overlapping: whether the last letter of an `a` can be the first of the next.
 
     Returns:
-        None if the graph does not accept by reaching one node that accepts everything.
+        None if the graph does not accept by reaching a single node that accepts every word.
     """
     end = _end(graph, every)
     if end is None or end == 0:
@@ -73,7 +73,7 @@ def restarted(
 
 
 def _end(graph: LabelledGraph[LetterSet], every: LetterSet) -> int | None:
-    """The only node in which a run may stay to accept, if it reads all letters there."""
+    """The only node in which an accepting run may stay, if it reads all letters there."""
     accepting = accepting_nodes(graph)
     if len(accepting) != 1:
         return None

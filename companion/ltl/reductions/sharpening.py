@@ -1,8 +1,8 @@
-"""Sharpening: cubes are made disjoint where one more literal does it.
+"""Sharpening: makes cubes disjoint if one more literal is enough for that.
 
-Where two edges of a node read the same letter and one of them is better, the other one need not
-read it. Fewer runs then read a word, which often leaves nodes without a way to them. Sets of
-letters lose such letters in every quotient (`quotient.py`).
+If two edges of a node read the same letter and one edge is better, the other need not read that
+letter. Then a word has fewer runs, and nodes often become unreachable. Sets of letters lose such
+letters in every quotient (`quotient.py`).
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from companion.ltl.reductions.simulation import cube_simulators
 
 
 def sharpened(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
-    """With labels that exclude what a better edge reads, where one more literal says so.
+    """A graph whose labels exclude the letters of better edges, if one more literal can do that.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -23,7 +23,7 @@ def sharpened(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]
     budget.spend(2 * sum(len(leaving) ** 2 for leaving in graph.edges))
 
     def is_better(one: LabelledEdge[Cube], other: LabelledEdge[Cube]) -> bool:
-        """Whether all that follows the second edge can follow the first."""
+        """Whether every run that takes the second edge can take the first instead."""
         has_marks = one.marks & other.marks == other.marks
         return has_marks and bool(simulators[other.target] >> one.target & 1)
 

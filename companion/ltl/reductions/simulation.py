@@ -1,10 +1,10 @@
-"""Simulation: which nodes do all that another one does.
+"""Simulation: finds which nodes can do everything that another node does.
 
-A node *simulates* another if it can match every edge of it, letter by letter: by an edge that
-reads the letter, has at least the same marks, and leads to a node that simulates the target. Given
-the edges into each node instead of those that leave it, the same relation is found backwards.
+A node *simulates* another if it can match every edge of it, letter by letter: by an edge that reads
+the letter, has at least the same marks, and leads to a node that simulates the target. The same
+relation is found backwards if it is given the edges into each node.
 
-Cubes are compared edge by edge, by the same algorithm: `CubeOrder` makes sets of them.
+Cubes are compared edge by edge, with the same algorithm: `CubeOrder` turns them into sets.
 
 Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Henzinger, Henzinger and
 Kopke, Computing simulations on finite and infinite graphs, FOCS 1995, for splitting blocks.
@@ -24,11 +24,11 @@ from companion.ltl.reductions.bisimulation import Arrows, Signature, signature
 def simulators(arrows: Arrows, colours: Sequence[int], budget: Budget) -> list[Nodes]:
     """For each node the nodes that simulate it; the greatest such relation.
 
-    Nodes that simulate each other, as far as is known, are a block; blocks are split until none
-    of them changes.
+    Nodes that simulate each other, as far as known, are a block. Blocks are split until none
+    changes.
 
     Args:
-        colours: bits that a node must have to simulate one that has them.
+        colours: bits that a node must have to simulate another one with them.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -58,7 +58,7 @@ def _pairs(above: list[Nodes]) -> int:
 def _refined(
     arrows: Arrows, block: list[int], above: list[Nodes], width: int, budget: Budget
 ) -> tuple[list[Nodes], list[int]]:
-    """Blocks, and those that simulate each of them, one step longer."""
+    """Blocks, and the simulators of each block, after one more step."""
     number_of: dict[Hashable, int] = {}
     signatures: list[Signature] = []
     parts_of: list[list[int]] = [[] for _ in above]
@@ -90,7 +90,7 @@ def _refined(
 
 
 class _MatchedLetters(dict[tuple[Marks, int], LetterSet]):
-    """For marks and a block the letters of all edges of a node that are at least as good."""
+    """The letters of all edges of a node that are at least as good as given marks and block."""
 
     def __init__(
         self, signed: Signature, above: Sequence[Nodes], width: int, budget: Budget
@@ -120,7 +120,7 @@ class _MatchedLetters(dict[tuple[Marks, int], LetterSet]):
 
 
 def leaders(above: Sequence[Nodes]) -> list[int]:
-    """For each node the first of those that it simulates and that simulate it.
+    """For each node, the first of the nodes that it simulates and that simulate it.
 
     >>> leaders([0b011, 0b011, 0b111])
     [0, 0, 2]
@@ -132,7 +132,7 @@ def leaders(above: Sequence[Nodes]) -> list[int]:
 
 
 def cube_simulators(graph: LabelledGraph[Cube], budget: Budget) -> list[Nodes]:
-    """For each node the nodes that simulate it, where one edge is matched by one other.
+    """For each node the nodes that simulate it, where one edge has to be matched by one edge.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -141,7 +141,7 @@ def cube_simulators(graph: LabelledGraph[Cube], budget: Budget) -> list[Nodes]:
 
 
 def ordered(graph: LabelledGraph[Cube], budget: Budget) -> tuple[CubeOrder, Arrows]:
-    """The order of the cubes of a graph, and its edges with sets of them as labels.
+    """The order of the cubes of a graph, and its edges with sets of cubes as labels.
 
     Raises:
         TranslationLimit: the budget is spent.

@@ -1,9 +1,9 @@
-"""Strategy: which reductions are made in which order, until none of them helps any more.
+"""Strategy: decides which reductions are made in which order, until none helps any more.
 
-Trimming and quotients take turns until the size no longer changes. Graphs with sets of letters are
-merged by bisimulation first, which is quick, then by simulation, both ways. Graphs with cubes are
-merged by simulation, and sharpened. All this spends from a budget: when it is spent, a graph stays
-as it is.
+Trimming and quotients alternate until the size no longer changes. Graphs with sets of letters are
+merged first by bisimulation, which is quick, then by simulation in both directions. Graphs with
+cubes are merged by simulation, and sharpened. All this spends from a budget; when it is spent, the
+graph stays as it is.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from companion.ltl.reductions.simulation import simulators
 from companion.ltl.reductions.trimming import Departures, trimmed, trimmed_by_states
 
 MAX_SIMULATED = 400
-"""States up to which it is tried to find out which simulates which by letters."""
+"""The most states for which simulation by letters is computed."""
 
 MAX_STATES_TWICE = 100
-"""States up to which a graph is reduced in both ways, to take the smaller result."""
+"""The most states for which a graph is reduced in both ways, to take the smaller result."""
 
 FIRST_STEPS = 8_000_000
-"""Steps for reducing the most promising of several graphs."""
+"""The steps for reducing the most promising of several graphs."""
 
 OTHER_STEPS = 200_000
-"""Steps for reducing all others."""
+"""The steps for reducing all other graphs."""
 
 
 def reduced(graph: LabelledGraph[LetterSet], budget: Budget) -> LabelledGraph[LetterSet]:
-    """An equivalent graph, usually smaller; if the budget is spent, not as small as it could be.
+    """An equivalent graph, usually smaller; not as small as possible if the budget runs out.
 
     Edges between components may have any marks, and no choice is best for all automata.
     """
@@ -57,7 +57,7 @@ def _merged_in_turn(
             merge = partial(_merged_both_ways, relation=relation, departures=departures)
             best = _repeated(merge, best)
     except TranslationLimit:
-        pass  # what was found so far is right as well
+        pass  # what was found so far is correct as well
     return best
 
 
@@ -80,7 +80,7 @@ def _relations(budget: Budget) -> tuple[Relation, Relation]:
 
 
 def reduced_cubes(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
-    """The same with cubes, whose labels become disjoint where one more literal does it."""
+    """An equivalent graph with cubes; labels become disjoint if one more literal is enough."""
 
     def merge(graph: LabelledGraph[Cube]) -> LabelledGraph[Cube]:
         return merged_cubes(trimmed(graph), budget)
@@ -93,14 +93,14 @@ def reduced_cubes(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[C
         for step in (merge, sharpen):
             best = _repeated(step, best)
     except TranslationLimit:
-        pass  # what was found so far is right as well
+        pass  # what was found so far is correct as well
     return best
 
 
 def _repeated(
     step: Callable[[LabelledGraph[L]], LabelledGraph[L]], graph: LabelledGraph[L]
 ) -> LabelledGraph[L]:
-    """The result of a step that is made again as long as it changes the size."""
+    """Repeats a step as long as it changes the size, and returns the result."""
     while (smaller := step(graph)).size != graph.size:
         graph = smaller
     return smaller
@@ -109,7 +109,7 @@ def _repeated(
 def reduced_by_states(
     candidates: Sequence[LabelledGraph[LetterSet]], budget: Budget
 ) -> LabelledGraph[LetterSet]:
-    """The smallest graph that is found from some with marks on states, the most promising first."""
+    """The smallest graph found from candidates with marks on states, the most promising first."""
     best = trimmed_by_states(candidates[0], False)
     with budget.spared(FIRST_STEPS) as most, budget.spared(OTHER_STEPS) as rest:
         first, others = _relations(most), _relations(rest)
@@ -130,12 +130,12 @@ def reduced_by_states(
                 found = _merged_and_trimmed(start, transient_marked, merge)
                 best = min(best, found, key=lambda known: known.size)
         except TranslationLimit:
-            pass  # what was found so far is right as well
+            pass  # what was found so far is correct as well
     return best
 
 
 def reduced_cubes_by_states(graph: LabelledGraph[Cube], budget: Budget) -> LabelledGraph[Cube]:
-    """An equivalent graph, given one with marks on states."""
+    """An equivalent graph, from one with marks on states."""
     found = trimmed_by_states(graph, False)
     try:
         return _merged_and_trimmed(found, False, partial(merged_cubes, budget=budget))
@@ -156,7 +156,9 @@ def _merged_and_trimmed(
 def _merged_by_states(
     graph: LabelledGraph[LetterSet], relation: Relation
 ) -> LabelledGraph[LetterSet]:
-    """The quotient both ways; backwards, a node that accepts stands for one that does."""
+    """The quotient in both directions; backwards, only an accepting node can stand for another
+    one.
+    """
     smaller = merged(graph, relation)
     accepting = [int(any(edge.marks for edge in leaving)) for leaving in smaller.edges]
     return merged_backwards(smaller, accepting, relation)

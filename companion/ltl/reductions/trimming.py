@@ -1,6 +1,7 @@
-"""Trimming: states that accept nothing are dropped, and acceptance marks that say nothing.
+"""Trimming: drops states that accept nothing, and acceptance marks that are redundant.
 
-What a mark says depends on its strongly connected component: a run stays in one of them in the end.
+Whether a mark is redundant depends on its strongly connected component, as every run finally stays
+in one.
 
 Source: Somenzi and Bloem, Efficient Büchi automata from LTL formulae, CAV 2000.
 """
@@ -18,7 +19,7 @@ from companion.ltl.labels import L
 
 
 class Departures(Enum):
-    """The marks of edges between components: the language does not depend on them."""
+    """Which marks edges between components get; the language does not depend on them."""
 
     UNMARKED = auto()
     AS_GIVEN = auto()
@@ -28,20 +29,20 @@ class Departures(Enum):
 def trimmed(
     graph: LabelledGraph[L], departures: Departures = Departures.UNMARKED
 ) -> LabelledGraph[L]:
-    """Without nodes that accept nothing, and without marks that say nothing.
+    """The graph without nodes that accept nothing and without redundant marks.
 
-    Within a component a mark says nothing if every edge has it, or if some other mark is only
-    found where it is found. A component with loops that cannot accept keeps none.
+    Within a component a mark is redundant if every edge has it, or if another mark only occurs
+    together with it. A component with loops that cannot accept keeps no marks.
 
     Args:
-        departures: which marks edges between components have: none; those of their marks that say
-            something in the component that they enter; all, if that which they leave can accept.
+        departures: which marks edges between components have: none; those that matter in the
+            component that they enter; or all, if the component that they leave can accept.
     """
     every_mark = (1 << graph.marks) - 1
     successors = graph.successors
     components = strong_components(successors)
     component_of: dict[int, int] = {}
-    essential: list[list[Marks] | None] = []  # for each component; None if it only rejects
+    essential: list[list[Marks] | None] = []  # for each component; None if it cannot accept
     accepting: list[bool] = []
     for number, component in enumerate(components):
         component_of.update(dict.fromkeys(component, number))
@@ -61,7 +62,7 @@ def trimmed(
         kept = essential[after]
         if kept is None:
             return 0
-        unneeded = (1 << marks) - (1 << len(kept))  # a mark on every edge says nothing
+        unneeded = (1 << marks) - (1 << len(kept))  # a mark on every edge is redundant
         return unneeded | sum([1 << i for i, mark in enumerate(kept) if edge.marks & mark])
 
     edges = [
@@ -76,7 +77,7 @@ def trimmed(
 
 
 def essential_marks(inside: list[Marks], marks: int) -> list[Marks]:
-    """The marks (each as a set of one) that matter in a component, given those of its edges.
+    """The marks (each as a set of one) that matter in a component, given the marks of its edges.
 
     >>> [bin(mark) for mark in essential_marks([0b011, 0b111, 0b010], 3)]
     ['0b100']
@@ -91,10 +92,11 @@ def essential_marks(inside: list[Marks], marks: int) -> list[Marks]:
 
 
 def trimmed_by_states(graph: LabelledGraph[L], transient_marked: bool) -> LabelledGraph[L]:
-    """The same where one mark is on all edges of accepting nodes and on no others.
+    """The trimmed graph, where one mark is on all edges of accepting nodes and on no others.
 
-    Nodes that accept nothing are dropped; of the others all accept that may, since fewer kinds of
-    nodes are merged better: a node accepts as well if it is on no cycle of rejecting nodes.
+    Nodes that accept nothing are dropped. As many of the others as possible become accepting,
+    because fewer kinds of nodes can be merged better: a node also becomes accepting if it is on no
+    cycle of rejecting nodes.
 
     Args:
         transient_marked: whether nodes on no cycle accept; the language does not depend on it.

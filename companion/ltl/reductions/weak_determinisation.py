@@ -1,10 +1,10 @@
-"""Weak determinisation: the smallest weak deterministic automaton of a language, if it has one.
+"""Weak determinisation: finds the smallest weak deterministic automaton of a language, if any.
 
-Most missions are *obligations*: what a run is in for in the end depends only on the component in
-which it stays. Their automata come from the powerset construction: a component accepts if one of
-its cycles does, since all of them agree. If the language is no obligation the result accepts
-something else; so it is compared with an automaton of the language and one of its complement.
-The smallest weak deterministic automaton of a language is unique.
+Most missions are *obligations*: whether a run accepts depends only on the component in which it
+finally stays. Their automata come from the powerset construction: a component accepts if one of its
+cycles does, since all of them agree. If the language is not an obligation, the result accepts
+another language; so it is compared with an automaton of the language and with one of its
+complement. The smallest weak deterministic automaton of a language is unique.
 
 Source: Löding, Efficient minimization of deterministic weak omega-automata, IPL 2001; Dax, Eisinger
 and Klaedtke, Mechanizing the powerset construction for restricted classes of omega-automata,
@@ -56,7 +56,8 @@ def weak_deterministic(
         complement: makes a graph that accepts all other words; called if it is needed.
 
     Returns:
-        With one mark, on all edges of accepting states; None if the language is no obligation.
+        A graph with one mark, on all edges of accepting states; None if the language is no
+        obligation.
 
     Raises:
         TranslationLimit: the budget is spent.
@@ -71,7 +72,7 @@ def weak_deterministic(
 def _powerset(
     graph: LabelledGraph[LetterSet], every: LetterSet, budget: Budget
 ) -> tuple[Steps, list[Nodes]] | None:
-    """The subset construction, and the nodes of each of its states; None if too many."""
+    """The subset construction, and the nodes of each of its states; None if there are too many."""
     number_of = {1: 0}
     pending: list[Nodes] = [1]
     steps: Steps = []
@@ -102,8 +103,8 @@ def _coloured(
 ) -> _WeakAutomaton | None:
     """The powerset with its accepting states; None if two cycles of a component disagree.
 
-    States that no cycle passes get the colour that lets most states be equal: a component is
-    even if it accepts, and odd otherwise, as high as what it leads to allows.
+    States that are on no cycle get the colour that makes most states equal: a component's colour is
+    even if it accepts and odd otherwise, and as high as the colours of its successors allow.
     """
     component_of: dict[int, int] = {}
     colours: list[int] = []
@@ -129,7 +130,7 @@ def _coloured(
 def _cycle(
     steps: Steps, component: list[int], letter_of: Callable[[LetterSet], LetterSet]
 ) -> list[LetterSet]:
-    """Letters (each a set of one) along a shortest cycle through the first of some states."""
+    """Letters (each as a set of one) along a shortest cycle through the first of some states."""
     inside = set(component)
     came_from: dict[int, tuple[int, LetterSet]] = {}
     pending = [component[0]]
@@ -147,7 +148,7 @@ def _cycle(
 
 
 def _accepts(graph: LabelledGraph[LetterSet], nodes: Nodes, loop: Sequence[LetterSet]) -> bool:
-    """Whether a word that repeats for ever is accepted from one of some nodes."""
+    """Whether a word that repeats for ever is accepted from at least one of some nodes."""
     number_of = {(node, 0): i for i, node in enumerate(indices(nodes))}
     pending = list(number_of)
     successors: list[list[tuple[int, Marks]]] = []
@@ -166,7 +167,7 @@ def _accepts(graph: LabelledGraph[LetterSet], nodes: Nodes, loop: Sequence[Lette
 def _meets(
     weak: _WeakAutomaton, graph: LabelledGraph[LetterSet], accepting: bool, budget: Budget
 ) -> bool:
-    """Whether a word of the graph leads the weak automaton to accept, or to reject."""
+    """Whether a word of the graph makes the weak automaton accept, or reject."""
     number_of = {(0, 0): 0}
     pending = [(0, 0)]
     successors: list[list[tuple[int, Marks]]] = []
@@ -187,7 +188,7 @@ def _meets(
 def _has_accepting_cycle(
     successors: Sequence[Sequence[tuple[int, Marks]]], marks: int, is_wanted: Sequence[bool]
 ) -> bool:
-    """Whether a component of wanted nodes has all marks, given targets and marks of the edges."""
+    """Whether a component of wanted nodes has all marks; given are the edges' targets and marks."""
     every_mark = (1 << marks) - 1
     for component in strong_components([[t for t, _ in leaving] for leaving in successors]):
         inside = set(component)
@@ -198,7 +199,7 @@ def _has_accepting_cycle(
 
 
 def _minimal(weak: _WeakAutomaton) -> LabelledGraph[LetterSet]:
-    """States that accept the same words made one, as in finite automata."""
+    """The automaton with equivalent states merged, as in finite automata."""
     edges = [
         [LabelledEdge(letters, int(accepts), target) for target, letters in step.items()]
         for step, accepts in zip(weak.steps, weak.accepting, strict=True)
