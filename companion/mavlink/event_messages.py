@@ -10,6 +10,7 @@ wire, CRC_EXTRA).
 from __future__ import annotations
 
 import struct
+from types import ModuleType
 from typing import Any, NamedTuple
 
 Dialect = Any
@@ -101,13 +102,19 @@ DEFINITIONS = (
 )
 
 
-def add_to(dialect: Dialect) -> None:
-    """Adds these messages to a dialect, under the names that it uses for its own."""
+def extended(common: Dialect) -> Dialect:
+    """Returns a copy of a dialect that has these messages, too, under names like its own.
+
+    The dialect itself stays as it is: others in the process may use it.
+    """
+    dialect: Any = ModuleType(__name__)
+    vars(dialect).update(vars(common), mavlink_map=dict(common.mavlink_map))
     for definition in DEFINITIONS:
         kind = define(dialect, definition)
         dialect.mavlink_map[definition.number] = kind
         setattr(dialect, kind.__name__, kind)
         setattr(dialect, f"MAVLINK_MSG_ID_{definition.name}", definition.number)
+    return dialect
 
 
 def define(dialect: Dialect, definition: Definition) -> Any:

@@ -17,7 +17,7 @@ from itertools import accumulate, chain
 from operator import attrgetter, itemgetter
 from typing import Any, NamedTuple
 
-from pymavlink.dialects.v20 import common as dialect
+from pymavlink.dialects.v20 import common
 
 from companion.mavlink import event_messages
 
@@ -37,7 +37,8 @@ __all__ = [
     "split_frames",
 ]
 
-event_messages.add_to(dialect)
+dialect = event_messages.extended(common)
+"""MAVLink's `common`, as pymavlink has it, with the messages that it lacks."""
 
 _SIZES = [bytes([size]) for size in range(256)]
 _HEADER = "<2x3BHB"

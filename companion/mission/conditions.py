@@ -181,6 +181,8 @@ def _field_signal(match: re.Match[str]) -> Signal:
         hint = "MAVLink's common.xml lists them, e.g. BATTERY_STATUS; uORB topics are none"
         if not name.islower():
             hint = did_you_mean(name, [*_MESSAGES, COMMAND]) or hint
+        if name == REPORT:
+            hint = f"a report is written {REPORT}[{field}]"
         raise _error(match, "message", f"unknown MAVLink message {name}", hint)
     sizes = dict(zip(message.ordered_fieldnames, message.array_lengths, strict=True))
     numbers = [n for n in message.fieldnames if sizes[n] == 0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from pymavlink.dialects.v20 import common as pymavlinks
 from pymavlink.generator import mavparse
 
 from companion.mavlink.event_messages import DEFINITIONS
@@ -71,3 +72,8 @@ def test_fields_are_given_by_place_or_by_name() -> None:
     assert (kind(7, 1).sequence, kind(sequence=7, flags=1).flags) == (7, 1)
     with pytest.raises(TypeError, match="has no number"):
         kind(7, 1, number=3)
+
+
+def test_pymavlink_s_own_dialect_stays_as_it_is() -> None:
+    assert {d.number for d in DEFINITIONS}.isdisjoint(pymavlinks.mavlink_map)
+    assert not hasattr(pymavlinks, "MAVLink_event_message")

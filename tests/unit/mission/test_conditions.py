@@ -61,6 +61,7 @@ def test_condition(text: str, condition: Condition) -> None:
         ("GLOBAL_POSITION_INT.vx > 5 §m/s", "not a condition", "centimetres per second: 500"),
         ("EVENT[persons] > 3 §times", "not a condition", "the number alone, without times"),
         ("§", "not a condition", "NUMBER"),
+        ("§EVENT.persons > 0", "unknown MAVLink message EVENT", "written EVENT[persons]"),
         ("§EVENT[two words] > 0", "not a condition", "EVENT[name] > NUMBER"),
         ("COMMAND.MAV_CMD_USER_1 §is silent", "a command is silent but for a moment", "remove it"),
     ],
