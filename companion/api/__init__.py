@@ -1,1 +1,1 @@
-"""What the package offers to Python programs, function by function; `companion` exports it."""
+"""The functions that the package offers to Python programs; `companion` exports them."""

@@ -1,4 +1,4 @@
-"""Flights held against their task."""
+"""Judges recorded flights by their task."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from companion.record.events import read_events, record_of
 
 
 def audit(run: Path | str | FlightResult) -> Audit:
-    """Holds a flight against its task, conjunct by conjunct.
+    """Judges a flight by its task, conjunct by conjunct.
 
     >>> from companion import audit, load_mission, simulate
     >>> verdicts = audit(simulate(load_mission("missions/surveillance.yaml")))
@@ -25,9 +25,9 @@ def audit(run: Path | str | FlightResult) -> Audit:
         run: a run folder, or what `simulate` or `run` returned.
 
     Raises:
-        MissionError: it is no run folder, a line of it is not as documented, or no plan was made.
+        MissionError: it is no run folder, a line of it is damaged, or the run has no plan.
         TranslationLimit: the monitor of a conjunct would be too large.
-        CompanionError: it is nothing of these kinds.
+        CompanionError: `run` is of another type.
     """
     if isinstance(run, FlightResult):
         return auditing.audit(record_of(run.events))

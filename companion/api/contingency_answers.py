@@ -1,7 +1,7 @@
-"""The table of contingencies of a mission, on all cores.
+"""The table of contingencies of a mission, computed on all cores.
 
-Each process prepares the mission and answers some of the questions. No question knows of another,
-and answers come back in the order of the questions: one process and many make the same table.
+Each process prepares the mission and answers some of the questions. The questions are independent,
+and the answers keep their order, so the table does not depend on the number of processes.
 """
 
 from __future__ import annotations
@@ -21,32 +21,32 @@ from companion.errors import CompanionError
 from companion.mission.model import Mission
 
 FEW_ANSWERS = 100
-"""So many are not worth another process, which takes a second to begin."""
+"""This many contingencies are not worth another process, which takes a second to start."""
 
 OnProgress = Callable[[int, int], None]
-"""Told how many contingencies were looked at, and of how many."""
+"""Called with the number of contingencies done, and the number of all."""
 
 _asked: Contingencies | None = None
-"""Of this process, if it answers for another one."""
+"""The mission's contingencies, in a process that answers for another one."""
 
 
 def contingencies(
     mission: Mission, jobs: int | None = None, on_progress: OnProgress | None = None
 ) -> ContingencyTable:
-    """What becomes of a flight for each single change, at each position of its first plan.
+    """What a flight does after each single change, at each position of its first plan.
 
     >>> from companion import load_mission
     >>> print(contingencies(load_mission("missions/surveillance.yaml"), jobs=1).summary)
     60 contingencies: 48 planned, 12 end at Home, 0 unsafe
 
     Args:
-        mission: to be flown.
-        jobs: processes; None for one on each core.
-        on_progress: told how far it has come; an event counts as one, whatever comes of it.
+        mission: the mission to examine.
+        jobs: number of processes; None means one per core.
+        on_progress: called after each contingency; an event counts as one, whatever its outcomes.
 
     Raises:
         NoPlanError: the mission has no first plan.
-        CompanionError: it is no mission, or has a tree of its own; or a process has ended early.
+        CompanionError: it is no mission, or has its own tree; or a process has died.
     """
     check_kind(mission, Mission, "a mission, as of load_mission")
     check_kind(jobs, (int, NoneType), "a number of jobs")
@@ -62,7 +62,7 @@ def contingencies(
 
 
 def usable_cores() -> int:
-    """Those that this process may use, where the system says so."""
+    """The number of cores that this process may use, as far as the system says so."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -85,7 +85,7 @@ def _counted(
 def _in_processes(
     mission: Mission, questions: tuple[ContingencyQuestion, ...], jobs: int
 ) -> Iterator[tuple[Contingency, ...]]:
-    """The answers, in order; whatever ends this ends the processes."""
+    """The answers, in order; when this generator ends, the processes end too."""
     before = set(multiprocessing.active_children())
     server = multiprocessing.get_context("forkserver")
     pool = ProcessPoolExecutor(
@@ -107,7 +107,7 @@ def _in_processes(
 
 def _begin(mission: Mission) -> None:
     global _asked
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that asks
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent process
     _asked = Contingencies(mission)
 
 

@@ -31,7 +31,7 @@ from companion.plans.drawing import (
 from companion.plans.route_plan import SAME_M, Height, LatLon, metres_between
 
 STEP_M = 0.5
-"""Of the flown way, points that are nearer to the one before are left out."""
+"""A point of the flown track that is nearer than this to the last one is left out."""
 WHERE = frozenset(
     {dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT, dialect.MAVLINK_MSG_ID_HOME_POSITION}
 )
@@ -42,12 +42,12 @@ def mission_drawing(mission: Mission, home: GlobalOrigin | None) -> Drawing:
 
     Args:
         mission: what to draw.
-        home: where north 0, east 0 lies on the earth, for a mission in metres. In a mission in
-            degrees, which says that itself, its altitude counts alone.
+        home: where north 0, east 0 lies on the earth, for a mission in metres. For a mission in
+            degrees, which has its own origin, only the altitude is used.
 
     Raises:
-        CompanionError: it is no mission; or it is in metres, and nobody says where; or it is in
-            degrees, and begins elsewhere.
+        CompanionError: it is no mission; or a mission in metres without `home`; or a mission in
+            degrees with its origin elsewhere.
     """
     check_kind(mission, Mission, "a mission, as of load_mission")
     check_kind(home, (GlobalOrigin, NoneType), "where home lies, as GlobalOrigin has it")
@@ -72,7 +72,7 @@ def mission_drawing(mission: Mission, home: GlobalOrigin | None) -> Drawing:
 
 
 def _check_home(mission: Mission, home: GlobalOrigin, zero: GlobalOrigin) -> None:
-    """Whether a mission in degrees begins where its user says."""
+    """Raises an error if a mission in degrees has another origin than its user says."""
     start = zero.to_global((*mission.places[start_of(mission)].position[:2], 0.0))[:2]
     away_m = metres_between(start, (home.latitude_deg, home.longitude_deg))
     if away_m > SAME_M:
@@ -84,10 +84,10 @@ def _check_home(mission: Mission, home: GlobalOrigin, zero: GlobalOrigin) -> Non
 
 
 def run_drawing(folder: Path) -> Drawing:
-    """The drawing of a run: its last plan, and where the vehicle was.
+    """The drawing of a run: its last plan, and where the vehicle flew.
 
     Raises:
-        MissionError: it is no run folder, or the autopilot never said where it is on the earth.
+        MissionError: it is no run folder, or the autopilot never reported a global position.
     """
     scene = read_scene(folder)
     home, flown = _where(folder)
@@ -118,7 +118,7 @@ def run_drawing(folder: Path) -> Drawing:
 
 
 def home_of_run(folder: Path) -> GlobalOrigin | None:
-    """Where the frame of a run lies on the earth; None where the autopilot never said so."""
+    """Where the origin of a run's frame lies on the earth; None if the autopilot never said so."""
     anchor, (home, _) = read_scene(folder).anchor, _where(folder)
     if anchor is not None and home is not None:
         return replace(anchor, altitude_m=home.altitude_m)
@@ -126,7 +126,7 @@ def home_of_run(folder: Path) -> GlobalOrigin | None:
 
 
 def _of_scene(scene: Scene, zero: GlobalOrigin) -> Drawing:
-    """What the scene of a run shows; it begins at the place that is nearest to home."""
+    """What the scene of a run shows; it begins at the place nearest to home."""
     places = {}
     for name, site in scene.sites.items():
         up_m = enu_from_ned(site.position)[2]
@@ -139,7 +139,7 @@ def _of_scene(scene: Scene, zero: GlobalOrigin) -> Drawing:
 
 
 def _mission(folder: Path) -> Mission | None:
-    """The mission that was flown, if its own file is enough to read it."""
+    """The mission that was flown, if it can be read from its file in the run folder."""
     try:
         return load_mission(folder / "mission.yaml", installed=None)
     except MissionError:
@@ -156,7 +156,7 @@ def _last_plan(folder: Path) -> PlannedLasso | None:
 
 
 def _where(folder: Path) -> tuple[GlobalOrigin | None, tuple[LatLon, ...]]:
-    """The first home that the autopilot told, and where it was."""
+    """The first home that the autopilot reported, and its track."""
     home: GlobalOrigin | None = None
     flown: list[LatLon] = []
     for message in _positions(folder):
@@ -171,7 +171,7 @@ def _where(folder: Path) -> tuple[GlobalOrigin | None, tuple[LatLon, ...]]:
 
 
 def _positions(folder: Path) -> Iterator[Any]:
-    """What the autopilot said of home and of its position."""
+    """The autopilot's messages about home and its position."""
     frames, codec, is_more = TlogFrames(folder / "flight.tlog"), MavlinkCodec(0, 0), True
     while is_more:
         batches, is_more = frames.news()

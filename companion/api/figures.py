@@ -17,7 +17,7 @@ from companion.record.trail import Trail
 
 
 def backdrop_of_run(folder: Path) -> Backdrop:
-    """The world of a run, as its mission knew it at first.
+    """The world of a run, as its mission knew it at the start.
 
     Raises:
         MissionError: it is no run folder.
@@ -33,7 +33,7 @@ def backdrop_of_run(folder: Path) -> Backdrop:
 
 
 def trail_of_run(folder: Path) -> Trail:
-    """Where the vehicle was, five times a second, and its charge.
+    """The vehicle's positions, five a second, and its charge.
 
     Raises:
         MissionError: it is no run folder.

@@ -1,4 +1,4 @@
-"""What `simulate` and `run` take alike, held against what it may be before anything begins."""
+"""Checks the arguments that `simulate` and `run` share, before anything begins."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def check_flight_arguments(
     connect: object = "",
     events: object = None,
 ) -> None:
-    """Refuses what no flight takes.
+    """Refuses arguments that no flight accepts.
 
     Raises:
-        CompanionError: something is of another kind.
+        CompanionError: an argument has a wrong type or value.
     """
     check_kind(mission, Mission, "a mission, as of load_mission")
     if folder is not None:

@@ -1,4 +1,4 @@
-"""A companion on a link: PX4, or any simulator of one."""
+"""Flies missions over a link: on PX4, or on any simulator of it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from companion.vehicle.link import Link
 from companion.vehicle.report_port import reports_at
 
 OFFBOARD_URL = "udpin://0.0.0.0:14540"
-"""Where PX4 sends its offboard stream."""
+"""The port to which PX4 sends its offboard link."""
 
 
 def run(
@@ -45,10 +45,10 @@ def run(
     timeout_s: float = 30.0,
     events: str | None = None,
 ) -> FlightResult:
-    """Flies a mission on a vehicle, to its end.
+    """Flies a mission on a vehicle, until it ends.
 
-    Ctrl-C, in the main thread, lands and ends the flight; a second one leaves the vehicle to its
-    own failsafe.
+    Ctrl-C in the main thread makes the vehicle land and ends the flight. A second Ctrl-C leaves the
+    vehicle to the autopilot's failsafe.
 
     >>> from companion import load_mission, run
     >>> run(load_mission("missions/field.yaml"), "udpin://127.0.0.1:14999", timeout_s=0.1)
@@ -57,24 +57,24 @@ def run(
     companion.errors.LinkTimeout: no vehicle on udpin://127.0.0.1:14999 after 0 s: ...
 
     Args:
-        mission: what to do.
+        mission: the mission to fly.
         connect: `udpin://HOST:PORT` to listen, `udpout://HOST:PORT` to send first,
             `tcpout://HOST:PORT`, or `serial://DEVICE:BAUD`.
-        folder: where to write a run folder; none by default.
-        on_event: told of each event that is news for people.
+        folder: where to write a run folder; None writes none.
+        on_event: called with each event that is shown to people.
         accepts_weak_failsafes: fly although the autopilot's own failsafes are weak.
-        autopilot_fence, rally_points: `upload`, `keep`, `replace` or `none`, as `companion run` has
-            them; what was uploaded is remembered beside `folder`, if there is one.
-        laps, limit_s: after so many laps, or seconds since it was to arm, it is called home.
+        autopilot_fence, rally_points: `upload`, `keep`, `replace` or `none`, as for `companion
+            run`; what was uploaded is remembered beside `folder`, if there is one.
+        laps, limit_s: laps, or seconds since arming was due, after which the vehicle goes home.
         timeout_s: seconds to wait for a vehicle.
         events: where other programs on board report events: `unix:PATH` or `udpin:HOST:PORT`.
 
     Returns:
-        What happened; its trajectory is where the autopilot believed to be.
+        The result; its trajectory is the autopilot's estimate.
 
     Raises:
         LinkError: the link, or the port for events, cannot be opened; or no vehicle is heard.
-        CompanionError: an argument is not what it may be; nothing has been opened then.
+        CompanionError: an argument has a wrong type or value; nothing was opened.
     """
     check_flight_arguments(mission, folder, on_event, laps, limit_s, timeout_s, connect, events)
     arming = _arming(accepts_weak_failsafes, autopilot_fence, rally_points)
@@ -107,7 +107,7 @@ def _arming(accepts_weak_failsafes: bool, autopilot_fence: str, rally_points: st
 def _result(
     mission: Mission, recorder: Recording, failure: CompanionError | None, folder: Path | str | None
 ) -> FlightResult:
-    """What happened, once the flight has ended."""
+    """The result, once the flight has ended."""
     return FlightResult(
         mission=mission,
         events=tuple(recorder.events),
@@ -119,7 +119,7 @@ def _result(
 
 @contextmanager
 def _stopped_by_interrupt(companion: Companion) -> Iterator[None]:
-    """Ctrl-C asks the companion to end, once."""
+    """While this context lasts, Ctrl-C asks the companion once to end."""
 
     def stop(number: int, _: FrameType | None) -> None:
         signal.signal(number, before)
@@ -127,7 +127,7 @@ def _stopped_by_interrupt(companion: Companion) -> Iterator[None]:
 
     try:
         before = signal.signal(signal.SIGINT, stop)
-    except ValueError:  # not the main thread
+    except ValueError:  # this is not the main thread
         yield
         return
     try:

@@ -13,19 +13,19 @@ if TYPE_CHECKING:
 
 
 def parse_formula(text: str) -> Formula:
-    """The formula of a text.
+    """Parses a formula.
 
-    It is made of propositions such as `targetFound` or `at(A)`, of true, false and parentheses, of
-    ! & | -> <->, of X (next), F (eventually), G (always), U (until), R (release), W (weak until),
-    and of mission patterns such as `patrolling(A, B)`.
+    A formula consists of propositions such as `targetFound` or `at(A)`, of true, false and
+    parentheses, of ! & | -> <->, of X (next), F (eventually), G (always), U (until), R (release), W
+    (weak until), and of mission patterns such as `patrolling(A, B)`.
 
     >>> from companion import parse_formula
     >>> parse_formula("patrolling(A, B)") is parse_formula("G F at(A) & G F at(B)")
     True
 
     Raises:
-        FormulaError: the text is no formula; with a caret under what cannot be read.
-        CompanionError: it is no text.
+        FormulaError: the text is no formula; a caret marks what cannot be read.
+        CompanionError: `text` is no string.
     """
     from companion.ltl.parser import parse
 
@@ -45,12 +45,13 @@ def translate(formula: Formula | str, *, exclusive: Iterable[str] = ()) -> Buchi
 
     Args:
         formula: one of `parse_formula`, or its text.
-        exclusive: propositions of which at most one holds at a time; the automaton may be smaller.
+        exclusive: propositions of which at most one holds at a time; the automaton may then be
+            smaller.
 
     Raises:
         FormulaError: the text is no formula.
         TranslationLimit: the automaton would be too large, or take too long.
-        CompanionError: it is neither a formula nor a text.
+        CompanionError: `formula` is neither a formula nor a string.
     """
     from companion.ltl import translate as translation
     from companion.ltl.formula import Formula

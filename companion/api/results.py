@@ -1,4 +1,4 @@
-"""What a flight leaves to the program that flew it: events, a trajectory, an outcome."""
+"""What a program gets from a flight that it has flown: events, trajectory, result."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from companion.record.run_folder import RunFolder
 from companion.vehicle.run_clocks import ClockReading
 
 OnEvent = Callable[[Stamped], None]
-"""Told of each event that is news for people, when it happens."""
+"""Called with each event that is shown to people, when it happens."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FlownTrajectory:
-    """Where the vehicle was, once in each tick.
+    """The positions of the vehicle, one per tick.
 
     Attributes:
         times_s: (n,) seconds since the run began.
@@ -61,15 +61,15 @@ class FlownTrajectory:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlightResult:
-    """A flight that is over.
+    """The result of a flight.
 
     Attributes:
-        mission: what was flown.
-        events: what happened, in order, with times.
+        mission: the mission that was flown.
+        events: all events, in order, with their times.
         trajectory: where the vehicle was.
-        failure: why the task was not satisfied; None if it was, or the flight was stopped as
-            asked.
-        folder: the run folder, if one was asked for.
+        failure: why the task was not satisfied; None if it was, or if the flight was stopped on
+            request.
+        folder: the run folder, if one was written.
     """
 
     mission: Mission
@@ -79,25 +79,25 @@ class FlightResult:
     folder: Path | None
 
     def __repr__(self) -> str:
-        """In a line: what was flown, and what became of it."""
+        """One line: the mission, and the exit code."""
         return f"<{type(self).__name__} of {self.mission.name}: exit code {self.exit_code}>"
 
     @property
     def exit_code(self) -> int:
-        """What the command line would exit with: 0 satisfied, 3 no plan, 5 the pilot won, ..."""
+        """The exit code of the command line: 0 satisfied, 3 no plan, 5 the pilot won, ..."""
         return self.failure.exit_code if self.failure else 0
 
 
 class Recording:
-    """A recorder that keeps events and positions, and hands everything on to another one.
+    """Records events and positions, and passes everything on to another recorder.
 
     Args:
-        other: another recorder, e.g. of a run folder.
-        on_event: told of the events that are news for people.
+        other: another recorder, such as that of a run folder.
+        on_event: called with each event that is shown to people.
 
     Attributes:
-        events: so far.
-        positions: as the autopilot tells them, with their times.
+        events: all events so far.
+        positions: as reported by the autopilot, with their times.
     """
 
     def __init__(self, other: Recorder | None = None, on_event: OnEvent | None = None) -> None:
@@ -108,16 +108,16 @@ class Recording:
 
     @property
     def name(self) -> str:
-        """That of the other recorder; without one there is nothing to be found."""
+        """The name of the other recorder; "" without one."""
         return self._other.name if self._other is not None else ""
 
     @property
     def journal(self) -> Journal:
-        """That of the other recorder; without one nothing is kept."""
+        """The journal of the other recorder; without one, nothing is kept."""
         return self._other.journal if self._other is not None else NoJournal()
 
     def report(self, stamped: Stamped) -> None:
-        """Something happened."""
+        """Records an event."""
         self.events.append(stamped)
         if self._other is not None:
             self._other.report(stamped)
@@ -125,18 +125,18 @@ class Recording:
             self._on_event(stamped)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Datagrams went over the link, in either direction."""
+        """Records datagrams of the link, in either direction."""
         if self._other is not None:
             self._other.packets(now_s, datagrams)
 
     def position(self, now_s: float, position: Ned) -> None:
-        """Where the vehicle is, once per tick."""
+        """Records the vehicle's position, once per tick."""
         self.positions.append((now_s, position))
         if self._other is not None:
             self._other.position(now_s, position)
 
     def clocks(self, reading: ClockReading) -> None:
-        """The clocks were read."""
+        """Records a reading of the clocks."""
         if self._other is not None:
             self._other.clocks(reading)
 
@@ -145,7 +145,7 @@ class Recording:
 def recording(
     mission: Mission, folder: Path | str | None, on_event: OnEvent | None
 ) -> Iterator[Recording]:
-    """A recording, in a run folder as well if one is named."""
+    """A recording, which also writes a run folder if one is given."""
     if folder is None:
         yield Recording(on_event=on_event)
         return

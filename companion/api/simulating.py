@@ -1,6 +1,6 @@
 """Flights in the bundled simulator, in lockstep in one process.
 
-The one module beside the command line that knows the simulator.
+Besides the command line, this is the only module of the companion that imports the simulator.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ World: TypeAlias = "tuple[Scenario, OccupancyGrid | None]"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SimulationResult(FlightResult):
-    """A simulated flight that is over; its trajectory is where the vehicle truly was.
+    """The result of a simulated flight; its trajectory is where the vehicle truly was.
 
     Attributes:
-        scenario_events: time (seconds) and text of what the scenario let happen.
-        collisions: how often the vehicle hit a wall or an obstacle, also after the end; one is a
-            failure with exit code 5, whatever became of the task.
+        scenario_events: time (seconds) and text of each scenario event that has happened.
+        collisions: number of collisions with walls and obstacles, also after the end; any is a
+            failure with exit code 5, whatever the result of the task.
     """
 
     scenario_events: tuple[tuple[float, str], ...]
@@ -62,7 +62,7 @@ def simulate(
     limit_s: float | None = None,
     timeout_s: float = 30.0,
 ) -> SimulationResult:
-    """Flies a mission in the bundled simulator, as fast as the machine is; no files are needed.
+    """Flies a mission in the bundled simulator as fast as possible, without writing any files.
 
     Equal arguments give equal flights.
 
@@ -76,22 +76,21 @@ def simulate(
     True
 
     Args:
-        mission: what to do.
-        scenario: the world: a path, a YAML text, or data (docs/scenario.md). In a text or data the
-            map is the mission's, unless they name another one. By default NAME.sim.yaml beside
-            a mission file NAME.yaml, if there is one; else the mission's own map without wind, in
-            which nothing happens.
+        mission: the mission to fly.
+        scenario: the world: a path, a YAML text, or data (docs/scenario.md). A text, or data,
+            without a map uses the mission's map. By default NAME.sim.yaml beside a mission file
+            NAME.yaml, if it exists; otherwise the mission's own map, without wind and events.
         seed: of wind, sensors and the estimate.
-        folder: where to write a run folder; none by default.
-        on_event: told of each event that is news for people.
-        laps: after so many laps the vehicle is called home; None is no limit.
-        limit_s: the same after so many simulated seconds since it was to arm.
-        timeout_s: simulated seconds after which a vehicle has to be heard.
+        folder: where to write a run folder; None writes none.
+        on_event: called with each event that is shown to people.
+        laps: after this many laps the vehicle is called home; None means no limit.
+        limit_s: likewise, simulated seconds since arming was due.
+        timeout_s: simulated seconds to wait for a vehicle.
 
     Raises:
-        MissionError: the scenario cannot be read, or does not fit.
+        MissionError: the scenario cannot be read, or does not fit the mission.
         LibraryMissing: jsbsim is not installed.
-        CompanionError: it is no mission, or another argument is of another kind.
+        CompanionError: it is no mission, or another argument has a wrong type or value.
     """
     check_flight_arguments(mission, folder, on_event, laps, limit_s, timeout_s)
     check_kind(seed, int, "a whole number as seed")
@@ -121,7 +120,7 @@ def flight_of(
     on_event: OnEvent | None = None,
     limit: FlightLimit = NO_LIMIT,
 ) -> Iterator[tuple[LockstepFlight, Recording]]:
-    """A flight of `simulate` that is still to be flown, with what records it."""
+    """A flight of `simulate` before its first tick, with its recording."""
     with (
         recording(mission, folder, on_event) as recorder,
         closing(FunctionRunner(Path(folder) if folder else None, is_lockstep=True)) as functions,
@@ -141,17 +140,17 @@ def lockstep(
     limit: FlightLimit = NO_LIMIT,
     keeps_packets: bool = True,
 ) -> LockstepFlight:
-    """A flight of `simulate` that is still to be flown, and may be flown tick by tick.
+    """A flight of `simulate` before its first tick, to be flown tick by tick.
 
     Args:
-        run: what is flown, by whose plans, with who records it.
-        world: of `world_of`.
+        run: the mission with its planner and recorder.
+        world: from `world_of`.
         seed: as for `simulate`.
         instance: the vehicle's system id is 1 + instance.
         page: the monitor page, if there is one.
-        limit: after what the vehicle is called home.
-        keeps_packets: whether the recorder does; else what the companion does not read is not
-            packed. The flight is the same.
+        limit: when the vehicle is called home.
+        keeps_packets: whether the recorder keeps datagrams; if not, messages that the companion
+            does not read are not packed. The flight is the same.
     """
     from sitl.harness import LockstepFlight
     from sitl.link.routing import LinkName
@@ -172,7 +171,7 @@ def lockstep(
 
 
 def verdict(failure: CompanionError | None, is_damaged: bool) -> CompanionError | None:
-    """How a simulated flight went: a collision is none that the task can make good.
+    """The failure of a simulated flight, given its own; a collision is always one.
 
     >>> verdict(None, is_damaged=True).exit_code
     5
@@ -189,11 +188,11 @@ def scenario_beside(mission: Mission) -> Path | None:
 
 
 def world_in_words(mission: Mission, scenario: Path | None) -> str:
-    """The world that a mission is flown in, for a line of the terminal.
+    """The world in which a mission is flown, in words for the terminal.
 
     Args:
-        mission: what is flown.
-        scenario: its file; None for the world of a mission that has none.
+        mission: the mission to fly.
+        scenario: its file; None for the world of a mission that has no scenario.
     """
     if scenario is not None:
         return str(scenario)
@@ -205,7 +204,7 @@ def world_in_words(mission: Mission, scenario: Path | None) -> str:
 
 
 def world_alone(mission: Mission) -> dict[str, object]:
-    """The scenario of a mission that has none: its own map, where nothing happens."""
+    """The scenario of a mission that has none: its own map, without events."""
     north_m, east_m, _ = mission.home.position
     world: dict[str, object] = {"version": 1, "start": {"east_m": east_m, "north_m": north_m}}
     if (home := mission.anchor) is not None:
@@ -224,7 +223,7 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
     """The scenario that `simulate` takes, and its map.
 
     Raises:
-        MissionError: the scenario cannot be read, or does not fit.
+        MissionError: the scenario cannot be read, or does not fit the mission.
         LibraryMissing: jsbsim is not installed.
     """
     from sitl.installed import demand_jsbsim
@@ -237,10 +236,10 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
 
 
 def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedScenario:
-    """The same scenario with what varies in it: of any row of a campaign it makes a world.
+    """The same scenario with its factors; it makes the world of any row of a campaign.
 
     Raises:
-        MissionError: the scenario cannot be read, or does not fit.
+        MissionError: the scenario cannot be read, or does not fit the mission.
         LibraryMissing: jsbsim is not installed.
     """
     from sitl.installed import demand_jsbsim
@@ -256,7 +255,7 @@ def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedSc
 def _scenario_source(
     mission: Mission, scenario: Given | None
 ) -> tuple[Source, OccupancyGrid | None]:
-    """Where the scenario comes from, and its map if it names none."""
+    """The source of the scenario, and the map for a scenario that names none."""
     if scenario is None:
         scenario = scenario_beside(mission) or world_alone(mission) | {"map": None}  # it is at hand
     source = read_source(scenario, "scenario")

@@ -1,7 +1,7 @@
 """Behaviour trees in the XML format of BehaviorTree.CPP, version 4.
 
-Sequences, fallbacks and decorators are those of the library. Leaves are nodes of our own, declared
-in TreeNodesModel, so that editors as Groot2 can show them. A subtree is a tree of its own.
+Sequences, fallbacks and decorators are those of the library. Leaves are our own nodes, declared in
+TreeNodesModel, so that editors such as Groot2 can show them. Each subtree is a tree of its own.
 
 Source: https://www.behaviortree.dev/docs/learn-the-basics/xml_format, and the rules that the
 library checks (`VerifyXML` in its xml_parsing.cpp, and its btcpp4_schematron.sch).
@@ -57,14 +57,14 @@ LEAVES = {
     LeafType.FACTS: ("Condition", "FactsHold"),
     LeafType.STILL_THERE: ("Condition", "StillThere"),
 }
-"""Our own nodes: what each is to the library, and its ID."""
+"""Our own nodes: the library's type of each, and its ID."""
 MAIN = "MainTree"
 FOR_EVER = -1
-"""Cycles of a repeat that never ends."""
+"""Number of cycles of a repeat that never ends."""
 
 
 def to_xml(nodes: Sequence[PlanNode]) -> str:
-    """The document of a tree.
+    """The XML document of a tree.
 
     Args:
         nodes: depth first, each with its depth.
@@ -99,7 +99,7 @@ class _Document:
         return '<?xml version="1.0" encoding="UTF-8"?>\n' + _text(root)
 
     def _write(self, nodes: Sequence[PlanNode], parent: Element) -> None:
-        """Writes a node, the first one, and all that stand below it, as a child."""
+        """Writes the first node, with all nodes below it, as a child of `parent`."""
         node, below = nodes[0], nodes[1:]
         if node.type is NodeType.SUBTREE:
             self._write_subtree(node.name, below)
@@ -110,7 +110,7 @@ class _Document:
             self._write(child, element)
 
     def _write_subtree(self, name: str, below: Sequence[PlanNode]) -> None:
-        """The tree of a subtree: its steps as a sequence, once."""
+        """Writes the tree of a subtree, its steps as a sequence, unless it is there already."""
         if name not in self.trees:
             tree = self.trees[name] = Element("BehaviorTree", ID=_id(name))
             steps = SubElement(tree, "Sequence", name=name)
@@ -118,7 +118,7 @@ class _Document:
                 self._write(child, steps)
 
     def _described(self, node: PlanNode) -> tuple[str, dict[str, str]]:
-        """The tag and the attributes of a node."""
+        """The XML tag and the attributes of a node."""
         named = {"name": node.name}
         match node:
             case LeafTreeNode(does=leaf):
@@ -137,12 +137,12 @@ class _Document:
 
 
 def _id(subtree: str) -> str:
-    """The ID of a subtree; without the prefix it may be that of a node."""
+    """The ID of a subtree; its prefix distinguishes it from the nodes."""
     return f"subtree_{subtree}"
 
 
 def _children(below: Sequence[PlanNode]) -> list[Sequence[PlanNode]]:
-    """The nodes below one, each with all below it."""
+    """The children of a node, each with all nodes below it."""
     if not below:
         return []
     depth = below[0].depth

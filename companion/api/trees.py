@@ -1,4 +1,4 @@
-"""Behaviour trees of plans: of a mission's first plan, or of the last one that a run has ticked."""
+"""Behaviour trees of plans: the first plan of a mission, or the last one ticked in a run."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ from companion.record.events import read_events, record_of
 from companion.vehicle.port import Vehicle
 
 _SHAPES = {NodeType.ACTION: "box", NodeType.LEAF: "box"}
-"""In the DOT language; all others are ellipses."""
+"""Shapes in the DOT language; all other nodes are ellipses."""
 
 
 @dataclass(frozen=True, slots=True)
 class BehaviourTree:
-    """A behaviour tree as it is ticked.
+    """A behaviour tree as the executive ticks it.
 
     Attributes:
-        nodes: depth first, each with its depth; the root, which comes first, has depth 0.
+        nodes: depth first, each with its depth; the first one is the root, with depth 0.
     """
 
     nodes: tuple[PlanNode, ...]
 
     def to_text(self) -> str:
-        """A line for each node, indented by its depth: what it is, and its name."""
+        """A line for each node, indented by its depth: type and name."""
         return "".join(f"{'  ' * node.depth}{_in_words(node)}\n" for node in self.nodes)
 
     def to_dot(self) -> str:
         """The tree as a directed graph in the DOT language of Graphviz."""
         lines = ["digraph tree {", "  ordering=out"]
-        path: list[int] = []  # the nodes from the root to the present one
+        path: list[int] = []  # the nodes from the root to the current one
         for number, node in enumerate(self.nodes):
             label = _in_words(node).replace("\\", "\\\\").replace('"', '\\"')
             shape = _SHAPES.get(node.type, "ellipse")
@@ -71,14 +71,14 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
         action move(Home, A)
 
     Args:
-        of: a mission, for its first plan or the tree that it brings; or a run folder, or what
-            `simulate` or `run` returned, for the tree that was ticked last.
+        of: a mission, for the tree of its first plan or the tree that it brings; or a run folder,
+            or a result of `simulate` or `run`, for the last tree that was ticked.
 
     Raises:
-        NoPlan: the mission has none; its `explanation` says why.
+        NoPlan: the mission has no plan; `explanation` says why.
         SearchLimit: the search for a plan was given up.
-        MissionError: it is no run folder, a line of it is not as documented, or nothing was flown.
-        CompanionError: it is nothing of these kinds.
+        MissionError: it is no run folder, a line of it is damaged, or nothing was flown.
+        CompanionError: `of` is of another type.
     """
     if isinstance(of, Mission):
         return BehaviourTree(_planned(of))
@@ -92,7 +92,7 @@ def behaviour_tree(of: Mission | FlightResult | Path | str) -> BehaviourTree:
 
 
 def _planned(mission: Mission) -> tuple[PlanNode, ...]:
-    """The tree of the first plan, or the one written by hand; nothing ticks it."""
+    """The tree of the first plan, or the mission's own tree; it is not ticked."""
     prepared = prepare(mission)
     planner, first = prepared.planner, prepared.first_plan
     flight = flight_of(prepared, cast(Vehicle, HypotheticalVehicle(mission.home.position)))

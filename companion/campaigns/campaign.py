@@ -1,7 +1,7 @@
-"""A campaign: rows are flown by an engine, kept as they come, and become one table.
+"""A campaign: an engine flies rows, a folder keeps them, and they become one table.
 
-Whoever needs rows asks `Campaign.flown` for them. Those that are in the folder already are not
-flown again, so that a campaign that was cut off goes on by doing everything once more.
+Callers ask `Campaign.flown` for rows. Rows that the folder already has are not flown again, so an
+interrupted campaign is continued by running the same command again.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from companion.campaigns.rows import Row, random_row
 from companion.errors import CompanionError, MissionError
 
 OnRow = Callable[[FlownRow], None]
-"""Told of each row when it is back."""
+"""Called with each row when it has been flown."""
 
 
 class Interrupted(CompanionError):
-    """The user has stopped a campaign; what was flown is kept."""
+    """The user has stopped a campaign; the rows flown so far are kept."""
 
 
 class Campaign:
-    """Rows of one kit, in one folder.
+    """The rows of one kit, in one folder.
 
     Args:
-        kit: what is flown.
-        engine: who flies.
-        folder: where rows are kept.
+        kit: mission and scenario.
+        engine: flies the rows.
+        folder: keeps the rows.
         header: of the table.
-        on_row: told of each row when it is back.
-        on_kept: told of each row that was there already.
+        on_row: called with each row when it has been flown.
+        on_kept: called with each row that the folder already had.
     """
 
     def __init__(
@@ -52,18 +52,18 @@ class Campaign:
 
     @property
     def rows(self) -> tuple[FlownRow, ...]:
-        """All that were flown, in order of their index."""
+        """All rows flown so far, in the order of their index."""
         return tuple(self._file.rows[index] for index in sorted(self._file.rows))
 
     def flown(self, rows: Sequence[Row]) -> tuple[FlownRow, ...]:
-        """The rows, flown, in their own order.
+        """Flies the rows that are missing; returns all, in the given order.
 
         Raises:
-            Interrupted: the user has pressed Ctrl-C; rows under way were waited for.
-            MissionError: a row that was there already is another one.
-            NotWritten: a row cannot be kept.
-            LinkError: the cluster is gone.
-            CompanionError: a worker would fly other bytes.
+            Interrupted: the user has pressed Ctrl-C; rows under way were completed.
+            MissionError: the folder has another row with the same index.
+            NotWritten: a row cannot be written.
+            LinkError: the cluster does not answer any more.
+            CompanionError: a worker has another environment, so its flights would differ.
         """
         kept = self._file.rows
         for row in rows:
@@ -86,7 +86,7 @@ class Campaign:
         return path
 
     def close(self) -> None:
-        """The folder is free."""
+        """Releases the folder."""
         self._file.close()
 
     def _check(self, row: Row, kept: Row) -> None:
@@ -105,9 +105,9 @@ class Campaign:
             for flown in self._engine.finish():
                 self._keep(flown)
         except KeyboardInterrupt:
-            pass  # once more: these rows are dropped
+            pass  # a second Ctrl-C: the rows under way are dropped
 
 
 def random_rows(kit: Kit, seed: int, runs: int) -> list[Row]:
-    """The rows of a campaign that nothing has chosen."""
+    """The rows of a campaign that are drawn at random."""
     return [random_row(kit.factors, seed, index) for index in range(runs)]

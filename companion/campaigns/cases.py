@@ -1,7 +1,7 @@
-"""Rows as scenario files, each with the line that repeats it.
+"""Writes rows as scenario files, each with the command that repeats it.
 
-A case is the scenario without `vary`, with the values of its row, so that `companion sim` flies it
-as any other scenario.
+A case is the scenario without `vary`, with the values of a row, so `companion sim` flies it like
+any other scenario.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ if TYPE_CHECKING:
 
 FAILURES, WORST = "failures", "worst"
 BLOCK_DEPTH = 2
-"""From this depth on a value is written on one line."""
+"""From this depth on, a mapping is written on one line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A row as a file.
+    """A row as a scenario file.
 
     Attributes:
         flown: the row.
@@ -47,20 +47,20 @@ class Case:
 
 
 def simplifiable(kit: Kit) -> Kit:
-    """The kit in whose rows any entry of `happens` may be left out."""
+    """The same kit, in whose rows any entry of `happens` may be left out."""
     return replace(kit, scenario=kit.scenario.with_optional_events())
 
 
 def write_cases(
     kit: Kit, mission: Path, folder: Path, failures: Iterable[FlownRow]
 ) -> tuple[Case, ...]:
-    """Writes the scenario of each failure of a search, as DIR/failures/N-KIND.sim.yaml.
+    """Writes the scenario of each failure of a search to DIR/failures/N-KIND.sim.yaml.
 
     Args:
-        kit: that the rows belong to.
-        mission: its file, as it was named.
+        kit: mission and scenario of the rows.
+        mission: its file, as the user named it.
         folder: of the campaign.
-        failures: made simple.
+        failures: after minimising.
     """
     return tuple(
         write_case(kit, mission, folder / FAILURES / f"{number}-{_name(flown.kind)}", flown)
@@ -71,7 +71,7 @@ def write_cases(
 def write_worst(
     kit: Kit, mission: Path, folder: Path, flown: Iterable[FlownRow]
 ) -> tuple[Case, ...]:
-    """Writes the scenario of some rows, as DIR/worst/INDEX.sim.yaml; as `write_cases`."""
+    """Writes the scenarios of some rows to DIR/worst/INDEX.sim.yaml; see `write_cases`."""
     return tuple(
         write_case(kit, mission, folder / WORST / str(each.row.index), each) for each in flown
     )
@@ -107,7 +107,7 @@ def _text(kit: Kit, flown: FlownRow, file: Path, line: str) -> str:
 
 
 def scenario_data(kit: Kit, flown: FlownRow, folder: Path) -> dict[str, Any]:
-    """The scenario of a row, as the data of a file in a folder."""
+    """The scenario of a row, as the content of a file in a folder."""
     scenario: VariedScenario = kit.scenario
     data = scenario.data_with(flown.row.values)
     if data.get("map") is None:
@@ -119,7 +119,7 @@ def scenario_data(kit: Kit, flown: FlownRow, folder: Path) -> dict[str, Any]:
 
 
 def _styled(value: Any, depth: int = 1) -> Any:
-    """A value whose inner mappings stand on one line each."""
+    """A value, with its inner mappings set to be written on one line each."""
     if isinstance(value, list) and depth < BLOCK_DEPTH:
         return [_styled(item, depth + 1) for item in value]
     if isinstance(value, dict):

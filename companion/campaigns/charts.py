@@ -1,6 +1,6 @@
-"""Small pictures of numbers, as SVG text; the page's style colours them.
+"""Small charts as SVG text; the style of the page colours them.
 
-Every number is written with two digits after the point, so that equal rows give equal bytes.
+Every number has two decimals, so equal rows give equal bytes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def n(number: float) -> str:
 
 
 def rate_bar(rate: Rate) -> str:
-    """The interval of a rate, as a bar from 0 to 100 %."""
+    """A rate with its interval, as a bar from 0 to 100 %."""
     low, share, high = (100 * each for each in (rate.low, rate.share, rate.high))
     return (
         f'<svg class="rate" viewBox="0 0 100 8" preserveAspectRatio="none" role="img" '
@@ -35,7 +35,7 @@ def rate_bar(rate: Rate) -> str:
 
 
 def histogram(values: Sequence[float], unit: str, title: str, limit: float | None = None) -> str:
-    """How often values were taken, and a limit below which they are bad."""
+    """How often each range of values occurs, and the limit below which values are bad."""
     low, high = min(values), max(values)
     if limit is not None:
         low, high = min(low, limit), max(high, limit)
@@ -63,7 +63,7 @@ def histogram(values: Sequence[float], unit: str, title: str, limit: float | Non
 
 
 def scatter(points: Sequence[tuple[float, float, bool]], names: tuple[str, str]) -> str:
-    """Two factors of each row, and whether it failed."""
+    """A point for each row at the values of two factors, marked if it failed."""
     (x_low, x_high), (y_low, y_high) = (
         (min(p[axis] for p in points), max(p[axis] for p in points)) for axis in (0, 1)
     )
@@ -71,7 +71,7 @@ def scatter(points: Sequence[tuple[float, float, bool]], names: tuple[str, str])
     for x, y, is_failure in sorted(points, key=lambda point: point[2]):
         left = EDGE + (x - x_low) / ((x_high - x_low) or 1.0) * (WIDTH - 2 * EDGE)
         top = HEIGHT - EDGE - (y - y_low) / ((y_high - y_low) or 1.0) * (HEIGHT - 2 * EDGE)
-        if is_failure:  # a shape of its own, for those who see no colours
+        if is_failure:  # another shape too, for readers who cannot tell the colours apart
             marks.append(f'<path class="bad" d="M{n(left - 3)} {n(top - 3)}l6 6m0 -6l-6 6"/>')
         else:
             marks.append(f'<circle class="good" cx="{n(left)}" cy="{n(top)}" r="2"/>')

@@ -1,9 +1,9 @@
 """Flies rows on a Dask cluster: any number of machines with the same release installed.
 
-Rows are pure, so it does no harm if Dask flies one twice. A window of a few rows for each thread is
-under way. A row whose workers die is submitted again, as in a local pool; Dask counts the deaths of
-a worker against all rows that it had been given, so a row may be given up once without having been
-flown.
+1. Rows are pure, so it is harmless if Dask flies one twice.
+2. For each thread, a few rows are under way.
+3. A row whose worker dies is submitted again, as in a local pool. Dask counts the death of a worker
+   for all rows that it was given, so a row may be given up without having been flown that often.
 
 A door: it connects to a scheduler. The extra `cluster` installs Dask, in the release that the
 cluster has.
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 WINDOW = 3
-"""Rows under way for each thread, so that none waits for the client."""
+"""Rows under way for each thread, so that no thread waits for the client."""
 CONNECT_S = 30.0
 
 
@@ -36,12 +36,12 @@ class DaskCluster:
 
     Args:
         packed: the kit.
-        address: of the scheduler, e.g. tcp://10.0.0.1:8786; with tls://, Dask's own configuration
-            says with which certificates.
+        address: of the scheduler, such as tcp://10.0.0.1:8786; for tls://, Dask's own configuration
+            names the certificates.
 
     Raises:
         LibraryMissing: Dask is not installed.
-        AddressError: it is none of a scheduler.
+        AddressError: this is no address of a scheduler.
         LinkError: no scheduler answers.
     """
 
@@ -56,7 +56,7 @@ class DaskCluster:
             get_address_host_port(address)
         except ValueError as error:
             raise AddressError(f"--dask {address}: {error}\n    write tcp://HOST:8786") from error
-        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # we tell it ourselves
+        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)  # we report it ourselves
         try:
             self._client: Client = Client(address, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -67,22 +67,22 @@ class DaskCluster:
 
     @property
     def threads(self) -> int:
-        """Of all workers; each flies one row at a time."""
+        """The number of threads of all workers; each flies one row at a time."""
         counts: dict[str, int] = self._client.nthreads()
         return sum(counts.values())
 
     @property
     def busiest(self) -> int:
-        """Threads of the worker that has most; flights of one process do not run at once."""
+        """The most threads of any worker; flights of one process do not run in parallel."""
         counts: dict[str, int] = self._client.nthreads()
         return max(counts.values(), default=0)
 
     def fly(self, rows: Iterable[Row]) -> Iterator[FlownRow]:
-        """The rows as they come back.
+        """The rows, in the order in which they finish.
 
         Raises:
-            LinkError: the scheduler is gone.
-            CompanionError: a worker would fly other bytes.
+            LinkError: the scheduler does not answer any more.
+            CompanionError: a worker has another environment, so its flights would differ.
         """
         try:
             yield from self._flown(iter(rows))
@@ -90,12 +90,12 @@ class DaskCluster:
             raise LinkError(f"the Dask scheduler at {self._address} is gone") from error
 
     def finish(self) -> Iterator[FlownRow]:
-        """The rows that are under way, as they come back."""
+        """The rows under way, in the order in which they finish; submits no more."""
         while self._under_way:
             yield from self._returned()
 
     def close(self) -> None:
-        """Leaves the cluster; what is under way there is given up."""
+        """Disconnects from the cluster; rows under way are given up."""
         self._client.cancel(list(self._under_way), force=True)
         self._client.close()
 

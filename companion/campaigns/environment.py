@@ -1,7 +1,8 @@
-"""What the bytes of a flight depend on besides its row: code, libraries, and the machine.
+"""What a flight depends on besides its row: code, libraries, and the machine.
 
-The same row is the same flight wherever these are the same. The last of them is a fingerprint: the
-hash of all datagrams and events of a short flight through gusts, with a noisy lidar. Machines whose
+Where these are the same, equal rows give equal flights. The last of them is a fingerprint: the hash
+of all datagrams and events of a short flight through gusts with a noisy lidar. It differs on
+machines whose mathematical functions differ in their last bits.
 mathematical functions differ in their last bits have another one.
 """
 
@@ -27,7 +28,7 @@ from companion.skills.loading import entries, source_of
 
 LIBRARIES = ("jsbsim", "numpy", "pymavlink", "ruckig", "scipy")
 FINGERPRINT_TICKS = 180
-"""9 s: the start, the climb, and a part of the way."""
+"""9 s: the start, the climb, and a part of the route."""
 PACKAGES = ("companion", "sitl")
 SHORT = """
 version: 1
@@ -53,25 +54,25 @@ GUSTY = {
 
 
 class Hashing(Recording):
-    """A recorder that keeps a hash of all that goes over the link and happens."""
+    """A recorder that hashes all datagrams and events."""
 
     def __init__(self) -> None:
         super().__init__()
         self.hash = hashlib.sha256()
 
     def report(self, stamped: Stamped) -> None:
-        """Something happened."""
+        """Adds an event to the hash."""
         self.hash.update(f"{stamped.time_s!r} {stamped.event.text}\n".encode())
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Datagrams went over the link."""
+        """Adds datagrams of the link to the hash."""
         for datagram in datagrams:
             self.hash.update(datagram)
 
 
 @cache
 def environment() -> Mapping[str, str]:
-    """What this process would fly with, as lines of a table's header."""
+    """The environment of this process, as lines of a table's header."""
     return {
         "code": _hash_of_code(),
         "python": platform.python_version(),
@@ -81,7 +82,7 @@ def environment() -> Mapping[str, str]:
 
 
 def environment_of(mission: Mission) -> Mapping[str, str]:
-    """The same for one mission: the packages whose functions it calls are code as well."""
+    """The same for a mission, with the packages whose functions it calls."""
     functions = functions_of(mission)
     claimed = (entry for function, entry in entries() if function in functions) if functions else ()
     return {**environment(), **dict(map(_package_line, claimed))}
@@ -108,7 +109,7 @@ def _hash_of_code() -> str:
 
 
 def _hash_of_package(name: str) -> str:
-    """That of all files of a package, or of the one of a module; it is not imported."""
+    """The hash of all files of a package, or of a module's file; it is not imported."""
     spec = find_spec(name)
     if spec is None:
         return "not found"

@@ -1,4 +1,4 @@
-"""How far each factor goes with the score of the rows, and with their failures."""
+"""How strongly each factor is related to the score of the rows and to their failures."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ QUARTERS = 4
 
 @dataclass(frozen=True, slots=True)
 class FactorEffect:
-    """What a factor does.
+    """The effect of a factor.
 
     Attributes:
-        correlation: rank correlation with the score; None for words.
-        groups: each value, or quarter of the rows by value: its name, failures, rows.
+        correlation: rank correlation with the score; None for values that are no numbers.
+        groups: for each value, or quarter of the rows by value: its name, failures, rows.
     """
 
     path: str
@@ -30,7 +30,7 @@ class FactorEffect:
 
     @property
     def strength(self) -> float:
-        """How much it matters, 0 to 1: by the correlation, or the spread of the failure rates."""
+        """How much the factor matters, 0 to 1: its correlation, or the spread of failure rates."""
         shares = [failed / total for _, failed, total in self.groups if total]
         spread = max(shares, default=0.0) - min(shares, default=0.0)
         return abs(self.correlation) if self.correlation is not None else spread

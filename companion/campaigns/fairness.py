@@ -1,8 +1,8 @@
-"""Which rows leave the vehicle no chance: they say nothing of it, and count for nothing.
+"""Finds rows in which the vehicle has no chance; they count for nothing.
 
-A campaign that lays an obstacle anywhere lays it onto a place of the mission now and then, or so
-near to the start that the vehicle stands in it. Both are seen before the flight. What appears on
-top of a flying vehicle is seen when it does (measuring.py).
+A campaign that may place an obstacle anywhere will sometimes place it on a place of the mission, or
+where the vehicle stands at the start. This module finds both before the flight. measuring.py finds
+obstacles that appear on top of a flying vehicle.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ if TYPE_CHECKING:
     from companion.api.simulating import Scenario
 
 AROUND_PLACE_M = 0.5
-"""What has to be left free around a place, beside the vehicle itself."""
+"""What must be free around a place, in addition to the vehicle's radius."""
 
 
 def unfair(mission: Mission, scenario: Scenario, moved: Set[str]) -> str:
     """Why a row is unfair; "" if it is fair.
 
-    An obstacle that no factor moves stands where the author of the scenario wants it, and is fair
+    An obstacle that no factor moves stands where the author of the scenario wants it, so it is
+    always fair. So is an obstacle that is never present.
     wherever that is. One that is never there is fair, too.
 
     Args:
-        mission: what is flown.
         scenario: of the row.
-        moved: names of the obstacles that the row has placed.
+        moved: names of the obstacles that the row places.
     """
     for obstacle in scenario.met_obstacles:
         if obstacle.name not in moved:

@@ -1,7 +1,7 @@
-"""Falsification from end to end: searches, makes failures simple, writes them, and checks them.
+"""Falsification from end to end: searches for failures, minimises, writes and checks them.
 
-Everything that is flown is a row in a folder, so a falsification that was stopped goes on by being
-done once more.
+Everything flown is a row in a folder, so an interrupted falsification is continued by running the
+same command again.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from companion.campaigns.search import FailureSearch
 
 MINIMISED_FOLDER = "minimised"
 MOST_CASES = 8
-"""So many different failures are made simple; the table has the others."""
+"""Most failures that are minimised; the table has all of them."""
 
 
 @dataclass(frozen=True, slots=True)
 class CheckedCase:
-    """A failure as a file, and whether the file alone repeats it in a fresh process."""
+    """A failure as a file, and whether this file alone repeats it in a new process."""
 
     case: Case
     is_repeated: bool
 
 
 def falsify(search: Campaign, seed: int, budget: int) -> tuple[FlownRow, ...]:
-    """The first failure of each kind and place that a search finds; writes its table."""
+    """The first failure of each kind and place that a search finds; writes the search's table."""
     failures = FailureSearch(search.kit.factors, seed, budget).run(search.flown)
     search.write_table()
     return failures
@@ -47,13 +47,13 @@ def minimise(
     engine_of: Callable[[Kit], RowEngine],
     tell: Callable[[FlownRow], None],
 ) -> tuple[FlownRow, ...]:
-    """The failures of a search made simple.
+    """Minimises the failures of a search.
 
     Args:
-        search: that found them.
-        failures: the first few are taken.
-        engine_of: who flies the rows of a kit; begun where there are failures.
-        tell: each row that is flown for it.
+        search: the search that found them.
+        failures: only the first few are minimised.
+        engine_of: makes the engine for a kit; called only if there are failures.
+        tell: called with each row that is flown for this.
     """
     if not failures:
         return ()
@@ -63,13 +63,13 @@ def minimise(
         with closing(Campaign(kit, engine, folder, search.header, tell)) as simpler:
             simple = minimised(failures[:MOST_CASES], kit.factors, simpler.flown)
     flights = {(each.row.seed, tuple(sorted(each.row.values.items()))): each for each in simple}
-    return tuple(flights.values())  # different failures may be one when they are simple
+    return tuple(flights.values())  # different failures may become the same after minimising
 
 
 def checked(
     search: Campaign, mission: Path, failures: tuple[FlownRow, ...]
 ) -> tuple[CheckedCase, ...]:
-    """Writes a file for each failure, and flies each from its file in a process of its own."""
+    """Writes a file for each failure, and flies each file in a process of its own."""
     kit = simplifiable(search.kit)
     return tuple(
         CheckedCase(case, _flown_anew(kit, case).kind == case.flown.kind)

@@ -1,7 +1,7 @@
 """All that a process needs to fly rows of a campaign, as bytes, and the header of its table.
 
-The kit is made once, where the files are, and travels to other processes and machines; they need
-the same release installed, and no files.
+The kit is made once, where the files are, and sent to other processes and machines. They need the
+same release installed, but no files.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     from companion.api.simulating import Factor, VariedScenario
 
 FORMAT = "1"
-"""Of the table and of rows.jsonl."""
+"""Version of the table's and rows.jsonl's format."""
 
 
 @dataclass(frozen=True)
 class Kit:
-    """A mission, the scenario whose rows it is flown in, and what to fly them with.
+    """A mission, the scenario of its rows, and the environment that flies them.
 
     Attributes:
         limit_s: simulated seconds after which a flight is cut off.
-        environment: of the process that made the kit; who differs flies other bytes.
+        environment: of the process that made the kit; in another one, flights would differ.
     """
 
     mission: Mission
@@ -42,12 +42,12 @@ class Kit:
 
     @classmethod
     def of(cls, mission: Mission, scenario: VariedScenario, limit_s: float) -> Kit:
-        """The kit of this process."""
+        """The kit in the environment of this process."""
         return cls(mission, scenario, limit_s, dict(environment_of(mission)))
 
     @property
     def factors(self) -> tuple[Factor, ...]:
-        """What varies."""
+        """The factors of the scenario."""
         return self.scenario.factors
 
     @cached_property
@@ -57,17 +57,17 @@ class Kit:
 
     @classmethod
     def unpacked(cls, packed: bytes) -> Kit:
-        """The kit in bytes of our own."""
+        """The kit from bytes that this program has packed."""
         kit = pickle.loads(zlib.decompress(packed))
         assert isinstance(kit, cls)
         return kit
 
     def header(self, seed: int, **about: object) -> dict[str, str]:
-        """The lines at the top of a table: all that its rows depend on.
+        """The header of a table: all that its rows depend on.
 
         Args:
             seed: of the campaign.
-            about: what else there is to say, such as the number of rows.
+            about: further lines, such as the number of rows.
         """
         varied = {f"vary {f.path}": str(f.distribution) for f in self.factors}
         return {

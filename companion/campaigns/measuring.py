@@ -1,9 +1,9 @@
-"""Flies one row in lockstep and measures it; nothing is written.
+"""Flies one row in lockstep and measures it; writes nothing.
 
-What counts is where the vehicle truly was. Each tick is looked at for what changes under way: the
-walls, the setpoint, the battery, the phase. The fence and the altitude band are held against the
-whole track afterwards. A flight ends early where its row turns out to be unfair, and at the
-campaign's limit of simulated time. What is so there is told of the true vehicle, too.
+Measurements use the true position. After each tick, the module checks what changes under way: the
+walls, the setpoint, the battery, the phase. The fence and the altitude band are compared with the
+whole track afterwards. A flight ends early if its row proves to be unfair, or at the campaign's
+limit of simulated time; the reported reason then says what the true vehicle was doing.
 """
 
 from __future__ import annotations
@@ -41,19 +41,19 @@ SIGNED_KINDS = frozenset({"phase", "replan", "failed", "violation", "dropped", "
 
 
 class FlightWatch:
-    """What is seen of a flight tick by tick.
+    """Measures a flight, tick by tick.
 
     Args:
-        mission: what is flown, with its limits.
+        mission: with its limits.
         radius_m: of the true vehicle.
-        flight: looked at.
+        flight: to be measured.
         recorder: of its events.
 
     Attributes:
-        phase: of the sortie, now.
+        phase: present phase of the sortie.
         clearance_m, carrot_m, speed_mps, charge: least margins so far.
-        airborne: for each tick, whether the vehicle is in the air to do its task.
-        failed: when and in which phase the first thing went wrong; None while nothing has.
+        airborne: for each tick, whether the vehicle is in the air for its task.
+        failed: time and phase of the first failure; None while there is none.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class FlightWatch:
         self.failed: tuple[float, Phase] | None = None
 
     def look(self) -> None:
-        """After a tick."""
+        """Measures after a tick."""
         simulation = self._flight.simulation
         state = simulation.flight
         events = self._recorder.events
@@ -104,9 +104,9 @@ def fly(mission: Mission, world: World, row: Row, limit_s: float) -> FlownRow:
     """Flies a row.
 
     Args:
-        mission: what to do.
+        mission: the mission to fly.
         world: of the row.
-        row: what is flown.
+        row: the row to fly.
         limit_s: simulated seconds after which the flight is cut off.
     """
     with flight_of(mission, world, row.seed) as (flight, recorder):
@@ -130,9 +130,10 @@ def fly(mission: Mission, world: World, row: Row, limit_s: float) -> FlownRow:
 
 
 def _lost_for_good(flight: LockstepFlight) -> LinkError | None:
-    """What ends a flight whose vehicle is down, and whose companion does not hear so.
+    """The error that ends a flight whose vehicle is down, while the companion cannot hear this.
 
-    The companion waits for a vehicle that it believes in the air; this one is not armed again.
+    The companion waits for a vehicle that it believes to be in the air; this one is not armed
+    again.
     """
     state = flight.companion.telemetry.state
     if state is None or flight.simulation.is_armed:
@@ -141,7 +142,7 @@ def _lost_for_good(flight: LockstepFlight) -> LinkError | None:
 
 
 def _stance(flight: LockstepFlight) -> str:
-    """How the vehicle truly is, in words."""
+    """The true state of the vehicle, in words."""
     if not flight.simulation.flight.is_on_ground:
         return "in the air"
     return f"on the ground, {'' if flight.simulation.is_armed else 'not '}armed"
@@ -201,10 +202,10 @@ def _outcome(
 
 
 def _violated(recorder: Recording) -> str:
-    """The line of the task that the audit finds violated or unfulfilled; "" if none is."""
+    """The line of the task that the audit finds violated or unfulfilled; "" if none."""
     try:
         findings = audit(record_of(recorder.events)).findings
-    except CompanionError:  # no plan was made, or the monitor would be too large
+    except CompanionError:  # there is no plan, or the monitor would be too large
         told = (e.event for e in recorder.events if isinstance(e.event, ConjunctViolated))
         return next((event.conjunct for event in told if not event.optional), "")
     return next((finding.name for finding in findings if finding.is_failure), "")
@@ -259,7 +260,7 @@ def _finite(number: float | None) -> float | None:
 
 
 def _signature(recorder: Recording) -> str:
-    """A hash of what happened, by kind and without numbers."""
+    """A hash of what happened: the kinds of events, without numbers."""
     told = [
         f"{each.event.kind} {''.join(c for c in each.event.text if c.isalpha())[:24]}"
         for each in recorder.events

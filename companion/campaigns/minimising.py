@@ -1,9 +1,9 @@
-"""Makes failures simple: the fewest and smallest changes of a scenario that still fail so.
+"""Minimises failures: the fewest and smallest changes of a scenario with the same failure.
 
-Factor by factor the value of the file is tried instead (delta debugging, Zeller, 2002); numbers
-that have to differ are brought nearer to it by bisection; events are left out; seed 0 is tried.
-What still fails in the same way is kept. Several failures are made simpler at once, one row of each
-at a time, so that the result does not depend on how many processes fly.
+Factor by factor, the value of the file is tried instead (delta debugging, Zeller, 2002). Numbers
+that have to differ are brought nearer to it by bisection. Events are left out; seed 0 is tried. A
+change is kept if the flight still fails in the same way. Several failures are minimised at once,
+one row of each at a time, so the result does not depend on the number of processes.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
 
 BISECTIONS = 5
 Steps = Generator[Row, FlownRow, FlownRow]
-"""Asks for a row, is sent what became of it, and returns the simplest that fails alike."""
+"""Yields a row to fly, receives it flown, and returns the simplest row with the same failure."""
 
 
 def minimised(
     failures: Sequence[FlownRow], factors: Sequence[Factor], fly: RowFlyer
 ) -> tuple[FlownRow, ...]:
-    """The failures, each as simple as it gets.
+    """The failures, each as simple as possible.
 
     Args:
         failures: as they were found.
-        factors: what may be put back, the entries of `happens` among them.
+        factors: what may be reset, including the entries of `happens`.
         fly: flies rows.
     """
     under_way = {i: _steps(failure, factors) for i, failure in enumerate(failures)}
@@ -63,7 +63,7 @@ def _steps(failure: FlownRow, factors: Sequence[Factor]) -> Steps:
     best = yield from _put_back(best, failure, factors)
     for factor in factors:
         best = yield from _nearer(best, failure, factor)
-    best = yield from _put_back(best, failure, factors)  # nearer to the file, more may go back
+    best = yield from _put_back(best, failure, factors)  # then more may be reset
     for factor in factors:
         if factor.is_entry and factor.path not in best.row.values:
             flown = yield trial({**best.row.values, factor.path: False})
@@ -75,7 +75,7 @@ def _steps(failure: FlownRow, factors: Sequence[Factor]) -> Steps:
 
 
 def _put_back(best: FlownRow, failure: FlownRow, factors: Sequence[Factor]) -> Steps:
-    """The failure with the values of the file wherever it still fails alike."""
+    """The failure, with the file's values wherever it still fails in the same way."""
     for factor in factors:
         if factor.path in best.row.values:
             rest = {k: v for k, v in best.row.values.items() if k != factor.path}
@@ -85,7 +85,7 @@ def _put_back(best: FlownRow, failure: FlownRow, factors: Sequence[Factor]) -> S
 
 
 def _nearer(best: FlownRow, failure: FlownRow, factor: Factor) -> Steps:
-    """The failure with a number as near to that of the file as still fails alike."""
+    """The failure, with a number as near to the file's as it still fails in the same way."""
     usual, value = factor.usual, best.row.values.get(factor.path)
     if not (factor.is_range and _is_number(usual) and _is_number(value)):
         return best

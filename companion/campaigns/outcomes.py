@@ -1,8 +1,8 @@
 """How a row of a campaign ended, and what was measured in its flight.
 
-All numbers are rounded here, once, so that what is kept, what is compared and what is shown are
-the same. Margins are what was left of a limit at the worst moment of the flight, of the true
-position: below 0 the limit was broken.
+All numbers are rounded here, once, so that stored, compared and shown values are the same. A margin
+is the least distance from a limit during the flight, by the true position; below 0 the limit was
+broken.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from companion.campaigns.rows import Row
 
 NorthEastTrack = tuple[tuple[float, float], ...]
 DIGITS = 4
-"""Of metres, seconds and shares: a tenth of a millimetre."""
+"""Decimals of metres, seconds and shares: a tenth of a millimetre."""
 
 
 class RowOutcome(Enum):
@@ -35,7 +35,7 @@ class RowOutcome(Enum):
 
     @property
     def is_failure(self) -> bool:
-        """Whether the flight did not do what it was to; an unfair row says nothing of that."""
+        """Whether the flight failed its task; an unfair row does not count as a failure."""
         return self not in (RowOutcome.SATISFIED, RowOutcome.HOLDS_SO_FAR, RowOutcome.INVALID)
 
     @property
@@ -46,16 +46,16 @@ class RowOutcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """What was left of each limit; None where there is no such limit, or nothing was flown.
+    """The margin of each limit; None where there is no such limit, or nothing was flown.
 
     Attributes:
-        clearance_m: between the vehicle's outermost point and a wall or an obstacle.
+        clearance_m: from the vehicle's outermost point to a wall or an obstacle.
         fence_m: to the fence and the keep-out zones, from inside.
         altitude_m: to the ends of the altitude band.
-        carrot_m: of the longest distance of a setpoint, which the gate lets pass.
-        speed_mps: to the speed limit, over the ground.
+        carrot_m: to the largest distance of a setpoint that the gate accepts.
+        speed_mps: to the limit of horizontal speed.
         charge: of the battery, 0 to 1.
-        time_s: of the limit of the campaign.
+        time_s: to the time limit of the campaign.
     """
 
     clearance_m: float | None = None
@@ -69,27 +69,27 @@ class Margins:
 
 NOTHING_MEASURED = Margins()
 BREAKABLE: Mapping[str, float] = {"clearance_m": 1.0, "fence_m": 1.0, "altitude_m": 1.0}
-"""Margins that no flight may break, and what is plenty of each."""
+"""Margins that no flight may break -> a value that is ample."""
 LEADING: Mapping[str, float] = {"carrot_m": 1.0, "charge": 0.25, "time_s": 120.0}
-"""Margins whose end is no failure by itself, but comes before one; and what is plenty of each."""
+"""Margins that often reach 0 before a failure, but are no failure -> a value that is ample."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlownRow:
-    """A row that was flown.
+    """A row that has been flown.
 
     Attributes:
-        row: what was to be flown.
-        conjunct: the line of the task that was violated; "" without one.
-        exit_code: with which `companion sim` would have ended; None if nothing ended.
+        row: what was flown.
+        conjunct: the line of the task that was violated; "" if none.
+        exit_code: that of `companion sim`; None if the flight did not end.
         reason: of a failure, in one line.
-        replans: how many plans were made anew.
-        duration_s: of the flight, simulated.
+        replans: number of replans.
+        duration_s: simulated duration of the flight.
         phase: of the sortie, when it failed or ended.
         place: of the mission, nearest to where it failed or ended.
-        east_m, north_m: where that was.
-        signature: what happened in it, without numbers: flights of one kind have one signature.
-        track: where it was flown, east and north, simplified.
+        east_m, north_m: where it failed or ended.
+        signature: what happened, without numbers; equal for flights of one kind.
+        track: the flown track, east and north, simplified.
     """
 
     row: Row
@@ -109,19 +109,19 @@ class FlownRow:
 
     @property
     def broken(self) -> str:
-        """The limit that was broken although the row did not fail otherwise; "" if none was."""
+        """The limit that was broken although the row did not fail otherwise; "" if none."""
         left = {name: getattr(self.margins, name) for name in BREAKABLE}
         broken = {name: left_m for name, left_m in left.items() if (left_m or 0.0) < 0}
         return min(broken, key=lambda name: broken[name], default="")
 
     @property
     def is_failure(self) -> bool:
-        """It failed, or broke a limit."""
+        """Whether it failed or broke a limit."""
         return self.outcome.is_valid and (self.outcome.is_failure or bool(self.broken))
 
     @property
     def kind(self) -> str:
-        """The kind of failure, which tells different failures apart; "" for none.
+        """The kind of failure, by which failures are told apart; "" if it did not fail.
 
         >>> FlownRow(Row(0, 1, {}), RowOutcome.VIOLATED, "upload", phase="flying the task").kind
         'violated: upload'
@@ -134,7 +134,7 @@ class FlownRow:
 
     @property
     def score(self) -> float:
-        """The least margin over what is plenty of it, at most 1; below 0 is a failure."""
+        """The least ratio of a margin to its ample value, at most 1; below 0 is a failure."""
         shares = [1.0]
         for scales, least in ((BREAKABLE, -1.0), (LEADING, 0.0)):
             for name, scale in scales.items():
@@ -145,13 +145,13 @@ class FlownRow:
         return round(min(shares) + failed, DIGITS) if is_flown else 1.0
 
     def as_json(self) -> dict[str, Any]:
-        """The row for a line of JSON."""
+        """The row as data for a line of JSON."""
         entry = asdict(self)
         return {**entry, "outcome": self.outcome.value}
 
     @classmethod
     def of_json(cls, entry: Mapping[str, Any]) -> FlownRow:
-        """The row of a line of JSON."""
+        """The row from the data of a line of JSON."""
         given = {
             **entry,
             "row": Row(**entry["row"]),
@@ -163,5 +163,5 @@ class FlownRow:
 
 
 def rounded(number: float) -> float:
-    """A measured number as it is kept; there is no -0."""
+    """A measured number as it is stored, never -0."""
     return round(number, DIGITS) + 0.0

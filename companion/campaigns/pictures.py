@@ -1,4 +1,4 @@
-"""Pictures of flights: the map once, as a symbol, and each flight's track and obstacles over it."""
+"""Pictures of flights: the map once, as a symbol, and the track and obstacles of each flight."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MAP = "map"
 
 
 class Pictures:
-    """Pictures of the flights of a kit, all in one frame: the fence, and what lies in it.
+    """Pictures of the flights of a kit, all in one frame: the fence and what it contains.
 
     Args:
         kit: mission and scenario.
@@ -38,7 +38,7 @@ class Pictures:
 
     @property
     def symbol(self) -> str:
-        """The map, fence, zones and places, to be used by each picture."""
+        """The map, fence, zones and places as an SVG symbol that each picture uses."""
         mission = self._kit.mission
         zones = "".join(
             f'<polygon class="zone" points="{self._points(zone)}"/>'
@@ -91,7 +91,7 @@ class Pictures:
         return "".join(self._runs(grid)) if grid is not None else ""
 
     def _runs(self, grid: OccupancyGrid) -> Iterator[str]:
-        """The occupied cells, as one box for each run in a row."""
+        """The occupied cells, with one box for each run of cells in a row."""
         (south, west), cell = grid.origin, grid.cell_m
         for row, occupied in enumerate(grid.occupied):
             edges = np.flatnonzero(np.diff(np.concatenate(([0], occupied.astype(np.int8), [0]))))

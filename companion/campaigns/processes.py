@@ -1,11 +1,10 @@
-"""Flies rows in warm processes of this machine.
+"""Flies rows in running processes of this machine.
 
-Each process is a pool of its own with one row under way, so that of a process that died it is known
-which row it was flying. It is replaced, and the row is flown again; a row that has killed its
-process three times is `died`. The others fly on. Rows are handed out one by one, because they take
-from a tenth of a second to a minute.
-
-Processes are spawned: JSBSim and the libraries of numpy do not survive a fork.
+1. Each process is a pool of its own with one row under way, so if it dies, its row is known.
+2. A dead process is replaced, and its row is flown again. A row that has killed its process three
+   times gets the outcome `died`. The other processes continue.
+3. Rows are handed out one by one, because they take from a tenth of a second to a minute.
+4. Processes are spawned: JSBSim and the libraries of numpy do not survive a fork.
 """
 
 from __future__ import annotations
@@ -26,27 +25,27 @@ from companion.campaigns.worker import WorkerRefused, begin, fly_row
 from companion.errors import CompanionError
 
 FlyRow = Callable[[bytes, Row], FlownRow | WorkerRefused]
-"""Flies a row of a kit in the process that it is called in."""
+"""Flies a row of a kit in the process in which it is called."""
 TRIES = 3
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Flights hold the interpreter; more threads of a library only get in each other's way."""
+"""Flights hold the interpreter lock, so more threads of a library only disturb each other."""
 
 
 class RowEngine(Protocol):
     """Flies rows somewhere."""
 
     def fly(self, rows: Iterable[Row]) -> Iterator[FlownRow]:
-        """The rows as they come back, in any order.
+        """The rows, in the order in which they finish.
 
         Raises:
-            CompanionError: a worker would fly other bytes.
+            CompanionError: a worker has another environment, so its flights would differ.
         """
 
     def finish(self) -> Iterator[FlownRow]:
-        """Submits no more; the rows that are under way, as they come back."""
+        """The rows under way, in the order in which they finish; submits no more."""
 
     def close(self) -> None:
-        """Ends what is under way."""
+        """Ends the rows under way."""
 
 
 class LocalProcesses:
@@ -69,11 +68,11 @@ class LocalProcesses:
 
     @property
     def pids(self) -> list[int]:
-        """Of the processes that are there."""
+        """The ids of the running processes."""
         return [pid for worker in self._workers if (pid := worker.pid) is not None]
 
     def fly(self, rows: Iterable[Row]) -> Iterator[FlownRow]:
-        """The rows as they come back."""
+        """The rows, in the order in which they finish."""
         waiting = iter(rows)
         while True:
             self._submit(waiting)
@@ -82,7 +81,7 @@ class LocalProcesses:
             yield from self._returned()
 
     def finish(self) -> Iterator[FlownRow]:
-        """The rows that are under way, as they come back."""
+        """The rows under way, in the order in which they finish."""
         while self._under_way:
             yield from self._returned()
 
@@ -136,7 +135,7 @@ class _Worker:
 
     @property
     def pid(self) -> int | None:
-        """Of its process, as soon as it is there."""
+        """The id of its process, once it has started."""
         is_there = self._pid.done() and self._pid.exception() is None
         return self._pid.result() if is_there else None
 
@@ -157,16 +156,16 @@ class Deaths:
         self._of_row: Counter[int] = Counter()
 
     def is_last(self, row: Row) -> bool:
-        """Whether this death, which is counted, was the row's last try."""
+        """Counts a death; returns whether this was the row's last try."""
         self._of_row[row.index] += 1
         return self._of_row[row.index] >= TRIES
 
 
 def accepted(answer: FlownRow | WorkerRefused) -> FlownRow:
-    """The row that a worker has flown.
+    """The row from a worker's answer.
 
     Raises:
-        CompanionError: it would have flown other bytes.
+        CompanionError: the worker has another environment, so its flights would differ.
     """
     if isinstance(answer, WorkerRefused):
         raise CompanionError(
@@ -178,5 +177,5 @@ def accepted(answer: FlownRow | WorkerRefused) -> FlownRow:
 
 
 def died(row: Row) -> FlownRow:
-    """A row that has killed each process that flew it."""
+    """The result of a row that has killed each process that flew it."""
     return FlownRow(row, RowOutcome.DIED, reason=f"its process died {TRIES} times")

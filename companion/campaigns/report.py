@@ -1,7 +1,7 @@
-"""The report of a campaign: DIR/report.html, one page that needs nothing else.
+"""The report of a campaign: DIR/report.html, a self-contained page.
 
-No script, no font and no picture from outside; no date and no machine: it follows from the rows, as
-the table does. What is to be opened is a `details` element, so it can be read by keyboard.
+It has no script, no external font or picture, no date and no machine name: like the table, it
+follows from the rows alone. Parts that open are `details` elements, so a keyboard is enough.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ STYLES = (
 
 @dataclass(frozen=True)
 class ReportSource:
-    """What a report is made of.
+    """The input of a report.
 
     Attributes:
-        kit: what was flown.
+        kit: mission and scenario.
         header: of the table.
         flown: all rows.
-        command: that makes the table again.
-        repeating: row to the command that flies it again.
-        is_search: the rows were chosen by a search, so that their shares are no rates.
+        command: makes the table again.
+        repeating: row -> the command that flies it again.
+        is_search: whether a search chose the rows, so that their shares are no rates.
     """
 
     kit: Kit
@@ -59,24 +59,24 @@ class ReportSource:
 
     @property
     def worst(self) -> list[FlownRow]:
-        """The rows with the least margin."""
+        """The rows with the least score."""
         return worst_of(self.flown)
 
 
 def worst_of(flown: Iterable[FlownRow]) -> list[FlownRow]:
-    """The rows with the least margin, the worst first."""
+    """The rows with the least score, the worst first."""
     valid = (each for each in flown if each.outcome.is_valid)
     return sorted(valid, key=lambda each: (each.score, each.row.index))[:WORST]
 
 
 def write_report(campaign: Campaign, mission: Path, command: str, is_search: bool = False) -> Path:
-    """Writes the report of a campaign, with the scenarios of its worst rows; returns its path.
+    """Writes the report of a campaign and the scenarios of its worst rows; returns its path.
 
     Args:
-        campaign: whose rows are there.
-        mission: its file, as it was named.
-        command: that makes the table again.
-        is_search: the rows were chosen by a search.
+        campaign: with all its rows flown.
+        mission: its file, as the user named it.
+        command: makes the table again.
+        is_search: whether a search chose the rows.
     """
     kit, rows = campaign.kit, campaign.rows
     worst = write_worst(kit, mission, campaign.folder, worst_of(rows))
@@ -268,7 +268,7 @@ def _table(
     numbers: Iterable[int] = (),
     label: str = "",
 ) -> str:
-    """A table of cells that are HTML already; it scrolls by itself where it is too wide."""
+    """A table of HTML cells, which scrolls if it is too wide."""
     right = set(numbers)
 
     def line(tag: str, cells: Sequence[str]) -> str:

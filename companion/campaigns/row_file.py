@@ -1,9 +1,10 @@
-"""The rows of a campaign on disk, as they come: DIR/rows.jsonl.
+"""The rows of a campaign on disk: DIR/rows.jsonl.
 
-The first line is the header. Each row is a line of its own. It is written to the disk (fsync)
-before the campaign waits for the next row. So whatever ends a campaign, such as a full disk, only
-the rows under way are lost. A last line that is not whole is dropped; a damaged line before it is
-refused. Two campaigns cannot write to one folder.
+1. The first line is the header; each row is a line of its own.
+2. Each row is written to the disk (fsync) before the campaign waits for the next one. So if
+   anything ends the campaign, such as a full disk, only the rows under way are lost.
+3. An incomplete last line is dropped; a damaged line before it is refused.
+4. Two campaigns cannot write to one folder.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ NAME = "rows.jsonl"
 
 
 class NotWritten(CompanionError):
-    """A file of a campaign cannot be written, as on a full disk; rows from before are kept."""
+    """A file of a campaign cannot be written, as on a full disk; earlier rows are kept."""
 
     def __init__(self, path: Path, error: OSError) -> None:
         super().__init__(f"{path} cannot be written: {error.strerror}")
@@ -33,15 +34,15 @@ class RowFile:
 
     Args:
         folder: of the campaign.
-        header: what its rows depend on.
+        header: all that its rows depend on.
 
     Attributes:
-        rows: those that were flown, by index.
+        rows: the rows flown so far, by index.
 
     Raises:
         CompanionError: another campaign writes to the folder.
         MissionError: the folder has rows of another campaign, or a damaged line.
-        NotWritten: it cannot be written.
+        NotWritten: the file cannot be written.
     """
 
     def __init__(self, folder: Path, header: Mapping[str, str]) -> None:
@@ -63,7 +64,7 @@ class RowFile:
             raise
 
     def _begin(self, folder: Path, header: Mapping[str, str]) -> dict[int, FlownRow]:
-        """The rows of the same campaign; what was not written whole is dropped."""
+        """The rows of the same campaign; an incomplete last line is dropped."""
         before, entries, whole = _read(self._path)
         if before is not None and before != dict(header):
             raise _other_campaign(folder, before, header)
@@ -80,16 +81,16 @@ class RowFile:
         return {each.row.index: each for each in flown}
 
     def add(self, flown: FlownRow) -> None:
-        """Keeps a row.
+        """Writes a row.
 
         Raises:
-            NotWritten: it cannot be written; at most a part of its line is there.
+            NotWritten: it cannot be written; at most a part of its line is in the file.
         """
         self._write(flown.as_json())
         self.rows[flown.row.index] = flown
 
     def close(self) -> None:
-        """Another campaign may write to the folder."""
+        """Releases the folder for another campaign."""
         self._file.close()
 
     def _write(self, entry: Mapping[str, object]) -> None:
@@ -107,10 +108,10 @@ def header_in(folder: Path, key: str) -> dict[str, str]:
 
     Args:
         folder: of the campaign.
-        key: that the header of this kind of campaign has.
+        key: a line that the header of this kind of campaign has.
 
     Raises:
-        MissionError: there is none, or one of another kind.
+        MissionError: there is no campaign, or one of another kind.
     """
     path = folder / NAME
     header = _read(path)[0] if path.is_file() else None
@@ -125,7 +126,7 @@ def header_in(folder: Path, key: str) -> dict[str, str]:
 
 
 def _read(path: Path) -> tuple[dict[str, str] | None, list[dict[str, Any]], int]:
-    """The header, the rows as they were written, and how many bytes are whole lines.
+    """The header, the rows as written, and the number of bytes of complete lines.
 
     Raises:
         MissionError: a line before the last one is damaged.
@@ -147,7 +148,7 @@ def _read(path: Path) -> tuple[dict[str, str] | None, list[dict[str, Any]], int]
 
 
 def _entry(line: bytes) -> dict[str, Any] | None:
-    """What a whole line says; None of another one."""
+    """The content of a complete line; None for a damaged one."""
     try:
         entry = json.loads(line)
     except ValueError:
@@ -158,7 +159,7 @@ def _entry(line: bytes) -> dict[str, Any] | None:
 def _other_campaign(
     folder: Path, before: Mapping[str, str], header: Mapping[str, str]
 ) -> MissionError:
-    names = ["code", *before, *(name for name in header if name not in before)]  # says most
+    names = ["code", *before, *(name for name in header if name not in before)]  # best first
     name = next(name for name in names if before.get(name) != header.get(name))
     return MissionError(
         f"{folder} holds another campaign: its {name} is {before.get(name, 'not there')}, "

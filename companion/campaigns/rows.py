@@ -1,8 +1,8 @@
 """The rows of a campaign: pure functions of its seed and their number.
 
-Each factor has a stream of random numbers of its own in each row, named by its path. So row 7 needs
-no row before it, another factor in the file changes none of the others, and a row is the same on
-any machine and in any order.
+Each factor has its own stream of random numbers in each row, named by its path. So row 7 needs no
+earlier row, a new factor in the file does not change the others, and a row is the same on any
+machine and in any order.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ if TYPE_CHECKING:
 
 Value = bool | int | float | str
 SEEDS = 2**31 - 2
-"""So many; any of them is a `--seed` of `companion sim`."""
+"""Number of seeds; each is a valid `--seed` of `companion sim`."""
 SEED_STREAM = "seed"
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One flight that is to be flown.
+    """A flight of a campaign before it is flown.
 
     Attributes:
         index: its number in the campaign, from 0.
         seed: of wind, sensors and links.
         values: of the factors, by path.
-        generation: of a search that has chosen it; 0 for rows that nothing has chosen.
+        generation: of the search that has chosen it; 0 for random rows.
     """
 
     index: int
@@ -71,6 +71,6 @@ def seed_of(campaign_seed: int, index: int) -> int:
 
 
 def chance(campaign_seed: int, index: int, path: str) -> float:
-    """The random number of a row for a factor, from 0 to below 1."""
+    """The random number of a row for a factor, in [0, 1)."""
     named = (index, zlib.crc32(path.encode()))
     return float(Generator(PCG64(SeedSequence(campaign_seed, spawn_key=named))).random())

@@ -1,14 +1,13 @@
-"""Searches for rows that fail, by the least margin of those that do not.
+"""Searches for rows that fail, guided by the least margin of rows that do not.
 
-Batch-synchronous: what a generation consists of follows from the seed of the campaign and the rows
-of the generations before, and never from how many processes fly it. A generation of points that
-fill the unit cube evenly (Sobol, 1967) comes first. Then CMA-ES (Hansen and Ostermeier, 2001) goes
-from the worst row on towards less margin. It only ranks the rows of a generation: by their score in
-steps, among equals by how seldom a flight of that kind was seen. So where verdicts are flat, what
-is new leads.
-
-Different failures are wanted. When a generation has found one, what is near it is forbidden, and
-another search begins at the worst row elsewhere; so does one that gets nowhere.
+1. The search proceeds in generations. Each follows from the campaign's seed and the earlier
+   generations, never from the number of processes.
+2. The first generation fills the unit cube evenly (Sobol, 1967).
+3. From the worst row, CMA-ES (Hansen and Ostermeier, 2001) proceeds towards a smaller margin. It
+   only ranks the rows of a generation: by score, rounded to steps; among equals, rarely seen kinds
+   of flights first. So where scores are flat, novelty guides the search.
+4. The aim is different failures. After a failure, its neighbourhood is excluded and a new search
+   begins at the worst row elsewhere. The same happens when a search makes no progress.
 """
 
 from __future__ import annotations
@@ -32,29 +31,29 @@ if TYPE_CHECKING:
 
 GENERATION = 16
 SIGMA = 0.2
-"""Of a search at its begin, as a share of the cube."""
+"""Initial step size of a search, as a share of the cube's edge."""
 NEAR = 0.25
-"""Root mean square of the distance in each factor, within which two rows are alike."""
+"""Two rows are alike if the root mean square of their coordinate differences is below this."""
 PATIENCE = 4
-"""Generations without a lower score after which a search begins elsewhere."""
+"""Number of generations without a lower score after which a search begins elsewhere."""
 STEP = 0.05
-"""Scores in one step are equal."""
+"""Scores within one such step are equal."""
 DIGITS = 6
 RowFlyer = Callable[[Sequence[Row]], tuple[FlownRow, ...]]
-"""Flies rows, and returns them in their order."""
+"""Flies rows and returns them in the same order."""
 Point = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Tried:
-    """A row that the search has flown, and where it lies."""
+    """A row that the search has flown, with its point."""
 
     point: Point
     flown: FlownRow
 
 
 def first_points(dimensions: int, seed: int, budget: int) -> list[Point]:
-    """The points of the first generation: a power of two, a quarter of the budget or so."""
+    """The points of the first generation: a power of two, about a quarter of the budget."""
     least, most = (min(n, budget) for n in (GENERATION, 128))
     count = max(least, min(most, budget // 4))
     power = int(math.log2(count))
@@ -63,7 +62,7 @@ def first_points(dimensions: int, seed: int, budget: int) -> list[Point]:
 
 
 def rounded(point: Point) -> Point:
-    """A point within the cube, with the digits that it is kept with."""
+    """A point within the cube, rounded to the stored digits."""
     return np.clip(np.round(point, DIGITS), 0.0, 1.0 - 10.0**-DIGITS)
 
 
@@ -71,9 +70,9 @@ class FailureSearch:
     """One search.
 
     Args:
-        factors: what varies; the unit cube has an edge for each.
+        factors: each is a dimension of the unit cube.
         seed: of the campaign.
-        budget: of rows.
+        budget: number of rows.
 
     Attributes:
         tried: all rows so far, in order.
@@ -81,7 +80,7 @@ class FailureSearch:
 
     def __init__(self, factors: Sequence[Factor], seed: int, budget: int) -> None:
         self._factors, self._seed, self._budget = factors, seed, budget
-        self._dimensions = max(2, len(factors))  # CMA-ES needs two; the second may mean nothing
+        self._dimensions = max(2, len(factors))  # CMA-ES needs two; the second may be unused
         self._generation = 0
         self._seen: Counter[str] = Counter()
         self._forbidden: list[Point] = []
@@ -100,7 +99,7 @@ class FailureSearch:
         return self._budget - len(self.tried)
 
     def _descend(self, start: Point, fly: RowFlyer) -> None:
-        """A search from one point, until it has failed, or gets nowhere."""
+        """Searches from one point until it finds a failure or makes no progress."""
         self._begun.append(start)
         bounds = np.array([[0.0, 1.0]] * self._dimensions)
         seed = (self._seed + len(self._begun)) % 2**32
@@ -133,7 +132,7 @@ class FailureSearch:
         return new
 
     def _ranks(self, new: Sequence[Tried]) -> list[float]:
-        """The rank of each row of a generation; the lower, the nearer to another failure."""
+        """The rank of each row of a generation; the lower, the nearer to a new failure."""
         keys = [
             (
                 self._is_forbidden(each.point),
@@ -151,9 +150,9 @@ class FailureSearch:
         return ranks
 
     def _start(self) -> Point | None:
-        """Where the next search begins: at the worst row that is like no failure and no start.
+        """The start of the next search: the worst row that is near no failure and no earlier start.
 
-        If there is none, it is the row that is furthest from all of them.
+        If there is none, it is the row farthest from all of them.
         """
         known = [*self._forbidden, *self._begun]
         valid = [each for each in self.tried if each.flown.outcome.is_valid]
@@ -169,17 +168,17 @@ class FailureSearch:
 
 
 def distance(one: Point, other: Point) -> float:
-    """How far two points are apart: the root mean square of their coordinates."""
+    """The distance of two points: the root mean square of their coordinate differences."""
     return float(np.sqrt(np.mean((one - other) ** 2)))
 
 
 def is_near(point: Point, others: Sequence[Point]) -> bool:
-    """Whether a point is like one of some others."""
+    """Whether a point is near one of the others."""
     return any(distance(point, other) < NEAR for other in others)
 
 
 def first_of_each_kind(flown: Sequence[FlownRow]) -> tuple[FlownRow, ...]:
-    """The first failure of each kind, by place; flights that fail alike are one failure."""
+    """The first failure of each kind and place; others count as the same."""
     found: dict[tuple[str, str], FlownRow] = {}
     for each in flown:
         if each.is_failure:

@@ -1,8 +1,9 @@
-"""What the rows of a campaign say of a rate, of a factor, and of another version.
+"""Statistics of a campaign's rows: a rate, the effect of a factor, a comparison of versions.
 
-Intervals are exact (Clopper and Pearson, 1934) and hold for random rows of a number that was fixed
+Intervals are exact (Clopper and Pearson, 1934); they hold for random rows whose number was fixed
 beforehand. Two versions on the same rows are compared by the rows that differ (McNemar, 1947), with
-the exact test. A factor matters as far as its rank goes with that of the margin (Spearman, 1904).
+the exact test. A factor matters as much as its ranks correlate with those of the margin (Spearman,
+1904).
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Rate:
-    """A share of rows, and where the true one lies with 95 % confidence.
+    """A share of rows, and the 95 % confidence interval of the true one.
 
     >>> print(Rate.of(3, 150))
     2.0 % (0.4 to 5.7 %)
@@ -31,7 +32,7 @@ class Rate:
 
     @classmethod
     def of(cls, count: int, total: int) -> Rate:
-        """The rate of so many among so many."""
+        """The rate of `count` among `total`."""
         if total == 0:
             return cls(0, 0, 0.0, 1.0)
         interval = binomtest(count, total).proportion_ci(CONFIDENCE, method="exact")
@@ -39,7 +40,7 @@ class Rate:
 
     @property
     def share(self) -> float:
-        """Of the rows."""
+        """The share itself."""
         return self.count / self.total if self.total else 0.0
 
     def __str__(self) -> str:
@@ -51,10 +52,10 @@ class Comparison:
     """Two versions on the same rows.
 
     Attributes:
-        rows: how many both have.
-        worse: rows that failed now and not before.
-        better: the other way round.
-        p: how likely rows differ as unevenly as that if neither version is better.
+        rows: number of rows that both have.
+        worse: rows that fail now and did not before.
+        better: rows that failed before and do not now.
+        p: probability of a difference at least as uneven if neither version is better.
     """
 
     rows: int
@@ -64,7 +65,7 @@ class Comparison:
 
     @property
     def is_significant(self) -> bool:
-        """Whether chance is no good explanation."""
+        """Whether chance is an unlikely explanation."""
         return self.p < 1 - CONFIDENCE
 
 
@@ -76,7 +77,7 @@ def compare(before: Sequence[tuple[int, bool]], now: Sequence[tuple[int, bool]])
 
     Args:
         before: index of each row, and whether it failed.
-        now: the same.
+        now: likewise.
     """
     failed = dict(before)
     common = [(index, failed[index], is_failure) for index, is_failure in now if index in failed]
@@ -88,7 +89,7 @@ def compare(before: Sequence[tuple[int, bool]], now: Sequence[tuple[int, bool]])
 
 
 def rank_correlation(xs: Sequence[float], ys: Sequence[float]) -> float:
-    """How far the ranks of two series go together, -1 to 1; 0 where one of them does not vary.
+    """Rank correlation of two series, -1 to 1; 0 if one of them does not vary.
 
     >>> rank_correlation([1.0, 2.0, 3.0], [10.0, 30.0, 20.0])
     0.5

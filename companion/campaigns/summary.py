@@ -1,4 +1,4 @@
-"""A campaign in a few lines: how many rows ended how, and against another table."""
+"""A campaign in a few lines: how its rows ended, and the comparison with another table."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from companion.campaigns.table import Table, header_lines, header_of, read_table
 from companion.errors import MissionError
 
 SAME = ("format", "scenario", "seed", "limit_s")
-"""Lines of the header that have to be equal for the rows of two tables to be the same."""
+"""Header lines that must be equal for two tables to have the same rows."""
 
 
 def summary(flown: Iterable[FlownRow]) -> list[tuple[str, int, bool]]:
-    """What became of the rows: the name of each end, how many, and whether it is a failure."""
+    """For each way in which rows ended: its name, their number, and whether it is a failure."""
     counts = Counter((each.kind or each.outcome.value, each.is_failure) for each in flown)
     order = [outcome.value for outcome in RowOutcome]
 
@@ -29,7 +29,7 @@ def summary(flown: Iterable[FlownRow]) -> list[tuple[str, int, bool]]:
 
 
 def why_invalid(flown: Iterable[FlownRow]) -> str:
-    """Why rows are of no account: the reason of most of them."""
+    """Why rows do not count: the most frequent reason."""
     reasons = Counter(each.reason for each in flown if each.outcome is RowOutcome.INVALID)
     ((reason, count),) = reasons.most_common(1)
     most = "most: " if count < reasons.total() else ""
@@ -37,7 +37,7 @@ def why_invalid(flown: Iterable[FlownRow]) -> str:
 
 
 def failures_in(table: Table) -> list[tuple[int, bool]]:
-    """Index of each row of a table that counts, and whether it failed."""
+    """For each row of a table that counts: its index, and whether it failed."""
     return [
         (int(row["index"]), float(row["score"]) < 0)
         for row in table.rows
@@ -46,10 +46,10 @@ def failures_in(table: Table) -> list[tuple[int, bool]]:
 
 
 def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
-    """A table of the rows that a header stands for, flown before.
+    """An earlier table of the same rows.
 
     Raises:
-        MissionError: it cannot be read, or its rows are others.
+        MissionError: it cannot be read, or has other rows.
     """
     table, header = read_table(path), header_of(header_lines(header))
     if "budget" in table.header:
@@ -73,11 +73,11 @@ def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
 
 
 def in_words(path: Path, found: Comparison) -> str:
-    """Two versions on the same rows, in words.
+    """The comparison of two versions on the same rows, in words.
 
     Args:
-        path: of the earlier one's table.
-        found: when they were compared.
+        path: of the earlier table.
+        found: the comparison.
     """
     verdict = "more than chance" if found.is_significant else "may be chance"
     lines = [

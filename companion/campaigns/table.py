@@ -1,7 +1,7 @@
 """The table of a campaign: DIR/table.csv, the same bytes however its rows were flown.
 
-Lines that begin with # are its header: `# key: value`. Then come the names of the columns, and the
-rows in order of their index. There is no time, no machine and no path in it.
+Lines that begin with # are the header: `# key: value`. Then come the names of the columns and the
+rows, in the order of their index. The table contains no time, no machine and no path.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ NAME = "table.csv"
 MARK = "# "
 QUOTE = '"'
 QUOTED = frozenset(f"#,{QUOTE}\r\n")
-"""What ends a cell, or begins a comment, where it does not stand in quotes."""
+"""Characters that end a cell or begin a comment, unless they are in quotes."""
 FIRST = ("index", "generation", "seed")
 MEASURED = (
     "outcome",
@@ -46,7 +46,7 @@ class Table:
 
     Attributes:
         header: by key.
-        rows: the cells of each row, by column, as texts.
+        rows: the cells of each row as texts, by column.
     """
 
     header: Mapping[str, str]
@@ -57,8 +57,8 @@ def table_text(header: Mapping[str, str], paths: Sequence[str], flown: Iterable[
     """The table of some rows.
 
     Args:
-        header: what the rows depend on.
-        paths: of the factors, a column each.
+        header: all that the rows depend on.
+        paths: of the factors, one column each.
         flown: in any order.
     """
     heads = [f"{MARK}{line}" for line in header_lines(header)]
@@ -69,7 +69,7 @@ def table_text(header: Mapping[str, str], paths: Sequence[str], flown: Iterable[
 
 
 def header_lines(header: Mapping[str, str]) -> list[str]:
-    r"""The header of a table, each key on a line of its own.
+    r"""The header of a table, one line per key.
 
     >>> header_lines({"vary arming": "two\nlines (50%)"})
     ['vary arming: two\\nlines (50%)']
@@ -79,10 +79,10 @@ def header_lines(header: Mapping[str, str]) -> list[str]:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Writes a file at once, and its folder: who reads it meanwhile has the one before, or none.
+    """Writes a file atomically, with its folder: a reader sees the old file or the new one.
 
     Raises:
-        NotWritten: it cannot be written; the one before is there as it was.
+        NotWritten: it cannot be written; the old file is unchanged.
     """
     partial = path.with_name(f"{path.name}.partial")
     try:
@@ -102,7 +102,7 @@ def read_table(path: Path) -> Table:
     """Reads a table.
 
     Raises:
-        MissionError: it cannot be read, or is none.
+        MissionError: it cannot be read, or is no table.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")  # as spreadsheets write it
@@ -123,7 +123,7 @@ def read_table(path: Path) -> Table:
 
 
 def header_of(lines: Iterable[str]) -> dict[str, str]:
-    """The header that stands in some lines, by key."""
+    """The header that some lines contain, by key."""
     parts = (line.partition(": ") for line in lines)
     return {key: value for key, _, value in parts}
 
@@ -141,7 +141,7 @@ def _values(flown: FlownRow, paths: Sequence[str]) -> list[object]:
 
 
 def _cell(value: object) -> str:
-    """A value as text that reads as the same value again.
+    """A value as text from which the same value can be read.
 
     >>> _cell("upload #2"), _cell(2.5)
     ('"upload #2"', '2.5')

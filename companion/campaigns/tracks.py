@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 OFF_M = 0.05
-"""How far the simplified track may be from the flown one."""
+"""Largest distance of the flown track from the simplified one."""
 CENTIMETRES = 2
 
 
 def simplified(
     track: Sequence[tuple[float, float]], off_m: float = OFF_M
 ) -> tuple[tuple[float, float], ...]:
-    """The points of a track that all others are near to, in centimetres.
+    """The points, rounded to centimetres, that suffice to stay within `off_m` of a track.
 
     >>> simplified([(0.0, 0.0), (1.0, 0.01), (2.0, 0.0), (2.0, 2.0)])
     ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0))

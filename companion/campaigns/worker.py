@@ -1,7 +1,7 @@
-"""What a worker process does: it unpacks a kit once, and flies rows.
+"""What a worker process does: it unpacks a kit once, then flies rows.
 
-Nothing that a row does ends the campaign: what raises is the outcome `error`. A worker whose
-environment is not that of the kit flies nothing, and says what differs.
+No row ends the campaign: an exception becomes the outcome `error`. A worker whose environment
+differs from the kit's flies nothing and reports the difference.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from companion.errors import MissionError
 
 @dataclass(frozen=True, slots=True)
 class WorkerRefused:
-    """A worker would fly other bytes.
+    """A worker has another environment, so its flights would differ.
 
     Attributes:
         worker: its machine.
-        line: of the header, that differs.
+        line: the header line that differs.
     """
 
     worker: str
@@ -40,10 +40,10 @@ class WorkerRefused:
 
 
 def begin() -> None:
-    """What a process of a local pool does first.
+    """The first call in a process of a local pool.
 
-    Ctrl-C is for the campaign alone, which lets it finish its row; while the process was not so
-    far it was blocked. It ends with the campaign, also when that is killed.
+    Ctrl-C is for the campaign alone, which lets the process complete its row; the signal was
+    blocked until here. The process ends with the campaign, even if that is killed.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
@@ -74,7 +74,7 @@ def fly_row(packed: bytes, row: Row) -> FlownRow | WorkerRefused:
         said = traceback.format_exception_only(error)[-1].strip()
         return FlownRow(row, RowOutcome.ERROR, reason=said.partition("\n")[0])
     finally:
-        gc.collect()  # the parts of a flight hold each other: left alone, a hundred stay
+        gc.collect()  # its parts form cycles: a hundred flights would stay
 
 
 @lru_cache(maxsize=2)
@@ -84,7 +84,7 @@ def _kit(packed: bytes) -> Kit:
 
 @lru_cache(maxsize=2)
 def _difference(packed: bytes) -> str:
-    """The first line of the kit's environment that is another one here."""
+    """The first line of the kit's environment that differs here."""
     kit = _kit(packed)
     here, wanted = environment_of(kit.mission), kit.environment.items()
     return next((f"{k}: {here.get(k)}, not {v}" for k, v in wanted if here.get(k) != v), "")

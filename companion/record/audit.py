@@ -1,19 +1,17 @@
-"""Holds a recorded flight against its task: each conjunct against the word that was executed.
+"""Audits a recorded flight: each conjunct of its task against the word that was executed.
 
-The word is read again from the record alone, letter by letter, by a monitor of each conjunct
-(`companion/ltl/monitor.py`). If the vehicle came to rest for ever, the word is a lasso, and the
-direct semantics of LTL decides each conjunct without any automaton.
-
-A line with a bound in time is read by its clock beside that (`timed_word.py`): where it runs over,
-the position left last has violated it.
-
-An event may have made conjuncts begin anew (`restarts`); what such a conjunct had read before is
-then dropped, but a violation that has happened stays one. That is not the formula's truth over the
-whole flight, so the outcome without any restart stands beside it.
-
-A line with a priority is dropped where no plan keeps it. It is read on, and judged like all others;
-but the flight does not fail for it. If it was violated it begins anew when it is taken up, and is
-judged from there on. The positions at which it was dropped are named.
+1. The word is read from the record alone, letter by letter, by a monitor of each conjunct
+   (`companion/ltl/monitor.py`). If the vehicle has come to rest for ever, the word is a lasso, and
+   the semantics of LTL decides each conjunct directly, without any automaton.
+2. A line with a time bound is also read by its clock (`timed_word.py`). If the clock runs out, the
+   position that was left last has violated the line.
+3. An event may have restarted conjuncts (`restarts`). What such a conjunct has read before is then
+   dropped, but a violation remains. This differs from the formula's truth over the whole flight, so
+   the outcome without restarts is reported too.
+4. A line with a priority is dropped where no plan keeps it. It still reads the word and is judged
+   like all others, but the flight does not fail because of it. If it was violated, it restarts when
+   it is taken up again, and is judged from there. The positions at which it was dropped are
+   reported.
 """
 
 from __future__ import annotations
@@ -33,7 +31,7 @@ from companion.record.events import RunRecord
 
 
 class ConjunctOutcome(Enum):
-    """What a flight has done about a conjunct; the first two are failures."""
+    """The result of a conjunct in a flight; the first two are failures."""
 
     VIOLATED = "violated"
     UNFULFILLED = "unfulfilled"
@@ -49,18 +47,19 @@ class ConjunctOutcome(Enum):
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Finding:
-    """What the flight has done about one conjunct.
+    """The result of one conjunct in a flight.
 
     Attributes:
-        formula: what it says; with its bound in time, if it has one.
-        outcome: VIOLATED and FULFILLED if the word alone decides it, from `position` on; SATISFIED
-            and UNFULFILLED if the rest does that follows for ever; else OPEN: it holds so far.
-        since: the position with which it began anew last, 0 if it never did. What was read before
-            is dropped, but for a violation.
+        formula: with its time bound, if it has one.
+        outcome: VIOLATED and FULFILLED if the word alone decides it, at `position`; SATISFIED and
+            UNFULFILLED if the rest that follows for ever decides it; otherwise OPEN: not violated
+            so far.
+        since: the position of its last restart, 0 if there was none. What was read before is
+            dropped, except for a violation.
         priority: of a line that may be dropped; None for all others.
         dropped: first and last position of each span in which the plan did not keep it.
-        whole: the outcome over the whole flight, as if it had never begun anew; not the same as
-            `outcome` where the paper's forgetting is asked for by `restarts`.
+        whole: the outcome over the whole flight, as without restarts; it differs from `outcome`
+            only where `restarts` asks for the paper's forgetting.
         states: what the word says after each position.
     """
 
@@ -76,16 +75,16 @@ class Finding:
 
     @property
     def is_failure(self) -> bool:
-        """Whether the flight has failed for it."""
+        """Whether the flight fails because of it."""
         return self.outcome.is_failure and self.priority is None
 
     def __repr__(self) -> str:
-        """In a line, without what was read at each position."""
+        """One line, without the state at each position."""
         return f"<Finding on {self.name}: {self.verdict}, {self.formula}>"
 
     @property
     def verdict(self) -> str:
-        """The outcome in words, with the position that has decided it."""
+        """The outcome in words, with the position that decides it."""
         at = "" if self.position is None else f" at position {self.position}"
         return f"{self.outcome.value}{at}"
 
@@ -95,7 +94,8 @@ class Audit:
     """All findings.
 
     Attributes:
-        differs: violations, as conjunct and position, that either the flight or the audit alone
+        differs: violations, as conjunct and position, that only the flight or only the audit has
+            found.
             has found.
     """
 
@@ -103,7 +103,7 @@ class Audit:
     differs: tuple[tuple[str, int], ...]
 
     def __repr__(self) -> str:
-        """In a line: what has failed by name, and how many conjuncts came out how else."""
+        """One line: failures by name, and the number of each other outcome."""
         failed = [each for each in self.findings if each.outcome.is_failure]
         told = [
             f"{each.name}{'' if each.is_failure else ' (optional)'} {each.verdict}"
@@ -120,7 +120,7 @@ class Audit:
 
 
 def audit(record: RunRecord) -> Audit:
-    """Holds a recorded flight against its task.
+    """Audits a recorded flight.
 
     Raises:
         TranslationLimit: the monitor of a conjunct would be too large.
@@ -137,11 +137,11 @@ def audit(record: RunRecord) -> Audit:
 
 @dataclass(frozen=True, slots=True)
 class AuditedConjunct:
-    """A conjunct of a line of the task.
+    """A conjunct of a line of the task, as it is audited.
 
     Attributes:
         name: of the line.
-        formula: without its bound in time.
+        formula: without its time bound.
         bound: None if it has none.
     """
 
@@ -151,16 +151,16 @@ class AuditedConjunct:
 
     @property
     def said(self) -> Formula | TimeBound:
-        """What it says."""
+        """The formula with its time bound."""
         return self.bound or self.formula
 
 
 @dataclass(frozen=True, slots=True)
 class _Reading:
-    """What the word says of a conjunct.
+    """What the word says about a conjunct.
 
     Attributes:
-        begun: number of the position from which on it counts.
+        begun: number of the position from which it counts.
         states: what is known after each position.
         violated: the positions that violated it: one, and perhaps one more after each restart.
     """
@@ -172,7 +172,7 @@ class _Reading:
 
     @property
     def since_begun(self) -> _Reading:
-        """The same without what was before it has begun."""
+        """The same without what lies before its last restart."""
         return replace(self, violated=tuple(n for n in self.violated if n >= self.begun))
 
 
@@ -216,7 +216,7 @@ def _finding(reading: _Reading, record: RunRecord) -> Finding:
 
 
 def _spans(numbers: Iterable[int]) -> tuple[tuple[int, int], ...]:
-    """The spans of successive numbers.
+    """The spans of consecutive numbers.
 
     >>> _spans([2, 3, 4, 7])
     ((2, 4), (7, 7))
@@ -233,7 +233,7 @@ def _spans(numbers: Iterable[int]) -> tuple[tuple[int, int], ...]:
 def _outcome(
     reading: _Reading, positions: tuple[PositionLeft, ...]
 ) -> tuple[ConjunctOutcome, int | None]:
-    """What a reading comes to, and the position that decides it if the word does."""
+    """The outcome of a reading, and the position that decides it, if the word does."""
     if reading.violated:
         return ConjunctOutcome.VIOLATED, reading.violated[0]
     if TruthValue.TRUE in reading.states[reading.begun :]:

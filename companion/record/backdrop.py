@@ -1,4 +1,4 @@
-"""What a flight is drawn over: walls, shaded by how near they are, fence, zones and places."""
+"""The background of a flight's picture: walls, shaded by distance, fence, zones and places."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.region import Region
 
 SHADE_LIMIT_M = 3.0
-"""Distance to the next obstacle from which on a cell is white."""
+"""A cell farther than this from the next obstacle is white."""
 FENCE, ZONE, LOW_WALL, PLACE = "tab:purple", "tab:red", "tab:gray", "tab:orange"
 
 
@@ -25,10 +25,10 @@ class Backdrop:
     """The world of a flight.
 
     Attributes:
-        fence: north-east corners.
-        keep_out: the same of areas that are not entered.
-        low_walls: the same of walls that can be flown over.
-        places: where each is, and its region.
+        fence: corners, north and east.
+        keep_out: corners of the keep-out zones.
+        low_walls: corners of the walls that can be flown over.
+        places: position and region of each.
     """
 
     grid: OccupancyGrid
@@ -51,7 +51,7 @@ class Backdrop:
         return [*entries, place]
 
     def draw(self, axis: Axes) -> None:
-        """Draws it; east to the right, north up, metres. The names of places come last."""
+        """Draws all but the names of places; east to the right, north up, metres."""
         grid = self.grid
         rows, cols = grid.occupied.shape
         north, east = grid.origin
@@ -78,7 +78,7 @@ class Backdrop:
 
 
 def backdrop_of(mission: Mission) -> Backdrop:
-    """The world as a mission knows it at first."""
+    """The world as a mission knows it at the start."""
     return Backdrop(
         mission.grid,
         tuple(mission.limits.fence),

@@ -10,14 +10,14 @@ from matplotlib.axes import Axes
 from companion.record.charge_trail import ChargeTrail
 
 LONG_S = 600.0
-"""From here on time is in minutes."""
+"""From this duration on, time is in minutes."""
 LEAST_APART = 0.06
-"""Of the time that is drawn: replans nearer than that to the last numbered one have no number."""
+"""Share of the time axis: a replan nearer than this to the last numbered one has no number."""
 ABOVE_PERCENT = 3.0
 
 
 def draw_charge(axis: Axes, trail: ChargeTrail) -> None:
-    """Draws the charge of a flight; there is something measured."""
+    """Draws the charge of a flight that has measurements."""
     unit_s, unit = (60.0, "min") if trail.end_s >= LONG_S else (1.0, "s")
     for number, (begin_s, end_s) in enumerate(trail.charging):
         label = "charging" if number == 0 else None
@@ -57,7 +57,7 @@ def draw_charge(axis: Axes, trail: ChargeTrail) -> None:
 
 
 def _draw_measured(axis: Axes, trail: ChargeTrail, unit_s: float) -> None:
-    """A gauge says what it said last until it says something else."""
+    """Draws the measured charge; a reading holds until the next one."""
     label = "measured"
     readings = [*trail.measured, (trail.end_s, trail.measured[-1][1])]
     times, percents = [], []

@@ -1,7 +1,7 @@
-"""The charge over a flight, for `flight.png`: it stays small in a flight of days.
+"""The charge during a flight, for `flight.png`; its size is limited even in a flight of days.
 
-Measured is what the gauge says. A plan's charge at a position stands at the time at which that was
-reached; it charges while a leaf that charges runs.
+Measured is what the gauge reports. A plan's charge at a position is drawn at the time when the
+position was reached. The vehicle charges while a leaf that charges runs.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from companion.flight_events.tree import (
 )
 
 POINTS_MAX = 2048
-"""Of one line; of a longer one every second point is kept."""
+"""Most points of a line; of a longer one, every second point is kept."""
 MARKS_MAX = 512
-"""Charges and replans; of more the newest."""
+"""Most charges and replans; the newest are kept."""
 
 
 class ChargeAt(NamedTuple):
-    """What a plan reckoned with at a position.
+    """The charge that a plan expected at a position.
 
     Attributes:
-        plan: by its number in the record; a plan that is told again for its next lap is another.
+        plan: its number in the record; a plan that is repeated for its next lap counts as another.
         time_s: when the position was reached.
     """
 
@@ -51,10 +51,10 @@ class ChargeTrail:
     """The charge so far.
 
     Attributes:
-        measured: pairs of time and percent, None while it is not known.
-        planned: positions that were reached.
-        reserve_percent: kept for what nobody foresees; None where plans know of no charge.
-        charging: pairs of times, from when to when it charged.
+        measured: pairs of time and percent, None while unknown.
+        planned: the positions that were reached.
+        reserve_percent: kept for the unforeseen; None if plans do not consider the charge.
+        charging: pairs of times, start and end of each charge.
         replans: pairs of time and number.
         end_s: the newest time.
     """
@@ -72,16 +72,16 @@ class ChargeTrail:
 
     @property
     def says_something(self) -> bool:
-        """Whether the charge is of interest: a plan reckons with it, or it charges."""
+        """Whether the charge is of interest: plans consider it, or the vehicle charges."""
         return bool(self.measured) and (self.reserve_percent is not None or bool(self.charging))
 
     @property
     def plans(self) -> list[list[ChargeAt]]:
-        """What was planned, a list for each plan."""
+        """The expected charge, a list for each plan."""
         return [list(each) for _, each in groupby(self.planned, key=lambda at: at.plan)]
 
     def take(self, stamped: Stamped) -> None:
-        """Something has happened."""
+        """Takes an event."""
         time_s = self.end_s = max(self.end_s, stamped.time_s)
         match stamped.event:
             case ChargeMeasured(percent=percent):
@@ -109,7 +109,7 @@ class ChargeTrail:
                 self._charge_no_more(time_s)
 
     def _complete(self, time_s: float, action: str) -> None:
-        """An action is done; those before it, of which nothing is told, were done before."""
+        """Notes a completed action; earlier ones without events were completed before."""
         names = [each.action for each in self._ahead]
         if action in names:
             for _ in range(names.index(action)):

@@ -1,9 +1,9 @@
 """What the clocks of a run showed at the same time: clocks.json.
 
-Three clocks meet in a run: its own seconds (`t_s`), the machine's, and the autopilot's, which
-counts from its boot and stamps its log. A sample is taken when the run begins, when the vehicle is
-armed, which is when PX4 begins a log, and when the run ends. docs/run-folder.md says how to lay a
-log beside a run with them.
+A run has three clocks: its own seconds (`t_s`), the machine's clock, and the autopilot's, which
+counts from its boot and stamps its log. Samples are taken when the run begins, when the vehicle is
+armed (PX4 then begins a log), and when the run ends. docs/run-folder.md says how to align a log
+with a run by them.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ VERSION = 1
 
 
 def unix_of(clock_s: float) -> float:
-    """Seconds since 1970 when the machine's monotonic clock showed a time."""
+    """The Unix time at which the machine's monotonic clock showed a time."""
     before_s, unix_s, after_s = time.monotonic(), time.time(), time.monotonic()
     return unix_s + clock_s - (before_s + after_s) / 2
 
 
 class ClockFile:
-    """The clocks.json of one run, written anew with each sample.
+    """The clocks.json of one run, rewritten with each sample.
 
     Args:
-        folder: of the run; where it has samples already, more are added.
-        is_continued: whether it is the folder of a run that goes on.
-        write: makes a file with a text.
+        folder: of the run.
+        is_continued: whether a cut-off run continues there, so that samples are added.
+        write: writes a text to a file.
         unix_of: as the function of that name.
     """
 
@@ -69,7 +69,7 @@ class ClockFile:
 
 
 def read_clocks(folder: Path) -> list[dict[str, Any]]:
-    """The samples of a run; none where the file is missing or damaged."""
+    """The samples of a run; empty if the file is missing or damaged."""
     try:
         data = json.loads((folder / CLOCKS_FILE).read_bytes())
         return [dict(sample) for sample in data["samples"]]

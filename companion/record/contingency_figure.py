@@ -1,7 +1,7 @@
 """The table of contingencies as a picture: a row for each change, a column for each position.
 
-Each verdict has a colour and a letter, so that the picture can be read without colours. The table
-comes as letters: this module knows nothing of how it was made.
+Each verdict has a colour and a letter, so the picture can also be read without colours. The table
+comes as letters: this module does not know how it was made.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ from matplotlib.patches import Patch
 ROW_INCHES, COLUMN_INCHES = 0.2, 0.32
 LABEL_INCHES, FOOT_INCHES = 4.2, 2.0
 MOST_INCHES = 200.0
-"""Of height: more than anybody scrolls through, and less than what fits into no file."""
+"""Greatest height in inches: more than anybody scrolls, and still a valid image file."""
 DPI = 110
 COLOURS = ("#c7dcef", "#7fb3d5", "#f4d58d", "#f0a35e", "#d98c8c", "#b9a7c9", "#c22f3d")
-"""Of the legend's entries, in their order."""
+"""Colours of the legend's entries, in their order."""
 
 
 @dataclass(frozen=True)
 class ContingencyChart:
-    """What is drawn.
+    """The content of the picture.
 
     Attributes:
-        title: above it.
-        columns: what each position is.
-        rows: what each change is.
-        cells: by row and column, a letter; none where nothing was asked.
+        title: above the table.
+        columns: label of each position.
+        rows: label of each change.
+        cells: by row and column, a letter; None where there is no contingency.
         legend: what each letter means.
     """
 

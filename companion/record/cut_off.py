@@ -1,9 +1,9 @@
-"""What a run that was cut off has left in its folder, made ready to be gone on with.
+"""Repairs the folder of a run that was cut off, so that the run can continue in it.
 
-A program that is killed has written all but what it held; a power failure takes more. Files that
-were begun may be missing then, or empty, or filled with zeros, or torn at the end. What the mission
-says is written again, and what is torn is taken away. Of the word the journal has all (journal.py),
-so lines that it does not have are taken away, and what is left out here is told by it again.
+A killed program has written all but its buffers; a power failure takes more. New files may then be
+missing, empty, filled with zeros, or torn at the end. Files from the mission are written again, and
+torn ends are removed. The journal has the whole word (journal.py): lines that it does not have are
+removed here, and it supplies what the files lack.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from companion.record.events import is_lost
 CHUNK_BYTES = 1 << 20
 _STAMP_BYTES = 8
 _HEAD_BYTES = 3
-"""Of a frame: enough to know its size."""
+"""Bytes at the start of a frame that determine its size."""
 
 
 class ToldWord:
-    """What of the word a run folder has already.
+    """What a run folder already has of the word.
 
     Attributes:
         has_task: whether it has the task as it is flown.
-        positions: how many.
+        positions: their number.
         violations: conjuncts, and the positions that violated them.
     """
 
@@ -50,7 +50,7 @@ class ToldWord:
         return False
 
     def add(self, event: FlightEvent) -> None:
-        """An event that is in the folder."""
+        """Adds an event of the folder."""
         match event:
             case PlanMade() | TaskRecalled():
                 self.has_task = True
@@ -61,10 +61,10 @@ class ToldWord:
 
 
 def cut_events(path: Path, positions: int) -> ToldWord:
-    """Takes away a torn last line, and all from a position on that the journal does not have.
+    """Removes a torn last line, and all positions from one on that the journal does not have.
 
     Returns:
-        what is left.
+        What remains.
     """
     lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
     told, kept = ToldWord(), 0
@@ -83,13 +83,13 @@ def cut_events(path: Path, positions: int) -> ToldWord:
 
 
 def cut_tlog(path: Path) -> None:
-    """Takes away a torn last record: nobody reads what comes behind one."""
+    """Removes a torn last record, behind which no program could read."""
     if path.exists():
         os.truncate(path, _whole_bytes(path))
 
 
 def _whole_bytes(path: Path) -> int:
-    """How many bytes of a flight.tlog are whole records."""
+    """How many bytes of a flight.tlog are complete records."""
     whole = 0
     with path.open("rb") as file:
         while data := file.read(CHUNK_BYTES):
@@ -109,6 +109,6 @@ def _whole_bytes(path: Path) -> int:
 
 
 def write_if_lost(path: Path, text: str) -> None:
-    """Writes a file again that the power failure has taken."""
+    """Writes a file again if a power failure has taken it."""
     if is_lost(path):
         path.write_text(text, encoding="utf-8")

@@ -1,8 +1,8 @@
-"""What a flight records is written by a thread: a disk may stand still, setpoints may not.
+"""Writes the records of a flight in a thread, because a disk may stall but setpoints must not.
 
-Writing waits for a file system that waits for its disk, also where nobody syncs. With a storage
-card that stood still for 1.5 s now and then, a loop that wrote for itself was seen to send nothing
-for 1.2 s; after one a PX4 leaves OFFBOARD.
+Even without a sync, writing may wait for a file system that waits for its disk. A storage card that
+stalled for 1.5 s now and then made a loop that wrote itself send nothing for 1.2 s; after 1 s, PX4
+leaves OFFBOARD.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class DiskThread:
     """Writes what it is given, in that order.
 
     Attributes:
-        failure: why the newest that could not be written was not; None if all was.
+        failure: why the latest failed write failed; None if there was none.
     """
 
     def __init__(self) -> None:
@@ -31,19 +31,19 @@ class DiskThread:
 
     @property
     def waiting_bytes(self) -> int:
-        """What it was given and has not written yet."""
+        """The number of bytes that are not written yet."""
         return self._given_bytes - self._taken_bytes
 
     def append(self, file: IO[bytes], data: bytes) -> None:
-        """Adds to an open file; others can read it as soon as that is done."""
+        """Appends to an open file; afterwards other programs can read the data."""
         self._put(file, data)
 
     def write(self, path: Path, text: str) -> None:
-        """Makes a file, or makes it anew."""
+        """Writes a file anew."""
         self._put(path, text.encode("utf-8"))
 
     def close(self) -> None:
-        """Ends when all is written."""
+        """Ends when everything is written."""
         self._queue.put(None)
         self._thread.join()
 

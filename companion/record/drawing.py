@@ -1,12 +1,12 @@
 """When and where flight.png is drawn: after the flight, here or in a child process.
 
-matplotlib takes 30 MB, which a companion that flies again and again does not keep: it has each
-flight drawn by a child,
+matplotlib takes 30 MB, which a companion that flies again and again should not keep. It lets a
+child process draw each flight,
 
     python -P -m companion.record.drawing
 
-which reads a pickle of its parent's on its standard input. Of a flight that was gone on with the
-companion knows the trail from there on alone; it is drawn by `companion figure` from its files.
+which reads its parent's pickle on its standard input. Of a flight that was continued, the companion
+has only the trail since then; `companion figure` draws that flight from its files.
 """
 
 from __future__ import annotations
@@ -34,33 +34,33 @@ def draw_here(mission: Mission, trail: Trail, path: Path) -> None:
 
 
 def draw_in_child(mission: Mission, trail: Trail, path: Path) -> None:
-    """The same, in a child process that is waited for.
+    """Draws a flight in a child process, and waits for it.
 
     Raises:
-        OSError: it has not been drawn.
+        OSError: the child has failed.
     """
     if not _does(python_module(__name__), pickle.dumps((mission, trail, path))):
         raise OSError(0, f"{path.name} cannot be drawn")
 
 
 def draw_record_in_child(mission: Mission, trail: Trail, path: Path) -> None:
-    """The whole flight of a run folder, in a child process; what is known of it if that fails.
+    """Draws the whole flight of a run folder in a child process; if that fails, the known trail.
 
     Raises:
-        OSError: it has not been drawn.
+        OSError: the child has failed.
     """
     if not _does(python_module("companion", "figure", str(path.parent), "--output", str(path))):
         draw_in_child(mission, trail, path)
 
 
 def _does(command: list[str], heard: bytes = b"") -> bool:
-    """Whether a child process, which is waited for, has ended well."""
+    """Whether a child process has succeeded; waits for it."""
     done = subprocess.run(
         command,
         input=heard,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        start_new_session=True,  # Ctrl-C in a terminal is for the flight process
+        start_new_session=True,  # Ctrl-C in a terminal is for the flight process only
         check=False,
     )
     return done.returncode == 0

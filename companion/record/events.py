@@ -1,9 +1,9 @@
-"""Reads the events.jsonl of a run back, as events and as a record of the task.
+"""Reads events.jsonl of a run: as events, and as a record of the task.
 
 The record has the task as it was flown (with the first plan), each position of the word, the
-violations that were found in flight, and how the run ended. A run that was cut off, by a crash or
-while it still goes on, has no end, and perhaps half a last line; both are tolerated. Anything else
-that is not as docs/run-folder.md describes it is refused with its line.
+violations found in flight, and how the run ended. A run that was cut off, or still goes on, has no
+end and perhaps an incomplete last line; both are tolerated. Any other deviation from
+docs/run-folder.md is refused, with its line.
 """
 
 from __future__ import annotations
@@ -25,34 +25,34 @@ from companion.ltl.timed_formula import Line
 from companion.record.timed_word import Step, TimedWord
 
 ENDS_THE_TASK = (Phase.RETURNING, Phase.HOLDING, Phase.PARTING, Phase.LANDING)
-"""Phases that nothing of the task comes after."""
+"""Phases after which nothing counts for the task."""
 EVENTS_FILE = "events.jsonl"
 MISSION_FILE, SCENE_FILE = "mission.yaml", "scene.json"
 TLOG_FILE = "flight.tlog"
 JOURNAL_FILE = "journal.jsonl"
 OTHERS = (SCENE_FILE, TLOG_FILE, JOURNAL_FILE)
-"""What else a run folder has from the beginning on; not all have a journal."""
+"""Other files that a run folder has from the start; not all runs have a journal."""
 _LOOKED_AT_BYTES = 4096
 
 
 class EventsLost(MissionError):
-    """A run was recorded, and what happened in it is not on the disk; its files may show it yet."""
+    """A run's events are not on the disk; its other files may still show it."""
 
 
 @dataclass(frozen=True, slots=True)
 class RunRecord:
-    """What a run left behind of its task.
+    """What a run has recorded of its task.
 
     Attributes:
         priorities: of the lines of the task that may be dropped.
         positions: the word; the vehicle may rest at the last one for ever.
         times_s: when each position was left, in seconds since the run began.
-        violations: conjunct and position of each violation that was found in flight.
-        tree: the behaviour tree that was ticked last; None if there was none.
+        violations: conjunct and position of each violation found in flight.
+        tree: the last behaviour tree that was ticked; None if there was none.
         ending: how the run ended; None if it was cut off.
-        is_torn: the last line is not whole, and was left out.
-        in_time: the word with its times, for lines that are bounded.
-        is_headless: its beginning was lost, and the word is told anew by the flight that went on.
+        is_torn: the last line is incomplete, and was left out.
+        in_time: the word with its times, for lines with time bounds.
+        is_headless: its beginning was lost, and the continued flight has repeated the word.
     """
 
     task: Mapping[str, Line]
@@ -68,11 +68,11 @@ class RunRecord:
 
 
 def read_events(folder: Path) -> RunRecord:
-    """Reads what a run folder says of the task.
+    """Reads the record of the task from a run folder.
 
     Raises:
-        EventsLost: a run was cut off, and nothing of events.jsonl is left.
-        MissionError: it is no run folder, a line is not as documented, or no plan was made.
+        EventsLost: the run was cut off, and nothing of events.jsonl is left.
+        MissionError: it is no run folder, a line is damaged, or the run has no plan.
     """
     path = folder / EVENTS_FILE
     try:
@@ -110,7 +110,7 @@ def is_lost(path: Path) -> bool:
 
 
 def events_lost(folder: Path, what: str, or_else: str = "") -> EventsLost:
-    """What is missing of a run that was cut off, and what can be looked at yet."""
+    """Says what is missing of a run that was cut off, and how it can still be looked at."""
     left = []
     if not is_lost(folder / TLOG_FILE):
         shown = f"companion replay {folder} shows it, companion figure {folder} draws it"
@@ -133,7 +133,7 @@ def events_lost(folder: Path, what: str, or_else: str = "") -> EventsLost:
 
 
 def no_run_folder(folder: Path, file: str, error: OSError) -> MissionError:
-    """What is wrong with what was given for a run folder, and what to give."""
+    """What is wrong with a run folder that was given, and what to give instead."""
     holds = f"a run folder holds {EVENTS_FILE} and what else was recorded of a flight"
     lists = "companion runs lists them; companion sim and companion run print theirs"
     if (folder.parent / EVENTS_FILE).is_file():
@@ -152,10 +152,10 @@ def no_run_folder(folder: Path, file: str, error: OSError) -> MissionError:
 
 
 def record_of(events: Iterable[Stamped]) -> RunRecord:
-    """What the events of a run say of the task.
+    """The record of the task from the events of a run.
 
     Raises:
-        MissionError: no plan was made.
+        MissionError: there is no plan.
     """
     placed = ((event, KeyPath(("events", number))) for number, event in enumerate(events))
     return _record(placed, "the run", is_torn=False)
@@ -213,7 +213,7 @@ def _record(
 
 
 def _ends_the_task(event: FlightEvent) -> bool:
-    """Whether time does not count any more for the task."""
+    """Whether time no longer counts for the task."""
     match event:
         case PhaseEntered(phase):
             return phase in ENDS_THE_TASK

@@ -1,8 +1,8 @@
-"""flight.png: the flight over the shaded distance field, as Fig. 7 of the paper.
+"""flight.png: the flight over the shaded distance field, as in Fig. 7 of the paper.
 
-One panel per plan: what was flown while it was valid is drawn bold, with arrows, what came before
-pale. The darker a cell, the nearer the next obstacle. Below, where plans reckon with the charge, or
-the vehicle was charged, the charge over time.
+One panel per plan: the track flown with it is bold, with arrows, and the track before is pale. A
+darker cell is nearer to an obstacle. If plans consider the charge, or the vehicle was charged, the
+charge over time is drawn below.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from companion.record.trail import Trail
 
 PANEL_INCHES = (5.4, 4.2)
 CHARGE_INCHES = 2.1
-"""Height of the strip of the charge."""
+"""Height of the strip with the charge."""
 LEGEND_INCHES = 0.35
 COLUMNS = 3
-"""At most so many panels side by side."""
+"""Most panels side by side."""
 SETTLING_DRAWS = 2
-"""Before that for the file: in three the layout has made room for titles above equal scales."""
+"""Drawings before the final one: with three, the layout has room for titles above equal scales."""
 TITLE_LETTERS = 50
-"""Of a line of a title."""
+"""Most letters in a line of a title."""
 ARROWS, ARROW_EVERY = 6, 0.2
-"""Of a part at most; and how far apart, as a share of the panel's width."""
+"""Most arrows of a part; their distance, as a share of the panel's width."""
 ARROW = {"arrowstyle": "-|>", "color": "tab:blue", "mutation_scale": 14, "shrinkA": 0, "shrinkB": 0}
 NOW, BEFORE, BEGIN, END = "tab:blue", "lightsteelblue", "tab:green", "tab:red"
 
@@ -44,7 +44,7 @@ NOW, BEFORE, BEGIN, END = "tab:blue", "lightsteelblue", "tab:green", "tab:red"
 def draw_flight(backdrop: Backdrop, trail: Trail, path: Path) -> None:
     """Draws a flight to a file: PNG, PDF or SVG, by its name.
 
-    Equal flights give equal files; an SVG has its words as words.
+    Equal flights give equal files; an SVG keeps text as text.
     """
     undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     with mpl.rc_context({"svg.hashsalt": "flight", "svg.fonttype": "none"}):
@@ -53,9 +53,9 @@ def draw_flight(backdrop: Backdrop, trail: Trail, path: Path) -> None:
 
 
 def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
-    """A flight, a panel for each part of its trail; east to the right, north up, metres.
+    """A flight, with a panel for each part of its trail; east to the right, north up, metres.
 
-    Below is the charge, if it says something.
+    Below is the charge, if it is of interest.
     """
     panels = max(1, len(trail.parts))
     rows = math.ceil(panels / COLUMNS)
@@ -95,12 +95,12 @@ def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
 
 
 def _east_north(positions: list[Ned]) -> npt.NDArray[np.float64]:
-    """(n, 2)"""
+    """(n, 2) east and north of positions."""
     return np.array([enu_from_ned(p)[:2] for p in positions]).reshape(-1, 2)
 
 
 def _draw_part(axis: Axes, points: npt.NDArray[np.float64]) -> None:
-    """What was flown with one plan."""
+    """Draws the track of one plan."""
     if not len(points):
         return
     axis.plot(*points.T, color=NOW, linewidth=2.0)

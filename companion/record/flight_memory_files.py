@@ -1,4 +1,4 @@
-"""The files in which a program remembers its flights for the next one, beside the run folders."""
+"""The files that store a flight memory for later programs, beside the run folders."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from companion.vehicle.flight_memory import FlightMemory
 
 
 def flight_memory_in(folder: Path) -> FlightMemory:
-    """What programs with this folder remember; what is new is kept there, too."""
+    """The flight memory of all programs with this folder; updates are stored there."""
     folder = folder.expanduser()
     return FlightMemory(
         own_items_at(folder / OWN_FENCES),

@@ -1,8 +1,8 @@
-"""The journal of a flight as a file: journal.jsonl, a line for each entry, only ever appended.
+"""The journal of a flight as a file: journal.jsonl, a line for each entry, append-only.
 
 A line has `t_s` (the flight's clock), `unix_s`, `kind` and the fields of the entry. A thread writes
-and syncs, as many entries at once as have come meanwhile; the flight never waits for the disk. When
-the power fails, what was not synced may be missing or torn at the end: a reader leaves that out.
+and syncs as many entries at once as have come meanwhile; the flight never waits for the disk. After
+a power failure, what was not synced may be missing or torn at the end; a reader ignores that.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _Noted = tuple[float, JournalEntry]
 
 
 class JournalFile:
-    """Fulfils `acting.journal.Journal`; made anew, or continued where a flight was cut off.
+    """Implements `acting.journal.Journal`; new, or continued where a flight was cut off.
 
     Args:
         folder: of the run.
@@ -37,7 +37,7 @@ class JournalFile:
         failure: why nothing can be written any more; None while it can.
 
     Raises:
-        OSError: there can be no such file.
+        OSError: the file cannot be created.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -54,17 +54,17 @@ class JournalFile:
         self._thread.start()
 
     def note(self, now_s: float, entry: JournalEntry) -> None:
-        """Hands an entry to the thread."""
+        """Passes an entry to the thread."""
         self._noted += 1
         self._queue.put((now_s, entry))
 
     @property
     def is_kept(self) -> bool:
-        """Whether all that was noted is on the disk, or never will be."""
+        """Whether all entries are on the disk, or can never be written."""
         return self._kept >= self._noted or self.failure is not None
 
     def close(self) -> None:
-        """Writes what is left."""
+        """Writes the remaining entries."""
         self._queue.put(None)
         self._thread.join()
         self._file.close()
@@ -92,14 +92,14 @@ class JournalFile:
 
 
 def read_journal(folder: Path, now_unix_s: float) -> JournalledFlight | None:
-    """What the flight of a run folder had come to; None if it had not begun.
+    """The state of the flight in a run folder; None if the flight had not begun.
 
     Args:
         folder: of the run.
-        now_unix_s: the wall clock; one that was set back since counts as if no time had passed.
+        now_unix_s: the wall clock; if it was set back since, no time has passed.
 
     Raises:
-        CompanionError: the journal is damaged, not at its end alone.
+        CompanionError: the journal is damaged before its end.
         OSError: it cannot be read.
     """
     path = folder / JOURNAL_FILE
@@ -123,10 +123,10 @@ def _line(unix_s: float, now_s: float, entry: JournalEntry) -> bytes:
 
 
 def _whole_lines(path: Path) -> list[bytes]:
-    """The lines with their ends, without what was torn at the end of the file.
+    """The complete lines with their line ends, without a torn end of the file.
 
     Raises:
-        CompanionError: a torn line stands between whole ones.
+        CompanionError: a damaged line stands between complete ones.
     """
     lines = path.read_bytes().splitlines(keepends=True)
     whole = [line.endswith(b"\n") and _is_json(line) for line in lines]
@@ -145,7 +145,7 @@ def _is_json(line: bytes) -> bool:
 
 
 def _sync_folder(folder: Path) -> None:
-    """The folder's entry for the file reaches the disk as well."""
+    """Syncs the folder, so that its entry for the file is on the disk too."""
     number = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(number)

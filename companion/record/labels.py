@@ -1,8 +1,8 @@
-"""Names beside points, where they cover each other and the drawing the least.
+"""Places names beside points where they cover each other and the drawing the least.
 
-Each name has eight places around its point, and eight further away; they are tried in the usual
-order, right and above first, and the one that covers least is taken (Christensen, Marks and
-Shieber, An empirical study of algorithms for point-feature label placement, ACM Transactions on
+Each name has eight candidate positions around its point, and eight farther away. They are tried in
+the usual order, right and above first, and the one that covers least is taken (Christensen, Marks
+and Shieber, An empirical study of algorithms for point-feature label placement, ACM Transactions on
 Graphics 14, 1995).
 """
 
@@ -19,19 +19,19 @@ from matplotlib.textpath import TextPath
 from matplotlib.transforms import Bbox
 
 GAPS = (4.0, 16.0)
-"""Between a point and its name, in 1/72 inch; so are all lengths here."""
+"""Distances of a name from its point, in 1/72 inch, as all lengths here."""
 AROUND = ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
 SIZE, HEIGHT = 9.0, 12.0
 STEP = 2.0
-"""From point to point of a line that is better not covered."""
+"""Distance of the sample points on lines that should not be covered."""
 NAME, EDGE, POINT, FAR = 2000.0, 100.0, 1.0, 15.0
-"""How bad it is to cover all of another name, to leave the panel, to cover a point, to be away."""
+"""Costs: covering another name, leaving the panel, covering a sample point, being far away."""
 PAPER = {"boxstyle": "square,pad=0.1", "facecolor": "white", "alpha": 0.8, "linewidth": 0}
-"""Behind each name: it is read over any line that it does cover."""
+"""Background of each name, so that it can be read over a line that it covers."""
 
 
 def write_names(axis: Axes, names: Mapping[str, tuple[float, float]]) -> None:
-    """Writes names into a panel that is laid out, and in which all else is drawn.
+    """Writes names into a panel that is laid out and otherwise drawn.
 
     Args:
         axis: the panel.
@@ -79,7 +79,7 @@ def _drawn(axis: Axes, per_point: float) -> Iterator[npt.NDArray[np.float64]]:
 def _box(
     anchor: npt.NDArray[np.float64], size: tuple[float, float], gap: float, side: tuple[int, int]
 ) -> Bbox:
-    """Where a name lies on one side of its point."""
+    """The box of a name on one side of its point."""
     (width, height), (right, up) = size, side
     x = anchor[0] + right * gap - {1: 0.0, 0: width / 2, -1: width}[right]
     y = anchor[1] + up * gap - {1: 0.0, 0: height / 2, -1: height}[up]

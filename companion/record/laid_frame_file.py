@@ -1,10 +1,9 @@
 """The file that remembers where missions' frames were laid (`vehicle/laid_frames.py`).
 
-A JSON list, the computer's boot first: times since then mean nothing in another one. Then each
-frame: [system, booted_s, north, east, down, altitude_m], and where it is known [latitude,
-longitude, altitude] of the local frame's origin, in the same list. Linux alone tells one boot
-of the computer from another, and counts the time since it through a sleep. Elsewhere each program
-lays its own frame.
+A JSON list. First the computer's boot: times since it mean nothing after another one. Then each
+frame: [system, booted_s, north, east, down, altitude_m], and in the same list, if known, [latitude,
+longitude, altitude] of the local frame's origin. Only Linux identifies a boot of the computer, and
+counts the time since it through a sleep. On other systems each program lays its own frame.
 """
 
 from __future__ import annotations
@@ -29,7 +28,7 @@ def laid_frames_at(path: Path, computer_boot: Path = COMPUTER_BOOT) -> LaidFrame
 
     Args:
         path: of the file.
-        computer_boot: a file that is another one after each boot of the computer.
+        computer_boot: a file whose content identifies a boot of the computer.
     """
     try:
         boot = computer_boot.read_text(encoding="ascii").strip()

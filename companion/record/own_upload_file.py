@@ -1,8 +1,8 @@
-"""The files that remember what this companion has written to autopilots, for the next program.
+"""The files that remember what this companion has written to autopilots, for later programs.
 
 One file for fences and one for rally points: a JSON list of what was written, each a list of items,
 [command, param1, latitude, longitude, frame, altitude] with latitude and longitude in 1e-7 degrees.
-Where it cannot be read, what the vehicle has is somebody else's, and the operator is asked.
+If it cannot be read, the vehicle's items count as somebody else's, and the operator is asked.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ OWN_RALLY_POINTS = "autopilot-rally-points.json"
 
 
 def own_items_at(path: Path) -> OwnItems:
-    """What was written by programs with this file; what is new is kept there, too."""
+    """What programs with this file have written; new items are stored there."""
     return OwnItems(remembered(path, _read), lambda written: remember(path, _rows(written)))
 
 

@@ -1,7 +1,7 @@
-"""A small file beside the run folders, in which a program remembers something for the next one.
+"""A small file beside the run folders that stores something for later programs.
 
-It is JSON, replaced at once as a whole, and written on the ground alone. One that cannot be read is
-as if it were not there; one that cannot be written is told of, and stops nothing.
+It is JSON, replaced atomically, and written only on the ground. An unreadable file counts as
+missing; a file that cannot be written is reported and stops nothing.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 
 
 def remember(path: Path, value: Any) -> None:
-    """Writes a value that JSON can say."""
+    """Writes a value that JSON can represent."""
     new = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -32,11 +32,11 @@ def remember(path: Path, value: Any) -> None:
 
 
 def remembered(path: Path, read: Callable[[Any], list[Value]]) -> list[Value]:
-    """What was written there; nothing if that cannot be read.
+    """The values in the file; empty if it cannot be read.
 
     Args:
         path: of the file.
-        read: makes it of what JSON says; ValueError, TypeError or OverflowError if it cannot.
+        read: converts a JSON value; raises ValueError, TypeError or OverflowError if it cannot.
     """
     try:
         if path.stat().st_size > MOST_BYTES:

@@ -1,17 +1,19 @@
 """One folder per run: mission, scene, plans, events.jsonl, flight.tlog, clocks.json, flight.png.
 
 - `events.jsonl`: one event per line with `t_s` (seconds since the run began), `kind`, `text` and
-  the fields of the event (docs/run-folder.md). It holds no wall-clock time, so that equal runs
-  give equal bytes.
-- `scene.json`: what the mission says of the world (scene.py).
-- `plan-N.json`: the N-th plan; 0 is the first, N the one after replan N.
-- `flight.tlog`: every MAVLink frame in either direction behind eight bytes of time (big-endian
-  microseconds since 1970), as MAVProxy and QGroundControl write it. It is written five times a
-  second of the flight's time, so that others can follow it.
+  the fields of the event (docs/run-folder.md). It has no wall-clock time, so equal runs give equal
+  bytes.
+- `scene.json`: what the mission says about the world (scene.py).
+- `plan-N.json`: the N-th plan; 0 is the first one, N the one after replan N.
+- `flight.tlog`: every MAVLink frame in either direction after eight bytes of time (big-endian
+  microseconds since 1970), as MAVProxy and QGroundControl write it. It is written five times per
+  second of flight time, so that other programs can follow it.
 - `clocks.json`: what the clocks of the run showed at the same time (clocks.py).
-- `journal.jsonl`: what another process needs to go on with the flight (journal_file.py), if asked.
+- `journal.jsonl`: if asked for, what another process needs to continue the flight
+  (journal_file.py).
 
-In flight nobody waits for the disk: a thread writes (disk_thread.py), and one of the journal's own.
+In flight the loop never waits for the disk: a thread writes (disk_thread.py), the journal has its
+own.
 """
 
 from __future__ import annotations
@@ -43,27 +45,27 @@ from companion.vehicle.run_clocks import ClockReading
 
 FLUSH_S = 0.2
 MOST_WAITING_BYTES = 32 << 20
-"""A quarter of an hour of packets; what comes while so much waits for the disk is left out."""
+"""A quarter of an hour of packets; while this much waits for the disk, new data is dropped."""
 SETUP_SIGNING: int = dialect.MAVLINK_MSG_ID_SETUP_SIGNING
 
 
 class RunFolder:
-    """Writes a run folder while the run goes on.
+    """Writes a run folder during the run.
 
     Args:
-        folder: where to write; made if missing.
-        mission: the mission flown.
-        start_unix_s: wall-clock time of the run's beginning; stamps flight.tlog alone.
-        tell: called with every event that is news for people.
-        keeps_journal: so that the run can be gone on with if it is cut off.
-        cut_off_at: it is the folder of a run that was cut off, to go on with: how many positions of
-            the word it had left. What was recorded of later ones is left out.
-        draw: draws flight.png when it is closed.
+        folder: where to write; created if missing.
+        mission: the mission that is flown.
+        start_unix_s: wall-clock time of the run's beginning; used only to stamp flight.tlog.
+        tell: called with every event that is shown to people.
+        keeps_journal: whether to keep a journal, so that a cut-off run can be continued.
+        cut_off_at: for the folder of a cut-off run that continues: the number of positions of the
+            word that were left. Records of later ones are removed.
+        draw: draws flight.png when the folder is closed.
 
     Attributes:
         journal: of the run.
-        trail: where the vehicle was, by plan, and its charge.
-        has_ended: whether its end was reported.
+        trail: the vehicle's positions, by plan, and its charge.
+        has_ended: whether the end of the run was reported.
     """
 
     def __init__(
@@ -107,13 +109,13 @@ class RunFolder:
 
     @property
     def name(self) -> str:
-        """Of the folder; the vehicle's own log is marked with it."""
+        """The folder's name; the vehicle's own log is marked with it."""
         return self.folder.name
 
     def report(self, stamped: Stamped) -> None:
-        """Appends a line to events.jsonl; a plan also becomes a file."""
+        """Appends a line to events.jsonl; a plan is also written to a file."""
         if stamped.event in self._told:
-            return  # the run that was cut off has told it
+            return  # the cut-off run has recorded it already
         self.has_ended |= isinstance(stamped.event, RunEnded)
         self.trail.take(stamped)
         if stamped.event.is_told:
@@ -125,7 +127,7 @@ class RunFolder:
                 self._disk.write(self.folder / f"plan-{number}.json", text)
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Appends frames to flight.tlog; none with a signing key in it."""
+        """Appends frames to flight.tlog, except those that contain a signing key."""
         stamp = struct.pack(">Q", int((self._start_unix_s + now_s) * 1e6))
         for datagram in datagrams:
             for frame in split_frames(datagram):
@@ -137,15 +139,15 @@ class RunFolder:
             self._tell_failure()
 
     def position(self, now_s: float, position: Ned) -> None:
-        """Adds to the trail of flight.png."""
+        """Adds a position to the trail of flight.png."""
         self.trail.add(position)
 
     def clocks(self, reading: ClockReading) -> None:
-        """Adds to clocks.json."""
+        """Adds a sample to clocks.json."""
         self._clocks.add(reading)
 
     def close(self) -> None:
-        """Closes the files when all is written, and draws the flight."""
+        """Closes the files when everything is written, and draws the flight."""
         if self._journal_file is not None:
             self._journal_file.close()
         self._hand_over_packets()
@@ -165,21 +167,21 @@ class RunFolder:
         self._packets.clear()
 
     def _tell_failure(self) -> None:
-        """What a thread could not write is told here, in the loop's own."""
+        """Reports in the loop what a thread could not write."""
         journal = self._journal_file
         if failure := self._disk.failure or (journal and journal.failure):
             self._fail(failure)
 
     @contextmanager
     def _going_on(self) -> Iterator[None]:
-        """A full disk ends no flight."""
+        """Keeps errors of the disk from ending the flight."""
         try:
             yield
         except OSError as error:
             self._fail(str(error.strerror))
 
     def _fail(self, reason: str) -> None:
-        """The first failure is told, later ones are not."""
+        """Reports the first failure; later ones are ignored."""
         if not self._is_failing:
             self._is_failing = True
             self._tell(Stamped(0.0, RecordingFailed(reason)))

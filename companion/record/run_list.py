@@ -1,7 +1,7 @@
 """The run folders below a folder: when each began, what it flew, and how it ended.
 
-Only the last lines of each events.jsonl are read, so a thousand runs are listed at once. A run
-without an end was cut off, or still goes on; what other programs keep in the folder is none.
+Only the end of each events.jsonl is read, so a thousand runs are listed quickly. A run without an
+end was cut off, or still goes on. Files of other programs in the folder are ignored.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from companion.flight_events.sortie import RunEnded
 from companion.record.events import EVENTS_FILE, SCENE_FILE
 
 LAST_BYTES = 65_536
-"""So much of events.jsonl is looked at: no line of an end is longer."""
+"""How much of the end of events.jsonl is read; no final line is longer."""
 
 
 @dataclass(frozen=True)
 class RunSummary:
-    """A run folder in short.
+    """The summary of a run folder.
 
     Attributes:
-        folder: of the run; its name begins with the local time at which the run did.
-        length_s: time of the last event that can be read; 0 if none can.
-        ending: how the run ended; None if it was cut off, or still goes on.
+        folder: of the run; its name begins with the local time of the run's beginning.
+        length_s: time of the last readable event; 0 if there is none.
+        ending: how the run ended; None if it was cut off or still goes on.
         size_bytes: of all its files.
     """
 
@@ -37,7 +37,7 @@ class RunSummary:
 
 
 def list_runs(log_dir: Path) -> list[RunSummary]:
-    """The runs in a folder, the oldest first; none if there is no such folder."""
+    """The runs in a folder, the oldest first; empty if the folder does not exist."""
     if not log_dir.is_dir():
         return []
     known = (EVENTS_FILE, SCENE_FILE)  # the events may be lost
@@ -46,7 +46,7 @@ def list_runs(log_dir: Path) -> list[RunSummary]:
 
 
 def summary(folder: Path) -> RunSummary:
-    """What a run folder comes to."""
+    """The summary of a run folder."""
     last = _last_event(folder / EVENTS_FILE)
     ending = last.event if last is not None and isinstance(last.event, RunEnded) else None
     size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
@@ -54,7 +54,7 @@ def summary(folder: Path) -> RunSummary:
 
 
 def _last_event(path: Path) -> Stamped | None:
-    """The last whole line that is an event; None if there is none."""
+    """The last complete line that is an event; None if there is none."""
     if not path.is_file():
         return None
     with path.open("rb") as file:

@@ -1,7 +1,7 @@
-"""What the mission says of the world, as the run folder keeps it: scene.json.
+"""What the mission says about the world, as stored in the run folder: scene.json.
 
-With it a run can be shown without the map and PDDL files that its mission.yaml refers to. Lengths
-are metres, east, north and up of the home position; the map's rows run from south to north.
+It allows to show a run without the map and PDDL files that its mission.yaml names. Lengths are
+metres, east, north and up from home; the map's rows run from south to north.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from companion.motion.region import Region
 
 
 def scene(mission: Mission, start_unix_s: float) -> dict[str, object]:
-    """Values that JSON can hold.
+    """The scene, in values that JSON can hold.
 
     Args:
-        start_unix_s: when the run began; flight.tlog has the same clock.
+        start_unix_s: when the run began, by the clock that stamps flight.tlog.
     """
     mentioned = mission.task_facts
     grid, anchor = mission.grid, mission.anchor

@@ -1,11 +1,12 @@
-"""The word of a flight in time: what its positions and events say to the clock of a bounded line.
+"""The word of a flight with its times, as the clock of a line with a time bound reads it.
 
-In goes what the record has in its order: events as they changed, positions as they were left. Out
-comes where the clock has run over. A position that was reached counts from then on, although it is
-left later; between two positions the vehicle is at none, and what has risen is not forgotten.
+In: changes of events and positions that were left, in the order of the record. Out: the positions
+after which the clock had run out. A position counts from the moment at which it is reached,
+although its record comes when it is left. Between two positions the vehicle is at none, and events
+that become true are remembered.
 
-Time counts from the first position on until the end begins: the flight home that was asked for,
-the landing, or the last line of a run that was cut off.
+Time counts from the first position until the end begins: the requested flight home, the landing, or
+the last line of a run that was cut off.
 """
 
 from __future__ import annotations
@@ -24,18 +25,18 @@ from companion.ltl.time_bounds import TimeBound
 _NEVER_MS = 1 << 62
 
 Step = MissionEventChanged | PositionLeft | LineTakenUp
-"""What a record has of the word in time."""
+"""What the record says about the word in time."""
 
 
 @dataclass(frozen=True, slots=True)
 class TimedWord:
-    """A flight, for clocks.
+    """A flight, as clocks read it.
 
     Attributes:
-        steps: changes of events, positions as they were left, and lines as they were taken up,
-            each with its time.
+        steps: changes of events, positions left, and lines taken up, each with its time.
         until_s: when time ceased to count.
-        told: lines, and the positions after which their clocks had run over, as the flight told it.
+        told: lines, and the positions after which the flight itself reported that their clocks had
+            run out.
     """
 
     steps: tuple[tuple[float, Step], ...]
@@ -43,14 +44,14 @@ class TimedWord:
     told: frozenset[tuple[str, int]] = frozenset()
 
     def overruns(self, bound: TimeBound, name: str, begins_anew: bool = True) -> tuple[int, ...]:
-        """The positions after which the clock of a bound has run over.
+        """The positions after which the clock of a bound had run out.
 
-        One, and perhaps one more after each time it began anew.
+        At most one, and one more after each restart.
 
         Args:
-            bound: what the line says.
+            bound: of the line.
             name: of the line.
-            begins_anew: whether it does where the record says so.
+            begins_anew: whether the line restarts where the record says so.
         """
         anew = self._anew(name) if begins_anew else frozenset()
         reader = _Reader(BoundClock(bound), self._positions(), self._events_at_first())
@@ -66,9 +67,10 @@ class TimedWord:
         return tuple(reader.after(_ms(self.until_s), (name, reader.last) in self.told))
 
     def _anew(self, name: str) -> frozenset[int]:
-        """The steps at which a line begins anew, which the position left next says.
+        """The steps at which a line restarts, as recorded by the next position that is left.
 
-        It is taken up so; or an event has risen by which it does, the last one that has.
+        It restarts when it is taken up again, or at the last event that has become true and
+        restarts it.
         """
         found, rise, taken_up = set[int](), None, None
         for number, (_, step) in enumerate(self.steps):
@@ -84,7 +86,7 @@ class TimedWord:
         return frozenset(found)
 
     def _events_at_first(self) -> dict[str, bool]:
-        """The events that change, and whether they held before."""
+        """The events that change, and whether they were true at the start."""
         changes = [step for _, step in self.steps if isinstance(step, MissionEventChanged)]
         return {change.event: not change.holds for change in reversed(changes)}
 
@@ -96,13 +98,13 @@ class _Reader:
     """Reads a word with one clock.
 
     Attributes:
-        found: the positions after which it had run over.
+        found: the positions after which it had run out.
         last: the position that was left last.
 
     Args:
         clock: of the bound.
         positions: in their order.
-        events: those that change, and whether they hold at first.
+        events: those that change, and whether they are true at the start.
     """
 
     def __init__(
@@ -111,9 +113,9 @@ class _Reader:
         self.found: list[int] = []
         self._positions = positions
         self._clock = clock
-        self._next = next(positions, None)  # to be reached
+        self._next = next(positions, None)  # to be reached next
         self._here: PositionLeft | None = None  # reached, and not left yet
-        self._there: Letter = frozenset()  # what held at the position left last, but for places
+        self._there: Letter = frozenset()  # what was true at the position left last, without places
         self.last = 0
         self._events = events
         self._risen: set[str] = set()
@@ -124,11 +126,11 @@ class _Reader:
 
     @property
     def is_at_the_end(self) -> bool:
-        """Whether what was reached now is not known any more."""
+        """Whether the position where the vehicle is now is not recorded any more."""
         return self._here is None and self._next is None
 
     def run(self, now_ms: int) -> None:
-        """Time goes on; a position may be reached meanwhile."""
+        """Advances time; a position may be reached meanwhile."""
         if self._here is None and self._next is not None:
             reached_ms = _ms(self._next.reached_s)
             if reached_ms <= now_ms:
@@ -139,19 +141,19 @@ class _Reader:
         self._look(now_ms)
 
     def after(self, now_ms: int, is_told: bool) -> list[int]:
-        """All that is found, after the position that was left last too.
+        """All positions found, including those after the last one that was left.
 
-        What was reached since is not known, so that the flight's own word is taken then.
+        What was reached since then is not recorded, so the flight's own report is used for it.
         """
         is_over = self._clock.is_over(now_ms, None)
         return [*self.found, self.last] if is_over and is_told else self.found
 
     def begin_anew(self) -> None:
-        """It begins anew with the position that is left next."""
+        """Restarts with the next position that is left."""
         self._clock = self._clock.anew()
 
     def change(self, event: MissionEventChanged, now_ms: int) -> None:
-        """An event has changed; one from before the task begins is of its first letter."""
+        """Notes a change of an event; one from before the task belongs to its first letter."""
         self._events[event.event] = event.holds
         if event.holds:
             self._risen.add(event.event)
@@ -159,7 +161,7 @@ class _Reader:
             self._clock = self._clock.seeing(self._letter, now_ms)
 
     def leave(self, position: PositionLeft, now_ms: int) -> None:
-        """A position was left."""
+        """Notes that a position was left."""
         letter = frozenset(position.facts)
         was_late = self._clock.is_late
         self._clock = self._clock.after(letter, _ms(position.reached_s), now_ms)
@@ -178,7 +180,7 @@ class _Reader:
 
     @property
     def _letter(self) -> Letter:
-        """What the next letter will have, as far as it was known."""
+        """The next letter, as far as it is known now."""
         facts = self._there if self._here is None else frozenset(self._here.facts)
         events = {name for name, holds in self._events.items() if holds} | self._risen
         return (facts - self._events.keys()) | events

@@ -1,4 +1,4 @@
-"""Where a vehicle was, and its charge, for `flight.png`: both stay small in a flight of days."""
+"""The vehicle's track and charge for `flight.png`, of limited size even in a flight of days."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from companion.geometry import Ned
 from companion.record.charge_trail import ChargeTrail
 
 PARTS_MAX = 12
-"""Plans that have a part of their own."""
+"""Number of plans that have a part of their own."""
 POSITIONS_MAX = 1024
-"""Of a part: 51 s at 20 Hz; of a longer one every second position is kept, or fewer."""
+"""Most positions of a part: 51 s at 20 Hz; in a longer part, every second one is kept, or fewer."""
 
 
 @dataclass
 class Trail:
-    """Where the vehicle was, in parts: one per plan. However long a flight is, it stays small.
+    """The vehicle's track, in one part per plan; its size is limited.
 
     Attributes:
         parts: title and positions of each.
@@ -30,7 +30,7 @@ class Trail:
     _stride: int = 1
 
     def take(self, stamped: Stamped) -> None:
-        """Something has happened: a plan begins another part."""
+        """Takes an event; a plan begins another part."""
         self.charge.take(stamped)
         match stamped.event:
             case PlanMade():
@@ -41,7 +41,7 @@ class Trail:
                 self.begin(f"replan {number}: {reason}")
 
     def begin(self, title: str) -> None:
-        """Starts a part; the last of all has what is left of the flight."""
+        """Begins a part; the last possible one gets the rest of the flight."""
         if len(self.parts) == PARTS_MAX:
             first, positions = self.parts[-1]
             suffix = " and all later plans"

@@ -1,6 +1,6 @@
 """Skills, suggesters and tests of places as functions of installed packages (docs/skills.md).
 
-This is what their authors import. It takes no time and knows nothing of the rest of the companion.
+Their authors import this module. The import is fast and loads nothing else of the companion.
 """
 
 from companion.skills.authoring import Cancelled, place_test, skill, suggester

@@ -1,4 +1,4 @@
-"""What the author of a function sees: how it is marked, and what it may ask of the companion.
+"""For authors of functions: how to mark one, and what it may ask of the companion.
 
     from companion.skills import Failed, skill
 
@@ -9,8 +9,8 @@
             if kg > limit_kg:
                 raise Failed(f"{kg} kg")
 
-The function runs in a process of its own, once for each call, so it may block. It has nothing of
-the vehicle but what is handed to it; a command to a payload is asked of the companion.
+Each call of the function runs in a process of its own, so it may block. It knows only what it is
+given of the vehicle. To command a payload, it asks the companion.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 F = TypeVar("F", bound=Callable[..., Any])
 MARK = "__companion_kind__"
 FLOAT32_MAX = 3.4028234e38
-"""MAVLink carries the parameters of commands in IEEE 754 single precision."""
+"""MAVLink sends the parameters of commands as IEEE 754 single-precision numbers."""
 MAX_PARAMETERS = 7
-"""Of COMMAND_LONG."""
+"""Number of parameters of COMMAND_LONG."""
 
 
 class FunctionKind(Enum):
-    """What an installed function is for; the value is the group of its entry point."""
+    """The purpose of an installed function; the value is the group of its entry point."""
 
     SKILL = "companion.skills"
     SUGGESTER = "companion.suggesters"
@@ -38,7 +38,7 @@ class FunctionKind(Enum):
 
 
 class SkillFailure(Exception):
-    """The skill has failed; its text says why, in a few words."""
+    """The skill has failed; the text says why, in a few words."""
 
 
 class Cancelled(BaseException):
@@ -46,17 +46,17 @@ class Cancelled(BaseException):
 
 
 def skill(function: F) -> F:
-    """Marks `function(run, ...)` as a skill: it has succeeded when it returns."""
+    """Marks `function(run, ...)` as a skill, which has succeeded when the function returns."""
     return _marked(function, FunctionKind.SKILL)
 
 
 def suggester(function: F) -> F:
-    """Marks `function(run, place, ...)`, which yields waypoints of a place, the best first."""
+    """Marks `function(run, place, ...)`, which yields waypoints for a place, the best first."""
     return _marked(function, FunctionKind.SUGGESTER)
 
 
 def place_test(function: F) -> F:
-    """Marks `function(run, place, waypoint, ...)`: whether the waypoint may be flown to."""
+    """Marks `function(run, place, waypoint, ...)`, which says whether the waypoint is allowed."""
     return _marked(function, FunctionKind.PLACE_TEST)
 
 
@@ -67,7 +67,7 @@ def _marked(function: F, kind: FunctionKind) -> F:
 
 @dataclass(frozen=True, slots=True)
 class KnownPlace:
-    """A place of the mission; latitude, longitude and height above the sea where they are known."""
+    """A place of the mission; latitude, longitude and altitude above sea level if known."""
 
     name: str
     east_m: float
@@ -79,7 +79,7 @@ class KnownPlace:
 
 
 class WaypointEnu(NamedTuple):
-    """A point of a place's region, metres from home; the place's own height without `up_m`."""
+    """A point of a place's region, in metres from home; without `up_m`, at the place's height."""
 
     east_m: float
     north_m: float
@@ -88,7 +88,7 @@ class WaypointEnu(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class KnownVehicle:
-    """The vehicle as it was when the call began."""
+    """The vehicle's state when the call began."""
 
     east_m: float
     north_m: float
@@ -99,7 +99,7 @@ class KnownVehicle:
 
 
 def why_not_carried(parameters: Sequence[float]) -> str | None:
-    """Why no command carries these parameters; None if it does, NaN among them.
+    """Why no command can have these parameters; None if one can, also with NaN.
 
     >>> why_not_carried((1.0, math.nan)), why_not_carried((1e39,))
     (None, '1e+39 is no number of single precision, as commands have')
@@ -113,20 +113,20 @@ def why_not_carried(parameters: Sequence[float]) -> str | None:
 
 
 class Interlocutor(Protocol):
-    """What a call says to the companion, and asks of it."""
+    """The companion, as a call talks to it."""
 
     def progress(self, share: float | None, text: str) -> None:
-        """How far it has come."""
+        """Reports progress."""
 
     def sleep(self, seconds: float) -> None:
-        """Returns after so much time of the flight."""
+        """Returns after this much time of the flight."""
 
     def command(self, component: str | int, command: str, parameters: tuple[float, ...]) -> None:
         """Returns when the payload has done it."""
 
     @property
     def is_cancelled(self) -> bool:
-        """Whether nobody waits for the call any more."""
+        """Whether the result of the call is not awaited any more."""
 
 
 class FunctionRun:
@@ -134,10 +134,10 @@ class FunctionRun:
 
     Attributes:
         places: those among the arguments, by name.
-        vehicle: as it was at the beginning; None where that is not known.
+        vehicle: its state when the call began; None if unknown.
 
     Args:
-        companion: what it speaks with.
+        companion: what the call talks to.
     """
 
     def __init__(
@@ -151,7 +151,7 @@ class FunctionRun:
         self.vehicle = vehicle
 
     def progress(self, share: float | None = None, text: str = "") -> None:
-        """Says how far the call has come: a share from 0 to 1, a few words, or both.
+        """Reports progress: a share from 0 to 1, a few words, or both.
 
         Raises:
             Cancelled: the mission has left the skill.
@@ -161,7 +161,7 @@ class FunctionRun:
         self._companion.progress(share, str(text))
 
     def sleep(self, seconds: float) -> None:
-        """Waits so long, by the flight's clock: simulated time in a simulated flight.
+        """Waits by the flight's clock, which is simulated time in a simulated flight.
 
         Raises:
             Cancelled: the mission has left the skill.
@@ -171,16 +171,16 @@ class FunctionRun:
         self._companion.sleep(float(seconds))
 
     def command(self, component: str | int, command: str, *parameters: float) -> None:
-        """Has the companion send a command to a payload, and waits until that is done.
+        """Asks the companion to send a command to a payload, and waits until it is done.
 
         Args:
-            component: a name of the mission's `components`, or a MAVLink component id.
-            command: the name of a MAV_CMD that payloads take.
-            parameters: param1 to param7; what is left out is 0, and NaN is sent as it is.
+            component: a name in the mission's `components`, or a MAVLink component id.
+            command: the name of a MAV_CMD for payloads.
+            parameters: param1 to param7; those left out are 0, NaN is sent as it is.
 
         Raises:
-            ValueError: more than seven parameters, or one that no single-precision number holds.
-            Failed: it was refused, or not done.
+            ValueError: more than seven parameters, or one that is no single-precision number.
+            Failed: it was refused, or has failed.
             Cancelled: the mission has left the skill.
         """
         numbers = tuple(float(each) for each in parameters)

@@ -1,7 +1,7 @@
-"""Calls of installed functions, and what comes back, as values; and both as lines of JSON.
+"""Calls of installed functions and their answers, as values and as lines of JSON.
 
-A call is made by the mission, a request adds what the function may know when it begins, and an
-answer is what the function's process has said since it was last asked.
+A mission makes a call. A request adds what the function may know when it begins. An answer is what
+the function's process has said since it was last asked.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from companion.skills.lines import Malformed
 
 Value: TypeAlias = "str | float | int | bool"
 MAX_TEXT = 200
-"""Characters of a text that are handed on."""
+"""Most characters of a text that are passed on."""
 MAX_WAYPOINTS = 48
-"""Of one suggester."""
+"""Most waypoints of one suggester."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,19 +49,19 @@ class Call:
 
     @property
     def text(self) -> str:
-        """As a mission writes it."""
+        """The call as a mission writes it."""
         named = (f"{name}={value}" for name, value in self.keywords)
         return f"python({', '.join([self.function.name, *map(str, self.arguments), *named])})"
 
 
 @dataclass(frozen=True, slots=True)
 class CallRequest:
-    """A call that is to begin.
+    """A call that is about to begin.
 
     Attributes:
-        places: that the function may know.
-        place: which of them a suggester or a test is asked about; "" for a skill.
-        waypoints: that a test is asked about.
+        places: the places that the function may know.
+        place: the one of them for a suggester or a test; "" for a skill.
+        waypoints: the ones to test.
     """
 
     call: Call
@@ -71,7 +71,7 @@ class CallRequest:
     waypoints: tuple[WaypointEnu, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
-        """What the function's process needs of it."""
+        """The content of the message to the function's process."""
         return {
             "arguments": list(self.call.arguments),
             "keywords": dict(self.call.keywords),
@@ -84,10 +84,10 @@ class CallRequest:
 
 @dataclass(frozen=True, slots=True)
 class Progressed:
-    """How far it has come.
+    """Progress.
 
     Attributes:
-        share: from 0 to 1; None if it does not say.
+        share: from 0 to 1; None if unknown.
     """
 
     share: float | None
@@ -96,7 +96,7 @@ class Progressed:
 
 @dataclass(frozen=True, slots=True)
 class CommandAsked:
-    """It asks for a payload's command, and waits for the reply."""
+    """The function asks for a command to a payload, and waits for the reply."""
 
     component: str | int
     command: str
@@ -105,11 +105,11 @@ class CommandAsked:
 
 @dataclass(frozen=True, slots=True)
 class Returned:
-    """It has ended well.
+    """The function has returned.
 
     Attributes:
         waypoints: those that a suggester proposes.
-        verdicts: whether each of the waypoints passes a test.
+        verdicts: for each waypoint, whether it passes a test.
     """
 
     waypoints: tuple[WaypointEnu, ...] = ()
@@ -118,7 +118,7 @@ class Returned:
 
 @dataclass(frozen=True, slots=True)
 class NotDone:
-    """It has failed, for a reason in words."""
+    """The function has failed, with a reason in words."""
 
     reason: str
 
@@ -127,13 +127,13 @@ Answer: TypeAlias = "Progressed | CommandAsked | Returned | NotDone"
 
 
 def answer_of(message: Mapping[str, Any]) -> Answer:
-    """The answer in a message of a function's process.
+    """The answer in a message from a function's process.
 
     >>> answer_of({"is": "progress", "share": 0.5, "text": "half"})
     Progressed(share=0.5, text='half')
 
     Raises:
-        Malformed: it is none.
+        Malformed: the message is no answer.
     """
     try:
         match message["is"]:
@@ -160,7 +160,7 @@ def answer_of(message: Mapping[str, Any]) -> Answer:
 
 
 def _text(written: Any) -> str:
-    """One line, of bounded length, that can be encoded."""
+    """One line of limited length that can be encoded."""
     return " ".join(str(written).encode(errors="replace").decode().split())[:MAX_TEXT]
 
 

@@ -12,7 +12,7 @@ from companion.skills.calls import Function
 
 _KINDS = {kind.name: kind for kind in inspect._ParameterKind}
 GIVEN = {FunctionKind.SKILL: 1, FunctionKind.SUGGESTER: 2, FunctionKind.PLACE_TEST: 3}
-"""How many parameters the companion fills in itself: run, place, waypoint."""
+"""Number of parameters that the companion fills in itself: run, place, waypoint."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,8 +21,8 @@ class Parameter:
 
     Attributes:
         kind: its name in `inspect`.
-        default: as Python writes it; None without one.
-        annotation: as its author has written it; "" without one.
+        default: as Python writes it; None if there is none.
+        annotation: as its author has written it; "" if there is none.
     """
 
     name: str
@@ -37,8 +37,8 @@ class Installed:
 
     Attributes:
         source: the package and its version.
-        parameters: None if it was not loaded, or could not be.
-        failure: why it could not; "" if it could.
+        parameters: None if the function was not loaded, or could not be.
+        failure: why it could not be loaded; "" if it could.
     """
 
     function: Function
@@ -48,7 +48,7 @@ class Installed:
 
     @property
     def signature(self) -> inspect.Signature:
-        """Its parameters but for those that the companion fills in."""
+        """Its parameters except those that the companion fills in."""
         own = (self.parameters or ())[GIVEN[self.function.kind] :]
         return inspect.Signature(
             [
@@ -64,13 +64,13 @@ class Installed:
 
     @property
     def in_words(self) -> str:
-        """As a mission calls it, with its parameters."""
+        """A call of it as a mission writes it, with its parameters."""
         own = ", ".join(map(str, self.signature.parameters.values()))
         return f"python({self.function.name}{', ' if own else ''}{own})"
 
 
 class _As:
-    """Something that is written like a text."""
+    """A value whose `repr` is a given text."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -80,7 +80,7 @@ class _As:
 
 
 Catalogue = Mapping[Function, Sequence[Installed]]
-"""Who offers a function: one package, or none, or several that cannot both have it."""
+"""Function -> the packages that offer it: one, none, or several in conflict."""
 
 
 def as_json(catalogue: Catalogue) -> list[dict[str, Any]]:
@@ -100,7 +100,7 @@ def as_json(catalogue: Catalogue) -> list[dict[str, Any]]:
 
 
 def from_json(values: list[dict[str, Any]]) -> dict[Function, list[Installed]]:
-    """The catalogue that was written.
+    """The catalogue in JSON values.
 
     >>> weigh = Installed(Function(FunctionKind.SKILL, "weigh"), "scale 1.0", ())
     >>> from_json(as_json({weigh.function: [weigh]})) == {weigh.function: [weigh]}

@@ -2,13 +2,12 @@
 
     python -P -m companion.skills.child GROUP NAME DESCRIPTOR PARENT
 
-It confines itself, loads the function, says that it is ready, and waits for the call on its
-standard input; what it says leaves by the descriptor, as lines of JSON. A thread beats twice a
-second while a call is under way, hears what is said to it, and ends the whole process group when
-nobody can say anything any more. `process.py` is the other side.
-
-It is no sandbox: an installed function is trusted as the program is. What it gets is bounded
-memory, a low priority, no descriptor of the companion's but its own two, and an end with it.
+1. It confines itself, loads the function, reports that it is ready, and waits for the call on its
+   standard input. Its answers go to the descriptor, as lines of JSON.
+2. During a call, a thread sends a beat twice a second and receives messages. It ends the whole
+   process group when no companion can send any more. `process.py` is the other side.
+3. It is no sandbox: an installed function is trusted like the program itself. It has limited
+   memory, a low priority, only two descriptors of the companion's, and ends with the companion.
 """
 
 from __future__ import annotations
@@ -46,17 +45,17 @@ NICENESS = 10
 BEAT_S = 0.5
 PR_SET_PDEATHSIG = 1
 OUT_OF_MEMORY_FIRST = "1000"
-"""Where memory is short the system ends this process before the companion."""
+"""When memory is short, the system kills this process before the companion."""
 
 Message = dict[str, Any]
 
 
 class Channel:
-    """Both directions of the talk; fulfils `authoring.Interlocutor`.
+    """Both directions of the connection; implements `authoring.Interlocutor`.
 
     Args:
-        orders: a descriptor to read what is said to this process.
-        answers: one to write what it says.
+        orders: descriptor from which this process reads its messages.
+        answers: descriptor to which it writes.
     """
 
     def __init__(self, orders: int, answers: int) -> None:
@@ -67,7 +66,7 @@ class Channel:
         self._is_called = self._is_cancelled = False
 
     def listen(self) -> None:
-        """Begins to hear, and to beat."""
+        """Starts to receive, and to send beats."""
         threading.Thread(target=self._listen, name="companion", daemon=True).start()
 
     def call(self) -> Message:
@@ -75,7 +74,7 @@ class Channel:
         return self._calls.get()
 
     def say(self, message: Message) -> None:
-        """Says something; without a companion that hears it there is nothing left to do."""
+        """Sends a message; if no companion can receive it, ends the process."""
         line = line_of(message)
         with self._writing:
             try:
@@ -87,12 +86,12 @@ class Channel:
     # -- authoring.Interlocutor ----------------------------------------------------------------
 
     def progress(self, share: float | None, text: str) -> None:
-        """How far it has come."""
+        """Reports progress."""
         self._go_on()
         self.say({"is": "progress", "share": share, "text": text[:MAX_TEXT]})
 
     def sleep(self, seconds: float) -> None:
-        """Returns after so much time of the flight."""
+        """Returns after this much time of the flight."""
         self._ask({"is": "sleep", "seconds": seconds})
 
     def command(self, component: str | int, command: str, parameters: tuple[float, ...]) -> None:
@@ -104,7 +103,7 @@ class Channel:
 
     @property
     def is_cancelled(self) -> bool:
-        """Whether nobody waits for the call any more."""
+        """Whether the result of the call is not awaited any more."""
         return self._is_cancelled
 
     # ------------------------------------------------------------------------------------------
@@ -150,7 +149,7 @@ class Channel:
 
 
 def end_group() -> None:
-    """Ends this process, and those that it has started."""
+    """Ends this process and all that it has started."""
     if os.getpgrp() == os.getpid():
         os.killpg(0, signal.SIGKILL)
     os._exit(1)
@@ -159,7 +158,7 @@ def end_group() -> None:
 def outcome(
     function: Callable[..., Any], kind: FunctionKind, message: Message, run: FunctionRun
 ) -> Message:
-    """What becomes of a call, in JSON values."""
+    """The result of a call, in JSON values."""
     arguments, keywords = message["arguments"], message["keywords"]
     place, waypoints, verdicts = run.places.get(message["place"]), [], []
     try:
@@ -184,7 +183,7 @@ def outcome(
         return _failed(str(failed).strip() or "Failed, without a word")
     except MemoryError:
         return _failed(f"MemoryError: it may use {MEMORY_MIB} MiB")
-    except BaseException as error:  # whatever foreign code raises, SystemExit among it
+    except BaseException as error:  # whatever foreign code raises, even SystemExit
         traceback.print_exc()
         return _failed(in_words(error))
     return {"is": "returned", "waypoints": waypoints, "verdicts": verdicts}
@@ -218,7 +217,7 @@ def main() -> None:
         return
     channel.say({"is": "ready"})
     message = channel.call()
-    os.chdir(message["folder"])  # nothing is imported from there
+    os.chdir(message["folder"])  # no module is imported from there
     places = {place["name"]: KnownPlace(**place) for place in message["places"]}
     vehicle = message["vehicle"]
     run = FunctionRun(channel, places, None if vehicle is None else KnownVehicle(**vehicle))
@@ -230,7 +229,7 @@ def main() -> None:
 
 
 def _standard_input() -> int:
-    """A descriptor of it that no other program inherits; what reads it finds nothing there."""
+    """A duplicate of it that children do not inherit; standard input itself becomes empty."""
     orders = os.dup(0)
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
@@ -239,7 +238,7 @@ def _standard_input() -> int:
 
 
 def _tie_to(parent: int) -> None:
-    """This process ends with the companion, whatever either does."""
+    """Makes this process end with the companion, whatever either does."""
     with suppress(OSError, AttributeError):
         ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:

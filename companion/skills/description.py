@@ -1,10 +1,10 @@
-"""The program that says which functions are installed, and what parameters they have.
+"""The program that lists the installed functions and their parameters.
 
     python -P -m companion.skills.description
 
-A list of [group, name] on its standard input says which are to be loaded, for their parameters. It
-prints a line of JSON for each function as it goes, and one before it loads a function, so that
-what ends this process is known by its name. `installed.py` is the other side.
+A list of [group, name] on its standard input says which functions to load for their parameters. It
+prints a line of JSON for each function at once, and one before it loads a function: so if loading
+ends this process, the function's name is known. `installed.py` is the other side.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def parameters_of(kind: FunctionKind, function: Callable[..., Any]) -> tuple[Par
     """The parameters of a function.
 
     Raises:
-        Unusable: it does not have those that the companion fills in.
+        Unusable: it lacks parameters that the companion fills in.
     """
     try:
         found = inspect.signature(function).parameters.values()
@@ -49,7 +49,7 @@ def _parameter(found: inspect.Parameter) -> Parameter:
 
 
 def main() -> None:
-    """Entry point; what is printed while a function is loaded is not taken for an answer."""
+    """Entry point; what a function prints while it is loaded is not taken for an answer."""
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)
     confine_memory(MEMORY_MIB * MIB)
@@ -75,7 +75,7 @@ def main() -> None:
             installed = Installed(function, source, failure=str(unusable))
         say(as_json({function: [installed]})[0])
     answers.flush()
-    os._exit(0)  # whatever a package has begun when it was imported
+    os._exit(0)  # whatever a package has started on import
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Asks a child process which functions are installed; loads none in this one.
+"""Asks a child process which functions are installed; loads none in this process.
 
-A door: it starts a process and waits for it. It is asked once, before anything flies: when a
-mission is read that calls a function, or when a companion begins to host sorties.
+A door: it starts a process and waits for it. This is done once, before anything flies: when a
+mission that calls a function is read, or when a companion begins to host sorties.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from companion.skills.catalogue import Catalogue, Installed, from_json
 
 PROGRAM = "companion.skills.description"
 LOADED_S = 60.0
-"""Real time in which all that is asked for has to be loaded."""
+"""Real time for loading all that is asked for."""
 
 InstalledReader = Callable[[Iterable[Function]], Catalogue]
-"""Says what is installed; the functions that are named are loaded for their parameters."""
+"""Returns what is installed; the named functions are loaded for their parameters."""
 
 
 def read_installed(wanted: Iterable[Function]) -> Catalogue:
-    """What is installed now, with the parameters of the functions that are wanted."""
+    """What is installed now, with the parameters of the wanted functions."""
     left = set(wanted)
     catalogue: dict[Function, Sequence[Installed]] = {}
     while True:

@@ -1,4 +1,4 @@
-"""Messages between the companion and a function's process: lines of JSON, of bounded length."""
+"""Messages between the companion and a function's process: lines of JSON of limited length."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ MAX_LINE = 1 << 15
 
 
 class Malformed(ValueError):
-    """What came is no message."""
+    """What was received is no message."""
 
 
 def line_of(message: Mapping[str, Any]) -> bytes:
@@ -20,7 +20,7 @@ def line_of(message: Mapping[str, Any]) -> bytes:
     b'{"is": "ready"}\n'
 
     Raises:
-        Malformed: it is too long.
+        Malformed: the message is too long.
     """
     line = json.dumps(message).encode() + b"\n"
     if len(line) > MAX_LINE:
@@ -29,7 +29,7 @@ def line_of(message: Mapping[str, Any]) -> bytes:
 
 
 class LineReader:
-    r"""Messages from the parts in which they arrive.
+    r"""Assembles messages from the parts in which they arrive.
 
     >>> reader = LineReader()
     >>> reader.take(b'{"is": "re'), reader.take(b'ady"}\n')
@@ -40,10 +40,10 @@ class LineReader:
         self._rest = b""
 
     def take(self, part: bytes) -> list[dict[str, Any]]:
-        """The messages that end in a part.
+        """The messages that are completed by a part.
 
         Raises:
-            Malformed: one is too long, or no object of JSON.
+            Malformed: a message is too long, or no JSON object.
         """
         *lines, self._rest = (self._rest + part).split(b"\n")
         if any(len(line) > MAX_LINE for line in (*lines, self._rest)):

@@ -1,6 +1,6 @@
-"""Finds installed functions by their entry points, and loads one: in a process of its own alone.
+"""Finds installed functions by their entry points, and loads them, only in a process of its own.
 
-Loading runs the code of the package that claims the name. A search reads the metadata of all that
+Loading runs code of the package that offers the function. Searching reads the metadata of all that
 is installed, which takes up to a second.
 """
 
@@ -23,11 +23,11 @@ _DECORATORS = {
 
 
 class Unusable(Exception):
-    """The function cannot be called; its text says why."""
+    """The function cannot be called; the text says why."""
 
 
 def entries() -> list[tuple[Function, EntryPoint]]:
-    """All that is installed."""
+    """All installed functions."""
     found = entry_points()
     return [
         (Function(kind, e.name), e) for kind in FunctionKind for e in found.select(group=kind.value)
@@ -35,7 +35,7 @@ def entries() -> list[tuple[Function, EntryPoint]]:
 
 
 def source_of(entry: EntryPoint) -> str:
-    """The package that claims the name, and its version."""
+    """The package that offers the function, and its version."""
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist is not None else entry.module
 
 
@@ -43,7 +43,8 @@ def loaded(function: Function) -> Callable[..., Any]:
     """The function itself.
 
     Raises:
-        Unusable: nobody or more than one claims its name, it cannot be imported, or it is none.
+        Unusable: no package or several packages offer it, it cannot be imported, or it is no
+            function.
     """
     named = [entry for each, entry in entries() if each == function]
     if len(named) != 1:
@@ -55,11 +56,11 @@ def load(function: Function, entry: EntryPoint) -> Callable[..., Any]:
     """The function of an entry point.
 
     Raises:
-        Unusable: it cannot be imported, or it is none.
+        Unusable: it cannot be imported, or is no function.
     """
     try:
         found = entry.load()
-    except BaseException as error:  # whatever foreign code raises, SystemExit among it
+    except BaseException as error:  # whatever foreign code raises, even SystemExit
         traceback.print_exc()
         raise Unusable(f"{entry.value} cannot be imported: {in_words(error)}") from error
     if not callable(found):
@@ -75,6 +76,6 @@ def load(function: Function, entry: EntryPoint) -> Callable[..., Any]:
 
 
 def in_words(error: BaseException) -> str:
-    """An exception in a line: its type, and the last line of what it says."""
+    """An exception in one line: its type, and the last line of its text."""
     lines = str(error).strip().splitlines()
     return f"{type(error).__name__}: {lines[-1].strip()}" if lines else type(error).__name__

@@ -1,7 +1,7 @@
-"""One function's process, from the companion's side: started, spoken with, and ended.
+"""A function's process, on the companion's side: starts it, talks to it, and ends it.
 
-A door: it starts a process, and reads and writes its pipes. Nothing here waits but `wait`, which is
-for simulated flights; nothing raises for what a process says or does. `child.py` is the other side.
+A door: it starts a process, and reads and writes its pipes. Only `wait` waits, for simulated
+flights. Nothing that a process says or does raises an exception here. `child.py` is the other side.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from companion.skills.lines import LineReader, Malformed, line_of
 OUTPUT = "output.txt"
 PROGRAM = "companion.skills.child"
 READ_BYTES = 1 << 15
-"""At most so much is read at once of what it says, and of what it prints."""
+"""Most bytes of messages, and of printed output, that are read at once."""
 OUTPUT_BYTES = 256 << 10
-"""Of what it prints so much is kept."""
+"""Most bytes of printed output that are kept."""
 LEFT_OUT = b"\n... the rest is left out\n"
 TERMINATE_S, KILL_S = 1.0, 2.0
-"""When one that was told to end gets SIGTERM, and SIGKILL."""
+"""A process that was told to end gets SIGTERM, then SIGKILL, after these times."""
 _OF_THE_COMPANION = ("NOTIFY_SOCKET", "WATCHDOG_USEC", "WATCHDOG_PID")
-"""The service manager hears these from the companion alone."""
+"""The service manager expects these only from the companion."""
 
 
 class FunctionProcess:
-    """A process that loads a function, and runs one call of it.
+    """A process that loads a function and runs one call of it.
 
     Attributes:
-        begun_s: when it was started, by the monotonic clock.
+        begun_s: start, by the monotonic clock.
         heard_s: when it was last heard.
-        is_broken: it has said what is no message.
-        unusable: why its function cannot be called; None while it may. Its owner writes it.
+        is_broken: it has sent something that is no message.
+        unusable: why its function cannot be called; None while it can. Written by the owner.
     """
 
     def __init__(self, function: Function) -> None:
@@ -77,9 +77,9 @@ class FunctionProcess:
 
     @property
     def exit_code(self) -> int | None:
-        """How it has ended; negative is a signal; None while it runs.
+        """How it has ended, negative for a signal; None while it runs.
 
-        It is looked at and left: its number stays its own until its group is ended.
+        The process is not reaped yet: its number stays reserved until its group is ended.
         """
         ended = os.waitid(os.P_PID, self._child.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
         if ended is None:
@@ -87,11 +87,11 @@ class FunctionProcess:
         return ended.si_status if ended.si_code == os.CLD_EXITED else -ended.si_status
 
     def print_to(self, folder: Path) -> None:
-        """What it prints goes to a file there; a folder that stays empty is taken away."""
+        """Directs what it prints to a file in a folder; a folder that stays empty is removed."""
         self._folder = folder
 
     def say(self, message: dict[str, Any]) -> None:
-        """Says something to it; one that has ended, or does not listen, is found out later."""
+        """Sends a message; a process that has ended or does not read is found later."""
         stdin = self._child.stdin
         assert stdin is not None
         try:
@@ -103,7 +103,7 @@ class FunctionProcess:
             return
 
     def hear(self) -> list[dict[str, Any]]:
-        """What it has said since it was last asked, but for its beats."""
+        """Its messages since the last call, without its beats."""
         self._take_output()
         try:
             part = os.read(self._answers, READ_BYTES)
@@ -121,21 +121,21 @@ class FunctionProcess:
             return []
 
     def wait(self, timeout_s: float) -> None:
-        """Waits until it says or prints something, or has ended."""
+        """Waits until it sends or prints something, or has ended."""
         descriptors = [self._answers]
         if self._child.stdout is not None and not self._prints_no_more:
             descriptors.append(self._child.stdout.fileno())
         select.select(descriptors, [], [], timeout_s)
 
     def end(self) -> threading.Thread:
-        """It is told to end; a thread sees to it that it does, and that all is closed."""
+        """Tells it to end; a thread makes sure that it does, and closes everything."""
         self.say({"is": "cancel"})
         ending = threading.Thread(target=self._see_to_the_end, name="end of a call", daemon=True)
         ending.start()
         return ending
 
     def kill(self) -> None:
-        """It, and what it has started, is ended now."""
+        """Kills it and all that it has started."""
         self._signal(signal.SIGKILL)
         self._child.wait()
         self._take_output()
@@ -164,7 +164,7 @@ class FunctionProcess:
             self._keep(printed or b"")
 
     def _keep(self, printed: bytes) -> None:
-        """Keeps the first of what is printed; before a call begins, in memory."""
+        """Keeps the beginning of the printed output; before a call begins, in memory."""
         room = max(0, OUTPUT_BYTES - self._kept_bytes - len(self._printed))
         self._printed += printed[:room]
         if len(printed) > room and not self._is_cut:
@@ -190,7 +190,7 @@ class FunctionProcess:
 
 
 def in_words(exit_code: int) -> str:
-    """Why a process has ended that has not said so.
+    """Why a process has ended without saying so.
 
     >>> in_words(3), in_words(-11)
     ('its process ended with exit code 3', 'its process was ended by SIGSEGV')

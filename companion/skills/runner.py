@@ -1,14 +1,12 @@
-"""Runs the functions that a mission calls: pre-started, one process for each call, with limits.
+"""Runs the functions that a mission calls: one process per call, started beforehand, with limits.
 
-A door. For each function that a mission calls a process is started before the flight, which loads
-it; a call takes that process, and another one is started for the next call. The flight asks in each
-tick what a call has said, which never waits, and reads a bounded part.
-
-In lockstep simulated time waits instead: whoever asks waits until the function sleeps, waits for a
-reply, or has ended. So a call takes the simulated time that it sleeps (`run.sleep`), and no other,
-and equal flights have equal events however fast the machine is.
-
-Times here are real, by the monotonic clock, but for a sleep, which is of the flight.
+1. A door. Before the flight, a process is started for each function that the mission calls, and
+   loads it. A call takes this process, and another one is started for the next call.
+2. In each tick the flight asks what a call has said. This never waits, and reads a limited amount.
+3. In lockstep, simulated time waits instead, until the function sleeps, waits for a reply, or has
+   ended. So a call takes exactly the simulated time that it sleeps (`run.sleep`), and equal flights
+   have equal events on any machine.
+4. Times here are real, by the monotonic clock, except sleeps, which are by the flight's clock.
 """
 
 from __future__ import annotations
@@ -38,17 +36,17 @@ from companion.skills.lines import Malformed
 from companion.skills.process import FunctionProcess, in_words
 
 READY_S = 60.0
-"""In which a function has to be loaded."""
+"""Time within which a function must be loaded."""
 SILENT_S = 10.0
-"""A process that is not heard for so long hangs; it beats twice a second."""
+"""A process that is silent this long hangs; it sends a beat twice a second."""
 SILENT_IN_LOCKSTEP_S = 60.0
 ANSWERS_IN_LOCKSTEP_S = 600.0
-"""A simulated flight that waits longer for a function is ended."""
+"""A simulated flight that waits longer than this for a function is ended."""
 ASKED_LATELY_S = 2.0
 MESSAGES = 200
-"""Of a call in a tick."""
+"""Most messages of a call in a tick."""
 FOLDER = "skills"
-"""Of a run folder: a folder for each call, in which it runs, and what it has printed."""
+"""In the run folder: a folder for each call, in which it runs and its output is kept."""
 _INSTANT_S = 1e-6
 
 
@@ -57,8 +55,8 @@ class _Call:
     """A call under way.
 
     Attributes:
-        until_s: when its sleep is over, by the flight's clock; None while it does not sleep.
-        is_asking: it waits for the reply about a command.
+        until_s: end of its sleep, by the flight's clock; None while it does not sleep.
+        is_asking: it waits for the reply to a command.
         asked_s: when the flight last asked for news.
     """
 
@@ -71,14 +69,14 @@ class _Call:
 
 
 class FunctionRunner:
-    """Fulfils `acting.function_port.FunctionPort`.
+    """Implements `acting.function_port.FunctionPort`.
 
     Args:
-        folder: of the run; None for none, and then calls run in a folder that is removed.
+        folder: of the run; without one, calls run in a folder that is removed.
         is_lockstep: simulated time waits for functions.
 
     Attributes:
-        folder: where calls that begin from now on have their folders; its owner writes it.
+        folder: where further calls have their folders; written by the owner.
     """
 
     def __init__(self, folder: Path | None = None, is_lockstep: bool = False) -> None:
@@ -93,7 +91,7 @@ class FunctionRunner:
         self._temporary: Path | None = None
 
     def prepare(self, functions: Iterable[Function]) -> None:
-        """Begins to load functions; others are not kept any longer."""
+        """Starts to load functions; all others are unloaded."""
         wanted = dict.fromkeys(functions)
         for function in [each for each in self._spares if each not in wanted]:
             self._drop(function)
@@ -101,7 +99,7 @@ class FunctionRunner:
             self._prepare(function)
 
     def awaited(self) -> tuple[str, ...] | NotDone:
-        """The functions that are still being loaded; or why one cannot be."""
+        """The functions that are still being loaded, or why one cannot be loaded."""
         waiting = []
         for function, process in self._spares.items():
             process.unusable = process.unusable or self._failure_to_load(process)
@@ -112,7 +110,7 @@ class FunctionRunner:
         return tuple(waiting)
 
     def begin(self, request: CallRequest) -> int:
-        """Begins a call; returns its ticket. Another process is started for the next one."""
+        """Begins a call and returns its ticket; starts another process for the next call."""
         function = request.call.function
         self._tickets += 1
         self._prepare(function)
@@ -132,13 +130,13 @@ class FunctionRunner:
         return self._tickets
 
     def take(self, ticket: int, now_s: float) -> list[Answer]:
-        """What a call has said since it was last asked; after the last answer it is over.
+        """What a call has said since the last time; after the last answer it is over.
 
         Args:
             now_s: by the flight's clock.
 
         Raises:
-            CompanionError: in lockstep: it has not said anything for minutes.
+            CompanionError: in lockstep, the function has said nothing for minutes.
         """
         if ticket in self._not_begun:
             return [self._not_begun.pop(ticket)]
@@ -164,25 +162,25 @@ class FunctionRunner:
         return answers
 
     def reply(self, ticket: int, failure: str | None) -> None:
-        """What has become of the command that a call has asked for; None if it was done."""
+        """Passes on the result of the command that a call asked for; None if it was done."""
         call = self._calls[ticket]
         call.is_asking = False
         call.process.say({"is": "reply", "failure": failure})
 
     def cancel(self, ticket: int) -> None:
-        """Nobody waits for a call any more."""
+        """Ends a call whose result is not awaited any more."""
         call = self._calls.pop(ticket, None)
         if call is not None:
             self._endings = [each for each in self._endings if each.is_alive()]
             self._endings.append(call.process.end())
 
     def end_calls(self) -> None:
-        """Nobody waits for any call any more; what is loaded stays so."""
+        """Ends all calls; loaded functions stay loaded."""
         for ticket in list(self._calls):
             self.cancel(ticket)
 
     def close(self) -> None:
-        """All processes are ended."""
+        """Ends all processes."""
         for call in self._calls.values():
             call.process.kill()
         self._calls.clear()
@@ -196,7 +194,7 @@ class FunctionRunner:
     # ------------------------------------------------------------------------------------------
 
     def _prepare(self, function: Function) -> None:
-        """Has a process for the next call, unless the system does not give one."""
+        """Starts a process for the next call, if the system allows it."""
         spare = self._spares.get(function)
         if spare is not None and (spare.unusable or spare.exit_code is not None):
             self._drop(function)
@@ -210,7 +208,7 @@ class FunctionRunner:
         process.kill()
 
     def _folder_of(self, function: Function) -> Path | None:
-        """A folder for a call; None where there can be none: a full disk ends no flight."""
+        """A folder for a call; None if there can be none: a full disk ends no flight."""
         if self.folder is None and self._temporary is None:
             with suppress(OSError):
                 self._temporary = Path(tempfile.mkdtemp(prefix="companion-"))
@@ -229,7 +227,7 @@ class FunctionRunner:
                 return None
 
     def _failure_to_load(self, process: FunctionProcess) -> str | None:
-        """Why a function is not ready, and will not be; in lockstep, waits until it is known."""
+        """Why a function cannot be loaded, None if it can; in lockstep, waits until known."""
         if process in self._ready:
             return None
         while True:
@@ -247,7 +245,7 @@ class FunctionRunner:
             process.wait(0.1)
 
     def _next(self, call: _Call) -> dict[str, Any] | None:
-        """The next message of a call; None if there is none yet, or will be none."""
+        """The next message of a call; None if there is none yet, or none will follow."""
         begun_s = time.monotonic()
         while not call.inbox:
             call.inbox += call.process.hear()
@@ -281,11 +279,11 @@ class FunctionRunner:
             call.process.is_broken = True
 
     def _look_after(self, call: _Call, answers: list[Answer]) -> None:
-        """Finds out that nothing more will be heard of a call, and why."""
+        """Detects that nothing more will be heard of a call, and why."""
         if len(call.inbox) < MESSAGES:
             call.inbox += call.process.hear()
         if not call.inbox and (reason := self._why_not_heard(call)) is not None:
-            call.inbox += call.process.hear()  # said between the two looks
+            call.inbox += call.process.hear()  # said since the last look
             if not call.inbox:
                 answers.append(NotDone(reason))
 
@@ -300,6 +298,6 @@ class FunctionRunner:
             return f"it is not loaded after {READY_S:.0f} s" if late else None
         most_s = SILENT_IN_LOCKSTEP_S if self._is_lockstep else SILENT_S
         if now_s - call.asked_s > ASKED_LATELY_S:
-            return None  # the flight has not looked for it; now it may be heard
+            return None  # the flight itself was late to look; first it has to listen
         hangs = now_s - process.heard_s > most_s
         return f"its process hangs: not heard for {most_s:.0f} s" if hangs else None

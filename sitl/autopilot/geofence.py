@@ -6,7 +6,7 @@ the distance from home; 0 is no limit. As in PX4, an area that home or a flying 
 violates is not accepted.
 
 Source: PX4 1.16, src/modules/navigator/geofence.cpp. Left out: a prediction of the path
-    (GF_PREDICT); the fence return point, which PX4 stores but does not use.
+(GF_PREDICT); the fence return point, which PX4 stores but does not use.
 """
 
 from __future__ import annotations
