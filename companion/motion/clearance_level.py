@@ -1,14 +1,15 @@
 """Routes at one clearance: the cells that are free at it, and the cost-to-go of each place.
 
-The vehicle may be off from where its autopilot takes it to be. So routes keep more than the least
-clearance, where the map has room for that; a passage that is too narrow is flown at the next lower
-one, in its middle (`voronoi.py`), and only the passage: outside it the way keeps what is enough.
-Where that leads nowhere, or round a corner that is not worth it, all of the way keeps no more than
-the level's clearance. Levels are a step of what is added apart; at which one a place is flown to,
-way_choice.py says.
+The vehicle may not be where its autopilot estimates it to be. So routes keep an added clearance
+beyond the least one, where the map has room for it.
 
-A place may itself stand nearer to an obstacle than a level asks for, and so may the vehicle. Around
-each a disc is open in which routes keep as much as the place, or the vehicle, does.
+1. A passage that is too narrow is flown at the next lower clearance, in its middle (`voronoi.py`).
+   Outside the passage the route still keeps what is enough.
+2. If that leads nowhere, or is too long a detour, the whole route keeps only the level's clearance.
+3. Levels differ by steps of the added clearance. way_choice.py decides which level is flown.
+
+A place may itself be nearer to an obstacle than a level demands, and so may the vehicle. Around
+each of them a disc is open in which routes keep as much distance as the place or the vehicle does.
 """
 
 from __future__ import annotations
@@ -34,22 +35,22 @@ from companion.motion.regions import Regions
 from companion.motion.voronoi import passages
 
 ENOUGH_SHARE = 2 / 3
-"""Of what is added; where all of it would be a longer way still (`way_choice.py`)."""
+"""The share of the added clearance that is enough if all of it makes a detour (`way_choice.py`)."""
 
-_MAX_STARTS = 1000  # of which the cell is kept
-_OPEN_SHARE = 1.5  # reach of an open disc, of the way straight out to the level's clearance
+_MAX_STARTS = 1000  # starts whose cell is cached
+_OPEN_SHARE = 1.5  # reach of an open disc, in straight ways out to the level's clearance
 
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """What all levels share.
+    """What all levels have in common.
 
     Attributes:
-        least_m: the clearance that no route goes below.
-        is_inside: (rows, cols) cells that the fence holds.
-        edges: into the regions of the exclusive places.
-        others: by place, the regions of all others, which a leg to it may not enter.
-        goals: by place, where routes to it end; changed where symbols are aimed elsewhere.
+        least_m: the least clearance of any route.
+        is_inside: (rows, cols) cells inside the fence.
+        edges: the edges into the regions of the exclusive places.
+        others: by place, the regions of all other places, which a leg to it may not enter.
+        goals: by place, where routes to it end; changed when symbols are aimed elsewhere.
     """
 
     least_m: float
@@ -64,9 +65,9 @@ class Obstacles:
     """What routes keep away from.
 
     Attributes:
-        grid: on which all of it is occupied, keep-out zones as well.
-        walls: (rows, cols) what is solid of it.
-        narrowest_m: width of the narrowest passage that is flown through.
+        grid: all obstacles as occupied cells, including keep-out zones.
+        walls: (rows, cols) the solid obstacles among them.
+        narrowest_m: width of the narrowest passage through which routes lead.
     """
 
     grid: OccupancyGrid
@@ -75,17 +76,17 @@ class Obstacles:
 
     @cached_property
     def passages(self) -> npt.NDArray[np.bool_]:
-        """(rows, cols) the cells in the middle of a passage."""
+        """(rows, cols) the cells in the middle of passages."""
         return passages(self.grid, self.narrowest_m)
 
 
 class WayEntry(NamedTuple):
-    """Where a way to a place enters free cells.
+    """Where a route to a place enters free cells.
 
     Attributes:
         to_go: the cost-to-go of the place.
-        cell: from which a way leads there.
-        length_m: of the whole way, in the plane.
+        cell: the cell from which a path leads there.
+        length_m: horizontal length of the whole route.
     """
 
     to_go: CostToGo
@@ -94,19 +95,19 @@ class WayEntry(NamedTuple):
 
 
 class ClearanceLevel:
-    """Routes at one clearance. Free cells and costs-to-go are found when first asked for.
+    """Routes at one clearance. Free cells and costs-to-go are computed when first asked for.
 
-    Places whose goal has changed are seen to when somebody looks: candidates for a goal that lie
-    behind walls are many, and tried at the least clearance first.
+    Places whose goal has changed are updated only when somebody asks. Candidates for a goal may be
+    many, most of them behind walls, and they are tried at the least clearance first.
 
     Attributes:
-        clearance_m: of this level.
+        clearance_m: the clearance of this level.
 
     Args:
-        room: what all levels share.
-        obstacles: as they are known now.
-        clearance_m: see above.
-        outside_m: what is kept outside passages; None for no more than in them.
+        room: what all levels have in common.
+        obstacles: the obstacles as known now.
+        clearance_m: the clearance of this level.
+        outside_m: clearance outside passages; None for the same as in them.
     """
 
     def __init__(
@@ -121,23 +122,23 @@ class ClearanceLevel:
         self.clearance_m = clearance_m
         self._outside_m = clearance_m if outside_m is None else outside_m
         self._aimed: set[str] = set()
-        self._space: FreeSpace | None = None  # until somebody looks
+        self._space: FreeSpace | None = None  # computed when first asked for
         self._plain: dict[NorthEast, Cell | None] = {}
         self._maps: DistanceMaps | None = None
         self._around: tuple[tuple[NorthEast, ...], FreeSpace] | None = None  # asked for last
 
     @property
     def space(self) -> FreeSpace:
-        """The free cells now."""
+        """The cells that are free now."""
         return self.look()
 
     @property
     def _is_looked_at(self) -> bool:
-        """Whether the free cells are known as they are now."""
+        """Whether the free cells are known for the present obstacles."""
         return self._space is not None and not self._aimed
 
     def look(self) -> FreeSpace:
-        """Finds the free cells, if nobody has looked at them yet."""
+        """Computes the free cells, unless they are known already."""
         self._follow_goals()
         if self._space is None:
             self._space = self._free_space()
@@ -157,9 +158,9 @@ class ClearanceLevel:
         return self._obstacles.grid
 
     def see(self, obstacles: Obstacles) -> bool:
-        """Takes over other obstacles on the same map; true if other cells are free now.
+        """Takes over new obstacles on the same map; true if other cells are free now.
 
-        Where nobody has looked yet, nobody knows others.
+        If nobody has asked for the free cells yet, nothing changes for anybody.
         """
         self._follow_goals()
         self._obstacles = obstacles
@@ -177,28 +178,28 @@ class ClearanceLevel:
         return True
 
     def aim(self, place: str) -> None:
-        """The goal of a place has changed."""
+        """Notes that the goal of a place has changed."""
         self._aimed.add(place)
 
     def _follow_goals(self) -> None:
-        """Sees to the places whose goal has changed."""
+        """Updates the places whose goal has changed."""
         if not self._aimed:
             return
         aimed, self._aimed = self._aimed, set()
-        if self._outside_m > self._room.least_m:  # another disc is open
+        if self._outside_m > self._room.least_m:  # another disc is open now
             self._take_free_space()
         if self._maps is not None:
             for place in sorted(aimed):
                 self._maps.aim(place, self.space.point(self._room.goals[place]))
 
     def above(self, added_m: float, outside_m: float | None = None) -> ClearanceLevel:
-        """A level of a greater clearance on the same map; more may be added outside passages."""
+        """A level with more clearance on the same map, and perhaps still more outside passages."""
         least_m = self.clearance_m
         more_m = None if outside_m is None else least_m + outside_m
         return ClearanceLevel(self._room, self._obstacles, least_m + added_m, more_m)
 
     def around(self, *positions: NorthEast) -> FreeSpace:
-        """The free cells with open discs around some positions; those asked for last are kept."""
+        """The free cells with open discs around some positions; the last result is cached."""
         space = self.space
         if self._around is None or self._around[0] != positions:
             opened = self._opened(positions)
@@ -207,14 +208,17 @@ class ClearanceLevel:
         return self._around[1]
 
     def repair(self, max_cells: int) -> bool:
-        """Searches about `max_cells` cells for the places that were looked for at this clearance.
+        """Searches about `max_cells` cells for the places that have been asked for at this
+        clearance.
 
         True once their cost-to-go is current.
         """
         return self._maps is None or self.maps.find(max_cells, repairs_only=True)
 
     def search(self, start: NorthEast, place: str, max_cells: int) -> int:
-        """Searches about `max_cells` cells for what `entry` asks for; about how many it took."""
+        """Searches about `max_cells` cells for what `entry` needs; returns about how many it
+        took.
+        """
         used = 0
         if not self._is_looked_at:
             if max_cells <= 0:
@@ -225,24 +229,28 @@ class ClearanceLevel:
         return used + self.maps.search(place, max_cells - used, self._plain_cell(start))
 
     def is_known(self, start: NorthEast, place: str) -> bool:
-        """Whether `entry` needs no search any more."""
+        """Whether `entry` needs no further search."""
         if not self._is_looked_at:
             return False
         is_known = self.maps.is_known(place, self._plain_cell(start))
         return is_known or not self.is_connected(start, place)
 
     def is_connected(self, start: NorthEast, place: str) -> bool:
-        """Whether free cells lead from near a start to a place, whatever regions lie between."""
+        """Whether free cells lead from near a start to a place, ignoring the regions in between."""
         goal = self._grid.cell(self._room.goals[place][:2])
         is_plain = self.space.is_connected(start, goal)
         return is_plain or self.around(start).is_connected(start, goal)
 
     def entry(self, start: NorthEast, place: str) -> WayEntry | None:
-        """Where a way to a place enters the cells from which there is one; None without any."""
+        """Where a route to a place enters cells from which a path leads there; None if there is no
+        route.
+        """
         return self.plain_entry(start, place) or self._entry_near(start, place)
 
     def plain_entry(self, start: NorthEast, place: str) -> WayEntry | None:
-        """The same, quickly, for a start from whose own cell a path leads on; else None."""
+        """The result of `entry`, quickly, if a path leads on from the start's own cell; else
+        None.
+        """
         cell = self._plain_cell(start)
         goal = self._grid.cell(self._room.goals[place][:2])
         if cell is None or not self.space.are_connected(cell, goal):
@@ -267,7 +275,7 @@ class ClearanceLevel:
         return WayEntry(to_go, cell, first + along + last)
 
     def _plain_cell(self, start: NorthEast) -> Cell | None:
-        """Kept, since each place is a start of routes to all others."""
+        """Cached, because each place is a start of routes to all others."""
         if start not in self._plain:
             if len(self._plain) >= _MAX_STARTS:
                 self._plain.clear()
@@ -290,7 +298,7 @@ class ClearanceLevel:
         return FreeSpace(self._grid, free, self._room.is_inside, self.clearance_m, walls)
 
     def _opened(self, positions: Iterable[NorthEast]) -> npt.NDArray[np.bool_] | None:
-        """(rows, cols) open discs around those positions that need one; None without any."""
+        """(rows, cols) open discs around those positions that need one; None if none does."""
         grid, opened = self._grid, None
         for position in positions:
             row, col = cell = grid.cell(position)
@@ -311,7 +319,7 @@ class ClearanceLevel:
 
 
 def is_enough(kept_m: float, added_m: float) -> bool:
-    """Whether so much of what is added is kept that no longer way is flown for the rest.
+    """Whether the kept share of the added clearance is enough, so that no detour is made for more.
 
     >>> is_enough(0.4, 0.6), is_enough(0.3, 0.6)
     (True, False)
@@ -320,10 +328,10 @@ def is_enough(kept_m: float, added_m: float) -> bool:
 
 
 def levels_from(least: ClearanceLevel, added_m: float) -> list[ClearanceLevel]:
-    """The levels at which routes keep up to so much more than the least, the highest first.
+    """The levels up to the whole added clearance, the highest first.
 
-    Below what is enough there are two of each clearance: outside passages what is enough is kept,
-    or no more than in them. The last one is the least itself.
+    Below what is enough, each clearance has two levels: routes keep what is enough outside
+    passages, or keep no more there than in passages. The last level is the least clearance itself.
     """
     count = round(added_m / STEP_M)
     steps = [added_m * i / count for i in range(count, 0, -1)] if count else []

@@ -1,18 +1,19 @@
 """Cost-to-go on the grid graph: each cell's distance to a goal, and the next cell on the path.
 
-Dijkstra searches from the goal against the direction of the edges find it (scipy.sparse.csgraph),
-some tiles of the map at a time, as the heap-cell method does it (Chacon and Vladimirsky, Fast
-two-scale methods for Eikonal equations, SIAM J. Sci. Comput. 34, 2012):
+Dijkstra searches from the goal, against the direction of the edges (scipy.sparse.csgraph), find it,
+some tiles of the map at a time, as in the heap-cell method (Chacon and Vladimirsky, Fast two-scale
+methods for Eikonal equations, SIAM J. Sci. Comput. 34, 2012):
 
-1. A search finds the shortest paths from the cells of some tiles to those around them, whose costs
-   are those of real paths. Where an edge would then shorten the path of a cell around them, the
-   tile of that cell is to be searched next, with the least cost that a path from there would have.
-2. Tiles with the least such cost come first. Nearly all cells are so searched once only.
-3. In the end no edge shortens a path, and each cost is that of a real path: so they are shortest,
-   in whatever order tiles were searched.
+1. A search finds the shortest paths from the cells of some tiles to the cells around them, whose
+   costs are those of real paths. If an edge would then shorten the path of a cell around them, the
+   tile of that cell has to be searched, with the least cost that such a path would have.
+2. The tiles with the least such cost are searched first. So nearly all cells are searched only
+   once.
+3. In the end no edge shortens a path, and each cost is that of a real path. So the paths are
+   shortest, in whatever order tiles were searched.
 
-When the map has changed, only those cells are searched again whose path changes: those whose path
-uses an edge that is gone lose it, and new edges may shorten paths.
+After a change of the map only those cells are searched again whose path changes: paths over an edge
+    that is gone are lost, and new edges may shorten paths.
 
 Graphs, cells and flat indices are those of `grid_graph.py`.
 """
@@ -33,8 +34,8 @@ from companion.motion.grid_graph import OFFSETS, Cell, Cells, GridGraph, Lengths
 ALL = sys.maxsize
 """More cells than any map has."""
 NextCells = npt.NDArray[np.int32]
-"""Flat indices, half as large in memory; maps have fewer cells than 2^31."""
-_ROUNDING = 1e-9  # cells; paths that differ by less are equally long
+"""Flat indices in half the memory; maps have fewer cells than 2^31."""
+_ROUNDING = 1e-9  # cells; paths count as equally long if they differ by less
 _TILE = 20  # cells along each side
 
 
@@ -44,14 +45,14 @@ class CostToGo:
 
     Attributes:
         graph: the edges that a path may use.
-        cost: (rows, cols) length of the path in cells, inf where there is none.
-        next_cell: (rows * cols,) flat index of the next cell on a shortest path; the cell's own at
-            the goal and where there is no path.
-        searched: number of cells that were searched for it so far.
-        due: (tile rows, tile cols) the cost above which cells of a tile are to be searched, inf
-            where none is.
-        horizon: the least of these. All costs are those of real paths; up to here they are those
-            of shortest ones.
+        cost: (rows, cols) length of the path in cells, inf if there is none.
+        next_cell: (rows * cols,) flat index of the next cell on a shortest path; the cell's own
+            index at the goal and if there is no path.
+        searched: number of cells that have been searched for it so far.
+        due: (tile rows, tile cols) the cost above which cells of a tile still have to be searched,
+            inf if none has to be.
+        horizon: the least of these. All costs are those of real paths; up to the horizon, those of
+            shortest paths.
     """
 
     graph: GridGraph
@@ -62,13 +63,13 @@ class CostToGo:
     horizon: float
 
     def is_final(self, cell: Cell | None = None) -> bool:
-        """Whether the cost of a cell, or of all, is that of a shortest path."""
+        """Whether the cost of a cell, or of all cells, is that of a shortest path."""
         return self.horizon >= (self.cost[cell] if cell else math.inf)
 
     def path(self, start: Cell) -> npt.NDArray[np.int_]:
         """(n, 2) cells on the path from a cell that has one, up to the goal.
 
-        Of equally short paths it is the one with the first edges, whatever the map was before.
+        Among equally short paths it is the one with the first edges, whatever the map was before.
         """
         cost, outgoing = self.cost.ravel(), self.graph.outgoing.ravel()
         steps = self.graph.index_steps
@@ -108,11 +109,11 @@ def begun(graph: GridGraph, goal: Cell) -> CostToGo:
 
 
 def adapted(previous: CostToGo, graph: GridGraph) -> CostToGo:
-    """The cost-to-go of the same goal on another graph, before it is searched again there.
+    """The cost-to-go of the same goal on another graph, before it is searched there.
 
     Args:
-        previous: may be unfinished, too.
-        graph: on which the goal is still free.
+        previous: may be unfinished.
+        graph: a graph on which the goal is still free.
     """
     gone = previous.graph.outgoing & ~graph.outgoing
     new = graph.outgoing & ~previous.graph.outgoing
@@ -124,12 +125,12 @@ def adapted(previous: CostToGo, graph: GridGraph) -> CostToGo:
 
 
 def continued(to_go: CostToGo, max_cells: int, cell: Cell | None = None) -> CostToGo:
-    """The cost-to-go after the search of about so many cells more.
+    """The cost-to-go after searching about `max_cells` more cells.
 
     Args:
-        to_go: as it is so far.
+        to_go: the cost-to-go so far.
         max_cells: see above.
-        cell: whose cost is to be final; without it those of all.
+        cell: the cell whose cost has to become final; None for all cells.
     """
     if to_go.is_final(cell):
         return to_go
@@ -145,8 +146,8 @@ def continued(to_go: CostToGo, max_cells: int, cell: Cell | None = None) -> Cost
 def _has_lost(next_cell: NextCells, gone: GridGraph) -> npt.NDArray[np.bool_]:
     """(rows * cols,) whether the path from each cell uses an edge that is gone.
 
-    Pointer jumping: first those cells count whose own edge is gone; then, in each pass, those
-    whose path leads to one of these within twice as many edges as in the pass before.
+    By pointer jumping: at first those cells count whose own edge is gone; then, in each pass, those
+        whose path leads to one of these within twice as many edges as in the pass before.
     """
     at = _flat(gone.outgoing)
     near, lengths = gone.successors(at)
@@ -167,13 +168,13 @@ def _rim(mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
 
 
 class _Draft:
-    """A cost-to-go that is searched.
+    """A cost-to-go during a search.
 
     Args:
         graph: the edges that a path may use.
-        cost: (rows, cols) 0 at the goal; elsewhere the length of some real path, or inf. Changed.
-        next_cell: (rows * cols,) the next cell on that path. Changed.
-        due: (tile rows, tile cols) see `CostToGo`. Changed.
+        cost: (rows, cols) 0 at the goal; elsewhere the length of some real path, or inf. Modified.
+        next_cell: (rows * cols,) the next cell on that path. Modified.
+        due: (tile rows, tile cols) see `CostToGo`. Modified.
     """
 
     def __init__(self, graph: GridGraph, cost: Lengths, next_cell: NextCells, due: Lengths) -> None:
@@ -190,7 +191,7 @@ class _Draft:
         return CostToGo(self._graph, cost, self._next_cell, searched, self._due, horizon)
 
     def due_cells(self, max_cells: int) -> Cells:
-        """The cells to search next: of the tiles with the least costs, about so many in all."""
+        """About `max_cells` cells to search next: those of the tiles with the least costs."""
         due = self._due.reshape(-1)
         first = np.argsort(due, kind="stable")[: max(1, max_cells // _TILE**2)]
         above = np.full(self._due.shape, np.inf)
@@ -202,26 +203,28 @@ class _Draft:
         return _flat(is_due & (self._graph.outgoing != 0))
 
     def forget(self, cells: Cells) -> None:
-        """Some cells have lost their paths."""
+        """Removes the paths of some cells."""
         self._cost[cells] = np.inf
         self._next_cell[cells] = cells
 
     def look_at(self, cells: Cells) -> None:
-        """Notes those of some cells from which an edge makes a shorter path."""
+        """Notes which of some cells get a shorter path by an edge."""
         near, costs = self._graph.successors(cells)
         costs = np.min(costs + self._cost.take(near, mode="clip"), axis=1)
         is_shorter = costs < self._cost[cells] - _ROUNDING
         self._note(cells[is_shorter], costs[is_shorter])
 
     def look_from(self, cells: Cells) -> None:
-        """Notes the cells from which an edge to one of some cells makes a shorter path."""
+        """Notes the cells that get a shorter path by an edge to one of some cells."""
         origins, costs = self._graph.predecessors(cells)
         costs += self._cost[cells][:, None]
         is_shorter = costs < self._cost.take(origins, mode="clip") - _ROUNDING
         self._note(origins[is_shorter], costs[is_shorter])
 
     def search(self, cells: Cells) -> None:
-        """Finds the shortest paths from some cells (n,) to those around them, and on from there."""
+        """Finds the shortest paths from some cells (n,), to the cells around them and on from
+        there.
+        """
         subgraph = _Subgraph(self._graph, cells)
         rim = cells[subgraph.rim]
         near, exits = self._graph.successors(rim)
@@ -235,13 +238,15 @@ class _Draft:
         self.look_from(rim)
 
     def _note(self, cells: Cells, costs: Lengths) -> None:
-        """Cells above some cost are due in the tiles of some cells (k,)."""
+        """Notes that cells above these costs have to be searched in the tiles of some cells
+        (k,).
+        """
         rows, cols = np.divmod(cells, self._shape[1])
         np.minimum.at(self._due, (rows // _TILE, cols // _TILE), costs)
 
 
 def _nothing_due(shape: tuple[int, ...]) -> Lengths:
-    """(tile rows, tile cols) for a map."""
+    """(tile rows, tile cols) of inf, for a map."""
     return np.full([-(-edge // _TILE) for edge in shape], np.inf)
 
 
@@ -249,44 +254,46 @@ class _Subgraph:
     """The edges among some cells, and from them to the cells around them.
 
     Args:
-        graph: of the whole map.
-        cells: (n,) here they are numbered from 0 to n - 1; all others have the number n.
+        graph: the edges of the whole map.
+        cells: (n,) numbered here from 0 to n - 1; all other cells have the number n.
 
     Attributes:
-        rim: (m,) numbers of those from which an edge may lead to another cell.
+        rim: (m,) numbers of the cells from which an edge may lead to another cell.
     """
 
     def __init__(self, graph: GridGraph, cells: Cells) -> None:
         self._count = count = len(cells)
         number = np.full(graph.incoming.size, count, dtype=np.int32)
         number[cells] = np.arange(count, dtype=np.int32)
-        # Rows of 16, and space for one more row.
+        # Rows of 16, with space for one more row.
         steps = graph.index_steps
         rows = (count, len(steps))
         size = count * len(steps)
         self._ends, self._lengths = np.empty(size + count, np.int32), np.empty(size + count)
         edge_lengths(graph.incoming.ravel()[cells], out=self._lengths[:size].reshape(rows))
-        columns = np.empty(rows[::-1], np.int32)  # each is looked up at once, which is quicker
+        columns = np.empty(rows[::-1], np.int32)  # looking up each at once is quicker
         for column, step in zip(columns, steps, strict=True):
             number.take(cells + step, mode="clip", out=column)
         self._ends[:size].reshape(rows)[:] = columns.T
         (self.rim,) = np.nonzero(np.any(columns == count, axis=0))
 
     def shortest(self, exits: Lengths) -> tuple[Lengths, npt.NDArray[np.int32]]:
-        """A Dijkstra search from around the cells.
+        """Runs a Dijkstra search from around the cells.
 
         Args:
-            exits: (m,) for each cell of the rim the length of a path that leaves the subgraph there
-                at once, inf if it has none.
+            exits: (m,) for each cell of the rim, the length of a path that leaves the subgraph
+                there at once; inf if it has none.
 
         Returns:
-            (n,) lengths of the shortest paths, inf where there is none.
-            (n,) the next cells on them; n + 1: the path leaves here; negative: there is no path.
+            (n,) lengths of the shortest paths, inf if there is none.
+            (n,) the next cells on them; n + 1: the path leaves the subgraph here; negative: there
+            is no path.
         """
         count, has_exit = self._count, np.isfinite(exits)
         if not has_exit.any():
             return np.full(count, np.inf), np.full(count, -1, dtype=np.int32)
-        # The last two rows: what is around, where no edge goes on; the start, joined to the rim.
+        # The last two rows: the surroundings, from which no edge leads; the start, joined to the
+        # rim.
         first = np.arange(0, len(self._ends) - count + 1, len(self._ends) // count - 1)
         end = first[-1] + np.count_nonzero(has_exit)
         self._ends[first[-1] : end] = self.rim[has_exit]

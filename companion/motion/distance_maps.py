@@ -1,8 +1,8 @@
 """Distance maps: the cost-to-go of every place on the map as it is known now.
 
-The cost-to-go of a place (`cost_to_go.py`) is searched when it is first asked for. When it is
-asked for after a change of the map, it is repaired from its last state. On a large map, or with
-many places, that takes a while, so `search` and `find` do it in parts.
+The cost-to-go of a place (`cost_to_go.py`) is computed when it is first asked for. When it is asked
+for after a change of the map, its last state is repaired. On a large map, or with many places, that
+takes a while, so `search` and `find` do it in parts.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from companion.motion.region_edges import RegionEdges
 from companion.slices import spent
 
 CELL_US = 0.4
-"""What the search of a cell takes, about."""
+"""About how long the search of a cell takes."""
 
 LOOK_SHARE = 0.05
-"""Of the time in which a cell is searched: what a look at each cell takes."""
+"""The time to look at a cell, as a share of the time to search it."""
 
 
 class DistanceMaps:
     """The cost-to-go of each of several places.
 
     Args:
-        goals: by place, (2,) the point where paths to it end (`line_of_sight.py`).
-        edges: no path uses one of these, except into the region of its own place.
-        free: (rows, cols) the free cells at first.
+        goals: by place, (2,) the point at which paths to it end (`line_of_sight.py`).
+        edges: edges that no path uses, except into the region of its own place.
+        free: (rows, cols) the cells that are free at first.
     """
 
     def __init__(
@@ -43,23 +43,23 @@ class DistanceMaps:
         self.see(free)
 
     def see(self, free: npt.NDArray[np.bool_]) -> None:
-        """Takes over other free cells of the same map."""
+        """Takes over new free cells of the same map."""
         self._free = free
         self._graph: GridGraph | None = None  # made when a cost-to-go is asked for
-        self._graph_elsewhere: GridGraph | None = None  # of all places without a region
+        self._graph_elsewhere: GridGraph | None = None  # the same for all places without a region
         self._present: dict[str, CostToGo | None] = {}
 
     def aim(self, place: str, goal: Points) -> None:
-        """Lets the paths to a place end at another point."""
+        """Makes the paths to a place end at another point."""
         self._goals[place] = goal
         self._present.pop(place, None)
         self._former.pop(place, None)
 
     def find(self, max_cells: int, *, repairs_only: bool = False) -> bool:
-        """Searches about `max_cells` cells for what is not known yet; True once all is known.
+        """Searches about `max_cells` cells of what is not known yet; True once everything is known.
 
         Args:
-            repairs_only: looks at those places alone that were looked for before.
+            repairs_only: whether to search only for those places that were asked for before.
         """
         for place in [*self._former] if repairs_only else self._goals:
             while not self.is_known(place):
@@ -69,17 +69,20 @@ class DistanceMaps:
         return True
 
     def is_known(self, place: str, cell: Cell | None = None) -> bool:
-        """Whether the cost-to-go of a place from a cell, or from all, needs no search any more."""
+        """Whether the cost-to-go of a place, from a cell or from all cells, needs no further
+        search.
+        """
         if place not in self._present:
             return False
         to_go = self._present[place]
         return to_go is None or to_go.is_final(cell)
 
     def search(self, place: str, max_cells: int, cell: Cell | None = None) -> int:
-        """Searches about `max_cells` cells for the cost-to-go of a place from a cell, or from all.
+        """Searches about `max_cells` cells for the cost-to-go of a place, from a cell or from all
+        cells.
 
         Returns:
-            About how many cells could be searched in the time that this took.
+            About how many cells can be searched in the time that this took.
 
         Raises:
             KeyError: there is no such place.
@@ -98,11 +101,12 @@ class DistanceMaps:
     def cost_to_go(self, place: str, cell: Cell | None = None) -> CostToGo | None:
         """The cost-to-go of a place; None if the place cannot be reached from its own cell.
 
-        Where the search is put aside it is that of the map on which it was begun.
+        If the search was interrupted, it is the cost-to-go on the map on which the search was
+        begun.
 
         Args:
             place: one of the places.
-            cell: the only one whose path is asked for, if any.
+            cell: the only cell whose path is needed, if any.
 
         Raises:
             KeyError: there is no such place.
@@ -115,7 +119,7 @@ class DistanceMaps:
         return found
 
     def _begun(self, place: str) -> CostToGo | None:
-        """The cost-to-go of a place on the present map, before it is searched there."""
+        """The cost-to-go of a place on the present map, before the search."""
         goal = self._goals[place]
         row, col = np.floor(goal).astype(int).tolist()
         rows, cols = self._free.shape
@@ -129,7 +133,7 @@ class DistanceMaps:
         return adapted(former, graph) if former else begun(graph, (row, col))
 
     def _allowed(self, place: str) -> GridGraph:
-        """The edges that a path to a place may use; those without a region share one graph."""
+        """The edges that a path to a place may use; places without a region share one graph."""
         self._graph = self._graph or grid_graph(self._free)
         if place in self._edges.regions.names:
             return self._graph.without(self._edges.barred_to(place))

@@ -1,17 +1,18 @@
-"""The drag of the vehicle, learnt in flight, so that it can be fed forward.
+"""Estimates the drag of the vehicle in flight, so that the companion can feed it forward.
 
-A vehicle that is not told of its drag lags behind: PX4's controller has to build up, by position
-error, whatever thrust the air takes, and builds it up anew in each turn. PX4's built-in simulated
-quadrotor (1 /s) lags half a metre so, and swings out of its turns by as much.
+Without a feed-forward of drag a vehicle lags behind: PX4's controller builds up the thrust against
+drag from a position error, and does so again in each turn. PX4's built-in simulated quadrotor (1
+/s) lags by half a metre, and swings out of its turns by as much.
 
-In level flight the thrust carries the weight, and its horizontal part accelerates the vehicle or
-is spent on drag:
+In level flight the thrust carries the weight. Its horizontal part accelerates the vehicle or
+overcomes drag:
 
     g tan(tilt) = dv/dt + k (v - w)
 
 with the drag k per mass and the wind w. Over windows of a second this is linear in (k, k w), and a
-Kalman filter with three states estimates them; the wind may change. It begins without drag, and
-forgets nothing of k, which is the vehicle's. Errors of the velocity's estimate, 0.3 m/s, are noise.
+Kalman filter with three states estimates them. The wind may change. The filter begins without drag,
+and never forgets k, which is a property of the vehicle. Errors of the estimated velocity, 0.3 m/s,
+are noise.
 
 Left out: quadratic drag. At the speeds of a mission its slope is part of k.
 """
@@ -25,13 +26,13 @@ from companion.geometry import NorthEast
 
 WINDOW_S = 1.0
 GAP_S = 0.3
-"""Of a window with a longer silence nothing is learnt."""
+"""A window with a longer gap between measurements is not used."""
 NOISE_MPS = 0.2
-"""Standard deviation of a window's equation: errors of the velocity, in one direction."""
+"""Standard deviation of a window's equation, from errors of the velocity, in one direction."""
 UNKNOWN_PER_S, UNKNOWN_MPS2 = 0.5, 0.5
-"""Standard deviations of the drag, and of what the wind takes, before anything is known."""
+"""Standard deviations of the drag, and of the wind's part, before anything is known."""
 CHANGE_MPS2 = 0.05
-"""By so much may what the wind takes change in a window."""
+"""Standard deviation of the change of the wind's part from window to window."""
 MOST_PER_S = 1.5
 
 
@@ -39,7 +40,7 @@ class DragEstimate:
     """What is known of the drag of one vehicle."""
 
     def __init__(self) -> None:
-        self._mean = np.zeros(3)  # drag, wind's part north and east
+        self._mean = np.zeros(3)  # drag, and the wind's part north and east
         self._covariance = np.diag([UNKNOWN_PER_S**2, UNKNOWN_MPS2**2, UNKNOWN_MPS2**2])
         self._last_s = self._window_s = 0.0
         self._begin_velocity: NorthEast | None = None
@@ -48,16 +49,16 @@ class DragEstimate:
 
     @property
     def per_s(self) -> float:
-        """The drag per mass and speed."""
+        """The drag coefficient: deceleration per speed."""
         return min(max(float(self._mean[0]), 0.0), MOST_PER_S)
 
     def take(self, measured_s: float, velocity: NorthEast, thrust_mps2: NorthEast) -> None:
-        """Takes what was measured of a flying vehicle.
+        """Takes a measurement of the flying vehicle.
 
         Args:
-            measured_s: when, by the autopilot's clock.
+            measured_s: time of the measurement, by the autopilot's clock.
             velocity: north and east.
-            thrust_mps2: horizontal acceleration that the tilt stands for, north and east.
+            thrust_mps2: horizontal acceleration that follows from the tilt, north and east.
         """
         passed_s = measured_s - self._last_s
         if passed_s == 0.0:
@@ -74,7 +75,7 @@ class DragEstimate:
             self._begin(velocity)
 
     def pause(self) -> None:
-        """The vehicle stands on the ground, or nothing is known of it."""
+        """Interrupts the estimate: the vehicle is on the ground, or nothing is known of it."""
         self._begin_velocity = None
 
     def _begin(self, velocity: NorthEast) -> None:
@@ -82,7 +83,7 @@ class DragEstimate:
         self._thrust = self._way = (0.0, 0.0)
 
     def _learn(self, spent_mps: npt.NDArray[np.float64]) -> None:
-        """A step of the Kalman filter: (2,) what of a window's thrust was spent on drag."""
+        """One step of the Kalman filter: (2,) the part of a window's thrust that overcame drag."""
         seconds = self._window_s * np.eye(2)
         model = np.column_stack([self._way, -seconds])
         prior = self._covariance + np.diag([0.0, CHANGE_MPS2**2, CHANGE_MPS2**2])

@@ -1,10 +1,12 @@
-"""Free space: the cells that are free, the legs that keep clear, and where a route begins.
+"""Free space: which cells are free, which legs keep clear, and where a route begins.
 
-A cell is free if the next obstacle is at least the clearance away from all of it, and the fence
-holds all of it (`clearance_level.py`). A keep-out zone is an obstacle. A route begins in a free
-cell, or near one if the vehicle has drifted or something has come near it; out of a zone the first
-leg leads straight to the nearest free cell, and comes no nearer to walls. Points are in cells
-(`line_of_sight.py`), positions in metres.
+1. A cell is free if all of it is at least the clearance away from the next obstacle, and inside the
+   fence (`clearance_level.py`). A keep-out zone is an obstacle.
+2. A route begins in a free cell, or near one if the vehicle has drifted or something has come near.
+3. Out of a zone, the first leg leads straight to the nearest free cell, and comes no nearer to
+   walls.
+
+Points are in cells (`line_of_sight.py`), positions in metres.
 """
 
 from __future__ import annotations
@@ -25,19 +27,19 @@ from companion.motion.regions import Regions
 
 ENTRY_M = 1.0  # greatest distance from a route's start to the nearest free cell (tracking error)
 
-_ENTRY_CELLS = 1.5  # and of at least so many cells: to those around the own one
-_BORDER = 1e-6  # cells; nearer to the border of a cell a leg might touch the next one
-_MAX_VIEWS = 256  # that are kept
-_BATCH = 2000  # cells that are looked at together from a zone, of each connected part
+_ENTRY_CELLS = 1.5  # and at least so many cells: to those around its own cell
+_BORDER = 1e-6  # cells; a leg nearer to the border of a cell might touch the next cell
+_MAX_VIEWS = 256  # that are cached
+_BATCH = 2000  # cells of each connected part that are tested together, for a start in a zone
 
 
 class _View(NamedTuple):
-    """The free cells within reach of a start that a straight leg leads to.
+    """The free cells within reach of a start to which a straight leg leads.
 
     Attributes:
-        is_free: the start has the clearance; if not, legs from there keep clear of walls alone.
-        cells: (n, 2) nearest first.
-        reach: how far they may be, in cells.
+        is_free: whether the start has the clearance; if not, legs from it only keep clear of walls.
+        cells: (n, 2), the nearest first.
+        reach: the greatest distance of these cells, in cells.
     """
 
     is_free: bool
@@ -46,7 +48,7 @@ class _View(NamedTuple):
 
 
 def points_of(grid: OccupancyGrid, positions: npt.ArrayLike) -> Points:
-    """Positions (..., 2 or 3) metres in units of cells."""
+    """Positions (..., 2 or 3) in metres, converted to cells."""
     plane = np.asarray(positions, dtype=np.float64)[..., :2]
     return np.asarray((plane - grid.origin) / grid.cell_m)
 
@@ -61,9 +63,9 @@ class FreeSpace:
     Args:
         grid: the map, on which zones are occupied.
         free: see above.
-        is_inside: (rows, cols) cells that the fence holds.
-        clearance_m: that free cells have, but near some places.
-        walls: (rows, cols) those of the occupied cells that are solid, not zones alone.
+        is_inside: (rows, cols) cells inside the fence.
+        clearance_m: the clearance of free cells, except near some places.
+        walls: (rows, cols) the occupied cells that are solid, and not only zones.
     """
 
     def __init__(
@@ -95,7 +97,9 @@ class FreeSpace:
         return self.grid.with_occupied(self._walls)
 
     def _sight_away_from_walls(self, cell: Cell) -> LineOfSight:
-        """Over what is as far from walls as a cell is, or the clearance, less a cell."""
+        """Lines of sight over cells as far from walls as this cell, or as the clearance, less one
+        cell.
+        """
         away_m = self._walls_alone.distance_m
         least_m = min(float(away_m[cell]), self._clearance_m) - self.grid.cell_m
         return LineOfSight(~self._walls & (away_m >= least_m))
@@ -106,30 +110,30 @@ class FreeSpace:
 
     @cached_property
     def _parts(self) -> npt.NDArray[np.int32]:
-        """(rows, cols) the number of the connected part that a free cell belongs to."""
+        """(rows, cols) the number of the connected part to which a free cell belongs."""
         return np.asarray(ndimage.label(self.free)[0])
 
     def point(self, positions: npt.ArrayLike) -> Points:
-        """Positions, given by north, east and perhaps down, in units of cells."""
+        """Positions in cells, given by north, east and perhaps down in metres."""
         return points_of(self.grid, positions)
 
     def is_free(self, cell: Cell) -> bool:
-        """Whether a cell is free; one off the map is not."""
+        """Whether a cell is free; cells off the map are not."""
         return self.grid.contains(*cell) and bool(self.free[cell])
 
     def is_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        """(...) whether the legs from a to b (..., 2) cross free cells only."""
+        """(...) whether the legs from a to b (..., 2) cross only free cells."""
         return self._free_sight.is_clear(a, b)
 
     def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        """A quick test of many legs: False only for those that are not clear."""
+        """A quick test of many legs: False only for legs that are not clear."""
         return self._free_sight.may_be_clear(a, b)
 
     def keeps_away(self, a: Points, b: Points) -> bool:
-        """Whether a leg stays as far from obstacles as its start or the clearance, less a cell.
+        """Whether a leg keeps as far from obstacles as its start, or the clearance, less one cell.
 
-        It leaves the fence only if it begins outside. One that begins in a zone leads out of it,
-        to a free cell, and stays so far from walls.
+        It may leave the fence only if it begins outside. A leg that begins in a zone has to lead
+        out of it, to a free cell, and keeps that distance from walls.
         """
         first, last = (self._cell(point) for point in (a, b))
         is_in_zone = self._is_in_zone(first)
@@ -160,10 +164,10 @@ class FreeSpace:
         return self.is_free(a) and self.is_free(b) and bool(self._parts[a] == self._parts[b])
 
     def plain_cell(self, start: NorthEast, regions: Regions) -> Cell | None:
-        """The cell of a start that is well inside a free one, and at the border of no region.
+        """The cell of a start that is well inside a free cell and not at the border of a region.
 
-        The leg to the centre of the cell is then clear and enters no region. Most starts are
-        plain, and the test is quick.
+        The leg to the centre of that cell is clear and enters no region. Most starts are like this,
+        and the test is quick.
         """
         cell = self.grid.cell(start)
         return cell if self._is_plain(self.point(start), cell, regions) else None
@@ -176,7 +180,7 @@ class FreeSpace:
         Args:
             start: where the route begins.
             others: regions that the leg may not enter.
-            cost: (rows, cols) cost-to-go; inf where there is no path.
+            cost: (rows, cols) cost-to-go; inf if there is no path.
         """
         plain = self.plain_cell(start, others)
         if plain is not None and math.isfinite(cost[plain]):
@@ -197,7 +201,7 @@ class FreeSpace:
 
     @property
     def _reach(self) -> float:
-        """How far from a start a route may enter free cells, in cells, if not from a zone."""
+        """How far from a start outside zones a route may enter free cells, in cells."""
         return max(ENTRY_M / self.grid.cell_m, _ENTRY_CELLS)
 
     @staticmethod
@@ -206,7 +210,7 @@ class FreeSpace:
         return row, col
 
     def _view(self, start: NorthEast, own_cell: Cell) -> _View:
-        """The view from a start; kept, since each place is a start of routes to all others."""
+        """The view from a start; cached, because each place is a start of routes to all others."""
         if start not in self._views:
             point = self.point(start)
             is_free = bool(self._free_sight.is_clear(point, point))
@@ -224,7 +228,7 @@ class FreeSpace:
         return self._views[start]
 
     def _view_out_of_zone(self, point: Points) -> _View:
-        """The nearest free cells to which a leg comes no nearer to walls, however far away."""
+        """The nearest free cells to which a leg comes no nearer to walls, at any distance."""
         cells = np.argwhere(self.free)
         centres = np.asarray(cells + 0.5, dtype=np.float64)
         away = np.linalg.norm(centres - point, axis=1)
@@ -237,7 +241,7 @@ class FreeSpace:
         return _View(False, cells[seen], float(away[seen].max(initial=0.0)))
 
     def _near(self, cell: Cell) -> tuple[slice, slice]:
-        """The cells within reach of one along each axis."""
+        """The rows and columns within reach of a cell."""
         reach = self._reach
         row, col = (
             slice(max(math.floor(x - reach), 0), max(math.ceil(x + reach) + 1, 0)) for x in cell
@@ -256,7 +260,7 @@ class FreeSpace:
 
 
 def _ranks(numbers: npt.NDArray[np.int32]) -> npt.NDArray[np.intp]:
-    """For each of some numbers, how many that are equal come before it.
+    """For each number, how many equal ones come before it.
 
     >>> _ranks(np.array([7, 5, 7, 7, 5], dtype=np.int32)).tolist()
     [0, 0, 1, 2, 1]
@@ -272,7 +276,7 @@ def _ranks(numbers: npt.NDArray[np.int32]) -> npt.NDArray[np.intp]:
 def _first_seen(
     point: Points, centres: Points, nearest: npt.NDArray[np.intp], sight: LineOfSight
 ) -> npt.NDArray[np.intp]:
-    """Which of some cells are seen from a point, of the first batch of which any are."""
+    """Which of some cells can be seen from a point; stops at the first batch that has any."""
     for some in np.array_split(nearest, max(1, len(nearest) // _BATCH)):
         seen = some[sight.is_clear(point, centres[some])]
         if seen.size:

@@ -1,7 +1,7 @@
-"""A setpoint that follows a target which may move: slowly, smoothly, and never past it.
+"""A setpoint that follows a target which may move: slowly, smoothly, and without overshoot.
 
-Its speed is proportional to what is left, up to a limit, and changes no faster than MOST_MPS2. With
-a gain of 1 per second it comes to rest at the target without swinging over.
+Its speed is proportional to the remaining distance, up to a limit, and changes by at most
+MOST_MPS2. With a gain of 1 per second it comes to rest at the target without overshooting.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ MOST_MPS2 = 1.0
 
 
 class Glide:
-    """A setpoint under way.
+    """A moving setpoint.
 
     Args:
         position: where it begins, at rest.
 
     Attributes:
-        position: of the setpoint.
-        velocity: of the setpoint.
+        position: position of the setpoint.
+        velocity: velocity of the setpoint.
     """
 
     def __init__(self, position: Ned) -> None:
@@ -33,7 +33,7 @@ class Glide:
     def step(
         self, target: Ned, dt_s: float, speed_mps: float, climb_mps: float, descent_mps: float
     ) -> Sample:
-        """Goes on towards a target.
+        """Moves on towards a target.
 
         >>> glide = Glide((0.0, 0.0, -2.0))
         >>> for _ in range(200):
@@ -42,11 +42,11 @@ class Glide:
         [1.0, 0.0, -1.0]
 
         Args:
-            target: where to, now.
+            target: the target now.
             dt_s: time since the step before.
             speed_mps: greatest speed over the ground.
             climb_mps: greatest speed upwards.
-            descent_mps: the same downwards.
+            descent_mps: greatest speed downwards.
         """
         north, east, down = (t - p for t, p in zip(target, self.position, strict=True))
         left_m = math.hypot(north, east)
@@ -60,13 +60,13 @@ class Glide:
         return Sample(self.position, self.velocity, AT_REST, is_finished=False)
 
     def wait(self) -> Sample:
-        """Stays where it is, for a vehicle that falls behind."""
+        """Stays where it is, because the vehicle falls behind."""
         self.velocity = AT_REST
         return Sample(self.position, AT_REST, AT_REST, is_finished=False)
 
 
 def _changed(velocity: Ned, wanted: Ned, most_mps: float) -> Ned:
-    """A velocity that comes nearer to another one, by so much at most."""
+    """A velocity changed towards another one, by at most `most_mps`."""
     change = [w - v for v, w in zip(velocity, wanted, strict=True)]
     size_mps = math.hypot(*change)
     share = min(1.0, most_mps / size_mps) if size_mps else 0.0

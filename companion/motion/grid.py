@@ -1,9 +1,9 @@
-"""Occupancy grid and its distance field: the cells that are free, and the nearest obstacles.
+"""Occupancy grid and its distance field: which cells are free, and how near obstacles are.
 
-Row 0 is the southmost row and column 0 the westmost column, so that row grows with north and
-column with east. Cells outside the grid count as occupied, unless the grid is open. An occupied
-cell is solid up to its edges: all distances are to edges, never to centres. The distance field
-tells how near any point of a cell may be; the distance of one position is exact.
+Row 0 is the southmost row and column 0 the westmost column, so rows grow with north and columns
+with east. Cells outside the grid count as occupied, unless the grid is open. An occupied cell is
+solid up to its edges: all distances are to edges, never to centres. The distance field tells the
+least distance of any point of a cell; the distance of one position is exact.
 """
 
 from __future__ import annotations
@@ -21,35 +21,35 @@ from scipy import ndimage
 from companion.geometry import NorthEast
 
 ROUNDING_M = 1e-9
-"""By what two ways to calculate a distance may differ."""
+"""The most by which two ways to calculate a distance differ."""
 
 
 @dataclass(frozen=True, eq=False)
 class LowWalls:
-    """Walls that end somewhere.
+    """Walls that have an upper end.
 
     Attributes:
-        tops_m: (rows, cols) upper ends above home, 0 where there is none.
+        tops_m: (rows, cols) upper ends above home, 0 where there is no low wall.
     """
 
     tops_m: npt.NDArray[np.float64]
 
     @cached_property
     def heights_m(self) -> tuple[float, ...]:
-        """The different ones, the lowest first."""
+        """The different heights, the lowest first."""
         return tuple(float(up_m) for up_m in np.unique(self.tops_m) if up_m > 0)
 
 
 @dataclass(frozen=True, eq=False)
 class OccupancyGrid:
-    """Cells that are occupied.
+    """A map of cells that are occupied or free.
 
     Attributes:
         occupied: (rows, cols) bool; unknown cells of a map file count as occupied.
         cell_m: edge of a cell.
         origin: north-east position of the outer corner of cell (0, 0).
-        is_open: what lies off the grid is no obstacle.
-        low: walls that can be flown over, whose cells are not occupied; None without any.
+        is_open: whether cells off the grid are free of obstacles.
+        low: walls that can be flown over, whose cells are not occupied; None if there are none.
     """
 
     occupied: npt.NDArray[np.bool_]
@@ -65,7 +65,7 @@ class OccupancyGrid:
         0 in an occupied cell and in those around it, inf if there is no obstacle at all.
         """
         # Two squares (i, j) cells apart, centre to centre, have a gap of (max(i - 1, 0), max(j - 1,
-        # 0)) cells: the distance between their centres if the walls were a cell thicker.
+        # 0)) cells. That is the distance between their centres if the walls were a cell thicker.
         padded = np.pad(self.occupied, 1, constant_values=not self.is_open)
         if not padded.any():
             return np.full(self.occupied.shape, math.inf)
@@ -73,11 +73,11 @@ class OccupancyGrid:
         return np.asarray(distance)[1:-1, 1:-1]
 
     def layer(self, up_m: float) -> int:
-        """How many of the heights of low walls an altitude is not below."""
+        """The number of different heights of low walls that an altitude is at or above."""
         return bisect_right(self.low.heights_m, up_m) if self.low else 0
 
     def in_layer(self, layer: int) -> OccupancyGrid:
-        """The grid on which low walls are occupied, except those of so many heights."""
+        """The grid on which low walls are occupied, except those of the lowest `layer` heights."""
         if self.low is None:
             return self
         if layer not in self._layers:
@@ -95,7 +95,7 @@ class OccupancyGrid:
         return {}
 
     def with_occupied(self, occupied: npt.NDArray[np.bool_]) -> OccupancyGrid:
-        """The same grid, of which other cells are occupied."""
+        """The grid with other occupied cells."""
         return replace(self, occupied=occupied)
 
     @property
@@ -106,7 +106,7 @@ class OccupancyGrid:
         return ((south, west), (south, east), (north, east), (north, west))
 
     def cell(self, position: NorthEast) -> tuple[int, int]:
-        """Row and column of the cell that holds a position; may lie outside the grid."""
+        """Row and column of the cell that contains a position; may lie outside the grid."""
         return (
             math.floor((position[0] - self.origin[0]) / self.cell_m),
             math.floor((position[1] - self.origin[1]) / self.cell_m),
@@ -127,7 +127,7 @@ class OccupancyGrid:
     def clearance_m(self, position: NorthEast) -> float:
         """Distance to the nearest occupied cell's edge; 0 in an occupied cell.
 
-        Off the grid 0, too, unless the grid is open.
+        Off the grid it is also 0, unless the grid is open.
         """
         row, col = self.cell(position)
         point = (np.array(position) - self.origin) / self.cell_m
@@ -136,7 +136,7 @@ class OccupancyGrid:
         least = self.distance_m[row, col] / self.cell_m
         if math.isinf(least):
             return math.inf
-        reach = math.ceil(least) + 3  # it is less than a diagonal further from the point than least
+        reach = math.ceil(least) + 3  # at most a diagonal further than `least`
         first = np.array((row - reach, col - reach))
         south, west = np.maximum(first, 0)
         near = self.occupied[south : row + reach + 1, west : col + reach + 1]
@@ -147,14 +147,14 @@ class OccupancyGrid:
         return min(away_m, float(to_rim) * self.cell_m)
 
     def ground_m(self, position: NorthEast, radius_m: float) -> tuple[float, float]:
-        """Lowest and highest upper end of what carries a vehicle, within a radius of a position.
+        """Lowest and highest surface that can carry a vehicle, within a radius of a position.
 
         Args:
-            position: its middle.
+            position: the centre.
             radius_m: 0 for the position alone.
 
         Returns:
-            Metres above home: 0 for the ground, more for the end of a low wall.
+            Metres above home: 0 for the ground, more for the top of a low wall.
         """
         if self.low is None:
             return 0.0, 0.0
@@ -175,7 +175,7 @@ class OccupancyGrid:
     def is_within(self, position: NorthEast, distance_m: float) -> bool:
         """Whether the clearance of a position is less than a distance.
 
-        Most positions are cells away from everything, which the map of distances tells at once.
+        Most positions are cells away from everything, which the distance field shows at once.
 
         >>> wall = OccupancyGrid(np.eye(1, 9, dtype=np.bool_), 1.0, (0.0, 0.0), is_open=True)
         >>> wall.is_within((0.5, 3.5), 2.4), wall.is_within((0.5, 3.5), 2.6)
@@ -187,7 +187,7 @@ class OccupancyGrid:
         return self.clearance_m(position) < distance_m
 
     def _away(self, point: npt.NDArray[np.float64], cells: npt.NDArray[np.int_]) -> float:
-        """Metres from a point, in cells, to the nearest one of some cells (n, 2)."""
+        """Metres from a point, in cells, to the nearest of some cells (n, 2)."""
         gaps = np.maximum(np.maximum(cells - point, point - cells - 1), 0.0)
         return float(np.hypot(gaps[:, 0], gaps[:, 1]).min(initial=math.inf)) * self.cell_m
 
@@ -229,7 +229,7 @@ def distances_to_edge(
     east: npt.NDArray[np.float64],
     edge: tuple[NorthEast, NorthEast],
 ) -> npt.NDArray[np.float64]:
-    """Distances from points to the nearest one of a straight edge, metres.
+    """Distances in metres from points to the nearest point of a straight edge.
 
     >>> distances_to_edge(np.array([3.0, 5.0]), np.array([1.0, 1.0]), ((0.0, 0.0), (2.0, 0.0)))
     array([1.41421356, 3.16227766])

@@ -1,12 +1,12 @@
 """The grid graph: free cells joined by 16 kinds of edges.
 
-An edge leads from a cell to one of its 8 neighbours or, as a knight moves, to one of 8 more, so
-that a path along edges is at most 2.75 % longer than a straight one (1 / cos of half the angle
+An edge leads from a cell to one of its 8 neighbours or, as a knight moves in chess, to one of 8
+more. So a path along edges is at most 2.75 % longer than a straight one (1 / cos of half the angle
 between two edges). An edge exists if every cell that it crosses or touches is free, and then in
-both directions. Some may be taken out in one direction, such as those that enter a region.
+both directions. Edges may be removed in one direction, such as those that enter a region.
 
 The edges at a cell are the bits of one number: bit i stands for the cell at `OFFSETS[i]` from it.
-So edges are taken out, and two maps compared, by one operation for each cell.
+    So one operation for each cell removes edges, or compares two maps.
 
 Cells are (row, column); a flat index is row * cols + col. Points are in cells
 (`line_of_sight.py`).
@@ -27,7 +27,7 @@ Cell = tuple[int, int]
 Cells = npt.NDArray[np.intp]
 """Flat indices."""
 EdgeBits = npt.NDArray[np.uint16]
-"""(rows, cols) edges at each cell."""
+"""(rows, cols) the edges at each cell, as bits."""
 Lengths = npt.NDArray[np.float64]
 
 _QUADRANTS = ((1, 1), (1, -1), (-1, 1), (-1, -1))
@@ -45,11 +45,11 @@ _FLAGS = (1 << np.arange(len(_CROSSED))).astype(np.uint16)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GridGraph:
-    """Edges between the cells of a map, seen from both of their ends.
+    """The edges between the cells of a map, stored at both of their ends.
 
     Attributes:
-        outgoing: edges from each cell to the one at the offset.
-        incoming: edges to each cell from the one at the offset.
+        outgoing: edges from each cell to the cell at the offset.
+        incoming: edges to each cell from the cell at the offset.
     """
 
     outgoing: EdgeBits
@@ -59,18 +59,20 @@ class GridGraph:
         """Where the edges from some cells (n,) lead, and how long they are.
 
         Returns:
-            (n, 16) cells, which may lie off the map where there is no such edge.
-            (n, 16) lengths in cells, inf where there is no such edge.
+            (n, 16) cells, which may lie off the map if there is no such edge.
+            (n, 16) lengths in cells, inf if there is no such edge.
         """
         return cells[:, None] + self.index_steps, edge_lengths(self.outgoing.ravel()[cells])
 
     def predecessors(self, cells: Cells) -> tuple[Cells, Lengths]:
-        """Where the edges to some cells (n,) come from, and how long they are; as above."""
+        """Where the edges to some cells (n,) come from, and how long they are; shaped as
+        `successors`.
+        """
         return cells[:, None] + self.index_steps, edge_lengths(self.incoming.ravel()[cells])
 
     @property
     def index_steps(self) -> Cells:
-        """(16,) what the edges from a cell add to its flat index."""
+        """(16,) what each edge from a cell adds to the cell's flat index."""
         return np.asarray(OFFSETS @ (self.outgoing.shape[1], 1))
 
     def without(self, others: GridGraph) -> GridGraph:
@@ -82,7 +84,7 @@ def grid_graph(free: npt.NDArray[np.bool_]) -> GridGraph:
     """The graph of all edges between free cells.
 
     Args:
-        free: (rows, cols); everything outside is not free.
+        free: (rows, cols); cells off the map are not free.
 
     >>> graph = grid_graph(np.array([[True, True], [True, False]]))
     >>> [int(edges).bit_count() for edges in graph.outgoing.ravel()]  # no diagonal past a corner
@@ -105,11 +107,11 @@ def grid_graph(free: npt.NDArray[np.bool_]) -> GridGraph:
 
 
 def edges_entering(shape: Cell, regions: Regions) -> GridGraph:
-    """The edges that come into a region from outside, whether cells are free or not.
+    """The edges that enter a region from outside, whether or not their cells are free.
 
     Args:
         shape: rows and columns of the map.
-        regions: each of them.
+        regions: the cells of each region.
     """
     near = regions.border(shape, _REACH)
     origin = near[:, None] + OFFSETS
@@ -146,16 +148,16 @@ def overlap(graphs: Iterable[GridGraph], shape: Cell) -> GridGraph:
 
 
 def edge_lengths(bits: EdgeBits, out: Lengths | None = None) -> Lengths:
-    """(n, 16) lengths of the edges at some cells (n,), inf where there is none."""
+    """(n, 16) lengths of the edges at some cells (n,), inf if there is no edge."""
     return _length_table().take(bits, axis=0, out=out, mode="clip")
 
 
 @cache
 def _length_table() -> Lengths:
-    """(65536, 16) the lengths that belong to each number.
+    """(65536, 16) the lengths for each number.
 
-    The numbers are wide, 8 MB in between: the C library then keeps as much memory at hand when a
-    search gives it back, which makes large searches a third quicker.
+    The numbers are wide, 8 MB in between: the C library then keeps that much memory when a search
+    frees it, which makes large searches a third quicker.
     """
     numbers, flags = np.arange(1 << len(_CROSSED)), 1 << np.arange(len(_CROSSED))
     return np.where(numbers[:, None] & flags, np.hypot(*OFFSETS.T), np.inf)

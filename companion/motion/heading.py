@@ -1,7 +1,7 @@
-"""Headings: where a vehicle looks, how near is near enough, and how fast it turns.
+"""Headings: the heading towards a point, when a heading is good enough, and how fast it turns.
 
-Angles are radians clockwise from north, as PX4 and MAVLink have the yaw: north is that of the
-autopilot's local frame (NED), and the mission's frame is not turned against it.
+Angles are in radians clockwise from north, like the yaw of PX4 and MAVLink. North is that of the
+autopilot's local frame (NED); the mission's frame is not rotated against it.
 """
 
 from __future__ import annotations
@@ -12,22 +12,24 @@ from collections.abc import Sequence
 from companion.geometry import NorthEast, horizontal_distance, wrap_angle
 
 HEADING_TOLERANCE_RAD = math.radians(5.0)
-"""How near the heading has to be to one that is asked for. PX4's own missions accept 12 degrees
-(MIS_YAW_ERR); a picture that is to show something wants less, and a vehicle that hovers keeps its
-heading better than that."""
+"""The greatest error of a heading that counts as reached. PX4's own missions accept 12 degrees
+(MIS_YAW_ERR). A picture of something needs less, and a vehicle that hovers holds its heading better
+than that."""
 FACING_M = 0.5
-"""A point nearer than this, horizontally, lies in no certain direction: an estimate of the position
-that wanders by 0.3 m would turn the vehicle to and fro. PX4 keeps the heading there too, within its
-acceptance radius."""
+"""The direction to a point nearer than this, horizontally, is uncertain: a position estimate that
+wanders by 0.3 m would turn the vehicle to and fro. Within its acceptance radius PX4 keeps the
+heading, too."""
 
 BEAM_RAD = math.radians(5.0)
-"""From one beam of a range finder to the next, where OBSTACLE_DISTANCE has a turn in 72 parts."""
+"""The angle between two beams of a range finder, if OBSTACLE_DISTANCE divides the turn by 72."""
 GLANCE_S = 4.0
-"""Of a turn to and fro by that much; scans at 10 Hz pass each cell 5 m away several times."""
+"""Period of a turn to and fro by that much; scans at 10 Hz pass each cell 5 m away several
+times.
+"""
 
 
 def glance(time_s: float) -> float:
-    """How far a vehicle that looks around is turned aside at a time, rad: to and fro, evenly.
+    """How far a vehicle that looks around is turned aside at a time, rad: to and fro, linearly.
 
     >>> [round(math.degrees(glance(second)), 1) for second in (0.0, 1.0, 2.0, 3.0, 4.0)]
     [0.0, 2.5, 5.0, 2.5, 0.0]
@@ -37,7 +39,7 @@ def glance(time_s: float) -> float:
 
 
 def towards(position: Sequence[float], point: NorthEast) -> float | None:
-    """The heading with which one looks at a point; None if it is too near to tell.
+    """The heading towards a point; None if the point is too near.
 
     >>> towards((0.0, 0.0, -2.0), (0.0, -3.0)) == -math.pi / 2  # in the west
     True
@@ -48,7 +50,7 @@ def towards(position: Sequence[float], point: NorthEast) -> float | None:
 
 
 def turned(now_rad: float, wanted_rad: float, most_rad: float) -> float:
-    """A heading that is turned to another one, the shorter way, by so much at most.
+    """A heading turned towards another one, the shorter way round, by at most `most_rad`.
 
     >>> round(math.degrees(turned(math.radians(170), math.radians(-170), math.radians(15))))
     -175

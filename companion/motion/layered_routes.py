@@ -1,20 +1,19 @@
 """Routes between places at different heights, among obstacles of which some are low.
 
-A low wall is an obstacle to a vehicle that is not the clearance above it. Which walls those are
-depends on the altitude alone, so there is a plane of routes (`routes.py`) for each set of low walls
-that can be flown over, found when it is first asked for. There are three ways to fly from one
+A low wall is an obstacle unless the vehicle is at least the clearance above it. Which walls that
+are depends only on the altitude. So for each set of low walls that can be flown over there is a
+plane of routes (`routes.py`), made when it is first needed. There are three ways to fly from one
 height to another:
 
-- sloped: straight up or down along the whole way, around all that is not clear at the lower end;
-- stepped: a climb on the spot first, or a descent on the spot last, and between them level, over
-  the walls that are low enough for the higher end;
+- sloped: straight up or down along the whole route, around all that is not clear at the lower end;
+- stepped: a climb on the spot first, or a descent on the spot last, and level flight in between,
+  over the walls that are low enough for the higher end;
 - over the top: a climb on the spot to the clearance above a wall that is higher than both ends, or
-  almost, then level, then a descent on the spot; within the altitude band.
+  almost, then level flight, then a descent on the spot; within the altitude band.
 
-The quickest one is flown, and costs what it takes. Where routes keep more than the least clearance,
-a way that keeps as much above walls, too, comes before all that do not; what leads over the top
-keeps as much of it as the band allows. A start from which nothing leads away level, low
-above a roof or below the band, is left by a climb.
+The quickest one is flown, and its time is its cost. If routes keep more than the least clearance,
+those that keep as much above walls, too, come first; over the top, as much as the band allows. A
+start from which no route leads away level, low above a roof or below the band, is left by a climb.
 """
 
 from __future__ import annotations
@@ -33,11 +32,11 @@ from companion.motion.profile import SpeedLimits
 from companion.motion.routes import PlaceRegion, Route, RouteMap
 
 BELOW_M = 0.3
-"""So far below the band a vehicle is that has not only wandered."""
+"""A vehicle so far below the band has not merely drifted there."""
 MOST_TOPS = 3
-"""Altitudes above low walls at which routes are looked for: each is a plane with all its ways."""
+"""The most altitudes above low walls at which routes are searched; each has a whole plane."""
 LevelRoute = Callable[[Ned, str, float], Route | None]
-"""A route from a point to a place in the altitude that is said, down."""
+"""A route from a point to a place at a given altitude (down)."""
 
 
 class LayeredRoutes:
@@ -47,13 +46,13 @@ class LayeredRoutes:
         version: changes whenever the free cells do.
 
     Args:
-        grid: the map as it is known at first, with its low walls.
+        grid: the map as known at first, with its low walls.
         places: by name.
         fence: north-east corners of the polygon that no route leaves.
-        clearance_m: the least distance of a route to an obstacle, above it too.
-        limits: by which the quicker way is chosen.
-        fence_margin_m: the least distance to the fence.
-        keep_out: the corners of areas that routes keep away from as from obstacles.
+        clearance_m: the least distance of a route from an obstacle, above it too.
+        limits: the speeds by which the quickest route is chosen.
+        fence_margin_m: the least distance from the fence.
+        keep_out: the corners of areas that routes treat as obstacles.
         up_m: the altitude band; without it no route leads above both of its ends.
     """
 
@@ -81,12 +80,12 @@ class LayeredRoutes:
         self._unknown: set[str] = set()
 
     def hide(self, place: str) -> None:
-        """No way leads to a place until it is found: where it is, is not known yet."""
+        """Allows no routes to a place until it is found, because nobody knows where it is."""
         self._unknown.add(place)
         self.version += 1
 
     def find_place(self, place: str, goal: Ned) -> None:
-        """A place was found, or it has moved: ways lead there from now on."""
+        """Notes that a place was found or has moved; routes lead there from now on."""
         self._unknown.discard(place)
         self.aim(place, goal)
         self.version += 1
@@ -96,7 +95,7 @@ class LayeredRoutes:
         return place not in self._unknown
 
     def _layer(self, up_m: float, added_m: float = 0.0) -> int:
-        """Which walls are in the way at an altitude, for who keeps so much more above them."""
+        """The layer of a route at an altitude that keeps `added_m` more above walls."""
         return self._grid.layer(up_m - self._clearance_m - added_m + LEVEL_M)
 
     def _plane(self, layer: int) -> RouteMap:
@@ -126,7 +125,7 @@ class LayeredRoutes:
         self.version += before != [plane.version for plane in self._planes.values()]
 
     def add_clearance(self, added_m: float) -> None:
-        """Routes keep so much more from obstacles, where the map, or the band, has the room."""
+        """Makes routes keep more distance from obstacles, where map or band have room for it."""
         self._added_m = added_m
         for plane in self._planes.values():
             plane.add_clearance(added_m)
@@ -134,15 +133,15 @@ class LayeredRoutes:
 
     @property
     def kept_m(self) -> float:
-        """What routes keep from obstacles, where there is room."""
+        """The distance that routes keep from obstacles, where there is room."""
         return self._clearance_m + self._added_m
 
     def top_m(self, position: NorthEast, radius_m: float) -> float:
-        """How high above home the map has something below a vehicle; 0 is the ground."""
+        """The top above home of whatever the map has below a vehicle; 0 for the ground."""
         return self._grid.ground_m(position, radius_m)[1]
 
     def plane(self, up_m: float) -> RouteMap | None:
-        """The routes at an altitude, or at the next lower one; None before the first is asked."""
+        """The routes at an altitude, or the next lower one; None if none have been needed yet."""
         layer = self._layer(up_m)
         lower = max((n for n in self._planes if n < layer), default=layer)
         return self._planes.get(layer) or self._planes.get(lower)
@@ -150,11 +149,10 @@ class LayeredRoutes:
     def keep_within(
         self, fences: Iterable[Sequence[NorthEast]], keep_out: Iterable[Sequence[NorthEast]]
     ) -> bool:
-        """Routes stay in more fences, and out of more areas; whether that leaves them less room.
-
+        """Makes routes stay in more fences and out of more areas; true if they have less room.
         Args:
-            fences: polygons of which no route leaves any.
-            keep_out: as before.
+            fences: polygons that no route leaves.
+            keep_out: as in the constructor.
         """
         self._within = (*self._within, *fences)
         self._keep_out = (*self._keep_out, *keep_out)
@@ -173,7 +171,7 @@ class LayeredRoutes:
         return all(self._plane(layer).find(max_cells) for layer in sorted(layers))
 
     def search(self, start: Ned, place: str, max_cells: int) -> bool:
-        """Searches about `max_cells` cells for the ways to a place; True once they are known.
+        """Searches about `max_cells` cells for the routes to a place; True once they are known.
 
         Raises:
             KeyError: there is no such place.
@@ -182,7 +180,7 @@ class LayeredRoutes:
         return all(self._plane(layer).search(start[:2], place, max_cells) for layer in layers)
 
     def aim(self, place: str, goal: Ned) -> None:
-        """Lets routes to a place end at another point; its region stays where it is."""
+        """Makes routes to a place end at another point; its region stays where it is."""
         self._goals[place] = goal
         for plane in self._planes.values():
             plane.aim(place, goal)
@@ -192,7 +190,7 @@ class LayeredRoutes:
         return self._goals[place]
 
     def is_clear(self, path: npt.NDArray[np.float64]) -> bool:
-        """Whether a path (n, 3) has the least clearance, inside the fence and out of all zones.
+        """Whether a path (n, 3) has the least clearance, inside the fence and outside all zones.
 
         A path that begins in no free cell may lead out of there, as `RouteMap.is_clear` says.
         """
@@ -207,12 +205,12 @@ class LayeredRoutes:
         return self._plane(self._layer(-position[2])).is_free(position[:2])
 
     def is_connected(self, start: Ned, place: str) -> bool:
-        """Whether free cells lead from near a start to a place, whatever regions lie between."""
+        """Whether free cells lead from near a start to a place, ignoring the regions in between."""
         layers = self._layers_to(start, place)
         return any(self._plane(layer).is_connected(start[:2], place) for layer in layers)
 
     def passage(self, start: Ned, place: str) -> Passage:
-        """The quickest way to a place.
+        """Lengths of the quickest route to a place.
 
         Raises:
             KeyError: there is no such place.
@@ -220,9 +218,9 @@ class LayeredRoutes:
         return self._quickest(start, place)[1]
 
     def _quickest(self, start: Ned, place: str) -> tuple[int, Passage]:
-        """The quickest way of those that keep most, and the layer that it is flown in."""
+        """The quickest of the routes that keep most clearance, and its layer."""
         down_m = self._goals[place][2] - start[2]
-        quickest = 0, Passage(math.inf, down_m)  # nobody knows where the place is
+        quickest = 0, Passage(math.inf, down_m)  # it is not known where the place is
         for added_m in self._margins:
             found = []
             for layer, level_up_m in self._ways(start, place, added_m):
@@ -249,9 +247,9 @@ class LayeredRoutes:
         return self._stepped(start, place, passage.climb_m, self._plane(layer).route)
 
     def route_from_motion(self, start: Ned, stop: Ned, place: str) -> Route | None:
-        """A route whose first leg leads to where the vehicle can stop, straight ahead.
+        """A route whose first leg leads straight ahead to where the vehicle can stop.
 
-        None as `RouteMap.route_from_motion` says; and if the vehicle would have to climb there.
+        None as in `RouteMap.route_from_motion`, and if the vehicle would have to climb there.
 
         Args:
             start: where the vehicle is.
@@ -273,22 +271,21 @@ class LayeredRoutes:
 
     @property
     def _margins(self) -> tuple[float, ...]:
-        """What ways keep above low walls beside the least clearance: the most comes first."""
+        """What routes keep above low walls beyond the least clearance, the most first."""
         is_more = self._added_m > 0 and self._grid.low is not None
         return (self._added_m, 0.0) if is_more else (0.0,)
 
     def _layers_to(self, start: Ned, place: str) -> Iterable[int]:
-        """The layers of all ways to a place, once each."""
+        """The layers of all routes to a place, each once."""
         ways = (way for added_m in self._margins for way in self._ways(start, place, added_m))
         return dict.fromkeys(layer for layer, _ in ways)
 
     def _ways(self, start: Ned, place: str, added_m: float) -> Iterator[tuple[int, float | None]]:
-        """The ways to a place: in which layer, and how high the level part is; None is sloped.
-
+        """The routes to a place: layer, and altitude of the level part (None: it is sloped).
         Args:
-            start: of the way.
+            start: where the route begins.
             place: where it leads.
-            added_m: what it keeps above low walls beside the least clearance.
+            added_m: what it keeps above low walls beyond the least clearance.
         """
         if not self.knows(place):
             return
@@ -311,14 +308,14 @@ class LayeredRoutes:
         return up_m < self._lowest_m - BELOW_M or (top_m > 0 and is_low)
 
     def _is_above_an_edge(self, start: Ned, low: int, high: int) -> bool:
-        """Whether a start is clear of a wall by its height alone, which a slope would lose."""
+        """Whether a start is clear of a wall only by its height, which a slope would lose."""
         here = start[:2]
         return (
             high != low and self._plane(high).is_free(here) and not self._plane(low).is_free(here)
         )
 
     def _stepped(self, start: Ned, place: str, climb_m: float, level: LevelRoute) -> Route | None:
-        """A climb on the spot, a level route, a descent on the spot; without length, left out."""
+        """A climb on the spot, a level route, a descent on the spot, as far as needed."""
         goal = self._goals[place]
         down_m = start[2] - climb_m
         route = level((*start[:2], down_m), place, down_m)
@@ -327,7 +324,7 @@ class LayeredRoutes:
         climbs, descends = start[2] > down_m + LEVEL_M, goal[2] > down_m + LEVEL_M
         waypoints = route.waypoints
         blends = list(route.blends or (None,) * (len(waypoints) - 2))
-        if (climbs or descends) and route.length_m == 0.0:  # it is straight above, or below
+        if (climbs or descends) and route.length_m == 0.0:  # the place is straight above or below
             ends = [start] * climbs + [waypoints[0]] + [goal] * descends
             return Route(np.array(ends), (None,) * (len(ends) - 2))
         if climbs:
@@ -340,7 +337,7 @@ class LayeredRoutes:
 def _tops(grid: OccupancyGrid, clearance_m: float, ceiling_m: float) -> dict[int, float]:
     """The layers above low walls, and the altitude from which each is flown in.
 
-    At most MOST_TOPS of them: that above all walls, and some between.
+    At most MOST_TOPS of them: the one above all walls, and some between.
     """
     heights_m = grid.low.heights_m if grid.low is not None else ()
     tops = {i + 1: height_m + clearance_m for i, height_m in enumerate(heights_m)}

@@ -1,8 +1,8 @@
-"""Straight legs: whether one crosses free cells only, and whether one enters a disc.
+"""Straight legs: whether a leg crosses only free cells, and whether it enters a disc.
 
-Both answers are exact, for any two points: the cells come from interval arithmetic on the rows
-that a leg passes (its supercover), the discs from the distance of a point to a segment. Nothing
-is sampled along the leg.
+Both answers are exact for any two points: the cells come from interval arithmetic on the rows that
+a leg passes (its supercover), the discs from the distance of a point to a segment. The leg is not
+sampled.
 
 Points are (row, column) in units of cells, so that cell (r, c) is the square [r, r + 1] x
 [c, c + 1] and its centre is (r + 0.5, c + 0.5). A leg that only touches a cell's edge or corner
@@ -18,7 +18,7 @@ Points = npt.NDArray[np.float64]
 """(..., 2) row, column, in cells."""
 
 _TOUCH = 1e-9  # cells; a leg this close to a cell touches it
-_SAMPLES = (np.arange(16) + 0.5) / 16  # shares of a leg
+_SAMPLES = (np.arange(16) + 0.5) / 16  # positions along a leg, as shares of it
 
 
 class LineOfSight:
@@ -43,7 +43,7 @@ class LineOfSight:
         self._blocked_before = np.pad(np.cumsum(blocked, axis=1, dtype=np.int32), ((0, 0), (1, 0)))
 
     def is_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        """Whether the legs between two points cross free cells only.
+        """Whether the legs between two points cross only free cells.
 
         Args:
             a: (..., 2) one end of each leg.
@@ -72,13 +72,15 @@ class LineOfSight:
         return np.asarray(self._free[cells].all(axis=-1))
 
     def _is_blocked(self, south: Points, north: Points) -> npt.NDArray[np.bool_]:
-        """Whether legs on the map, from their south end to their north end, meet a blocked cell."""
+        """Whether legs on the map, from their south end to their north end, cross a blocked
+        cell.
+        """
         row_0, col_0 = south[..., None, 0], south[..., None, 1]
         row_1, col_1 = north[..., None, 0], north[..., None, 1]
         is_level = row_1 - row_0 <= _TOUCH
         slope = (col_1 - col_0) / np.where(is_level, 1.0, row_1 - row_0)
 
-        # Along the last axis: the rows of cells that a leg passes, its last one repeated.
+        # Along the last axis: the rows of cells that a leg passes, with its last row repeated.
         first, last = np.floor(row_0 - _TOUCH), np.floor(row_1 + _TOUCH)
         row = np.minimum(first + np.arange(np.max(last - first, initial=0) + 1), last)
         enter = col_0 + slope * (_clipped(row_0, row, row_1) - row_0)
@@ -93,7 +95,7 @@ class LineOfSight:
 
 
 def _clipped(low: npt.ArrayLike, values: Points, high: npt.ArrayLike) -> Points:
-    """The same as numpy.clip, which is slow for small arrays."""
+    """Does the same as numpy.clip, which is slow for small arrays."""
     return np.minimum(np.maximum(values, low), high)
 
 
@@ -103,7 +105,7 @@ def enters_disc(
     centre: Points,
     radius: npt.NDArray[np.float64] | float,
 ) -> npt.NDArray[np.bool_]:
-    """Whether the leg from a to b comes into a disc from outside; leaving one is allowed.
+    """Whether the leg from a to b enters a disc from outside; leaving it is allowed.
 
     Args:
         a: (..., 2) where the leg begins.

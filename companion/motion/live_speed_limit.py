@@ -1,12 +1,12 @@
-"""The speed limit in force: one for the costs of plans, for trajectories and for the gate.
+"""The speed limit in force, shared by the costs of plans, the trajectories and the gate.
 
-The target is what the mission and the vehicle allow, and less if an operator says so, or if the
-vehicle sees less far. It may change in flight. The limit in force goes to a new target at the
-vehicle's acceleration: a trajectory under way is flown more slowly along the same path, without a
-jump of its speed, and the gate, which knows the same limit, does not refuse it. New plans reckon
-with the target at once.
+The target is what the mission and the vehicle allow, or less if an operator says so or the vehicle
+does not see far enough. It may change in flight. The limit in force then approaches the new target
+at the vehicle's acceleration. A trajectory under way is flown more slowly along the same path,
+without a jump in speed, and the gate does not refuse it, because it knows the same limit. New plans
+use the target at once.
 
-No clock: whoever ticks says what time it is.
+No clock is read: the caller tells the time.
 """
 
 from __future__ import annotations
@@ -17,20 +17,21 @@ from dataclasses import replace
 from companion.motion.profile import SpeedLimits
 from companion.motion.trajectory import Sample
 
-_ROUNDING = 1e-6  # of a speed; a trajectory that is exactly at the limit is not slowed
+_ROUNDING = 1e-6  # of a speed; avoids slowing a trajectory that is exactly at the limit
 
 
 class LiveSpeedLimit:
     """The speed limit of one flight.
 
     Args:
-        limits: of the mission and its vehicle; an operator, and sight, only lower their speed.
+        limits: those of the mission and its vehicle; the operator and the sight only lower the
+            speed.
 
     Attributes:
         greatest_mps: what the mission and the vehicle allow.
-        target: the limits that new plans reckon with.
+        target: the limits that new plans use.
         now_mps: the speed limit in force.
-        version: counts the changes of the target.
+        version: number of changes of the target.
     """
 
     def __init__(self, limits: SpeedLimits) -> None:
@@ -44,16 +45,18 @@ class LiveSpeedLimit:
 
     @property
     def for_trajectory(self) -> SpeedLimits:
-        """The limits of a trajectory that is made now; above the target while it slows down."""
+        """The limits of a trajectory made now; they are above the target while the vehicle slows
+        down.
+        """
         return replace(self.target, speed_mps=max(self.now_mps, self.target.speed_mps))
 
     def set_operator_limit(self, speed_mps: float) -> None:
-        """An operator allows no more than this; more than the mission allows changes nothing."""
+        """Sets the operator's limit; one above the mission's limit changes nothing."""
         self._operator_mps = speed_mps
         self._set_target()
 
     def set_sight_limit(self, speed_mps: float) -> None:
-        """The vehicle can stop within what it sees at no more than this."""
+        """Sets the greatest speed from which the vehicle can stop within what it sees."""
         self._sight_mps = speed_mps
         self._set_target()
 
@@ -64,7 +67,7 @@ class LiveSpeedLimit:
             self.version += 1
 
     def advance(self, now_s: float) -> None:
-        """Takes the time of a tick."""
+        """Moves on to the time of a tick."""
         passed_s = 0.0 if self._now_s is None else max(0.0, now_s - self._now_s)
         self._now_s = now_s
         missing_mps = self.target.speed_mps - self.now_mps
@@ -76,10 +79,11 @@ class LiveSpeedLimit:
             self._change_mps2 = math.copysign(self.target.acceleration_mps2, missing_mps)
 
     def slowed(self, sample: Sample) -> tuple[Sample, float]:
-        """A moment of a trajectory as it may be flown now.
+        """A moment of a trajectory, as it may be flown now.
 
         Returns:
-            The sample, no faster than the limit in force; and how fast the trajectory's time runs.
+            The sample, no faster than the limit in force; and the rate at which the trajectory's
+            time runs.
 
         >>> limit = LiveSpeedLimit(SpeedLimits(2.0, 2.0, 8.0))
         >>> limit.set_operator_limit(1.0)

@@ -1,15 +1,17 @@
 """One landing marker, followed through its sightings.
 
-Sightings come 10 to 50 times a second, some of them of something else. What counts is the median of
-those of the last WINDOW_S, axis by axis, so that single strays do not move it.
+Sightings come 10 to 50 times a second, and some are of other things. The position is the median of
+those of the last WINDOW_S, axis by axis, so single strays do not move it.
 
-Rules, for a sighting:
-1. It lies where the mission says that the marker is: in its region, as well as the position can
-   tell, and at its height within HEIGHT_M. Else it is refused.
-2. It lies within STRAY_M of the median of before. Else it is a stray, and refused; where more are
-   strays than are not, the marker has been laid elsewhere, or it was the first ones that were.
-And for the marker: one that is more than MOVED_M from where it was seen first has moved, and so has
-one that has been laid elsewhere. Nobody lands on what moves.
+Rules for a sighting:
+1. It lies where the mission says that the marker is: in its region, as far as the position can
+   tell, and within HEIGHT_M of its height. Otherwise it is refused.
+2. It lies within STRAY_M of the previous median. Otherwise it is a stray, and refused. If strays
+   outnumber the others, either the marker has been moved there, or the first sightings were the
+   strays.
+Rule for the marker:
+3. A marker more than MOVED_M from where it was first seen has moved, and so has one that was moved
+   as in rule 2. The vehicle does not land on anything that moves.
 """
 
 from __future__ import annotations
@@ -25,23 +27,23 @@ from companion.motion.region import Region
 from companion.outcomes import Refusal
 
 LAND_FROM_M = 0.5
-"""Height above the marker from which the autopilot lands by itself."""
+"""Height above the marker from which the autopilot lands on its own."""
 HEIGHT_M = 1.0
-"""What a marker may seem to be too high or too low: altitudes drift with the pressure."""
+"""The greatest error of a marker's apparent height: altitudes drift with the air pressure."""
 WINDOW_S = 0.6
 FEWEST = 3
-"""Sightings in it before the marker counts as seen."""
+"""The least number of sightings in the window before the marker counts as seen."""
 STRAY_M = 0.5
 MOVED_M = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class ExpectedMarker:
-    """Where a marker is by the mission.
+    """Where the mission says that a marker is.
 
     Attributes:
         place: its place, a point above it.
-        region: of that place, in which it lies.
+        region: the region of that place, in which the marker lies.
         up_m: its height above home.
     """
 
@@ -50,7 +52,7 @@ class ExpectedMarker:
     up_m: float
 
     def why_not(self, position: Ned, accuracy_m: float) -> Refusal | None:
-        """Why something that was seen there cannot be it; None if it can."""
+        """Why something seen at this position cannot be the marker; None if it can."""
         north, east, down = position
         level = (north, east, self.place[2])
         away_m = self.region.away_m(self.place, level)
@@ -66,11 +68,11 @@ class MarkerTrack:
     """The sightings of one marker.
 
     Args:
-        expected: where it is by the mission.
+        expected: where the mission says that the marker is.
 
     Attributes:
-        seen_s: when it was seen last; -inf before it was.
-        problem: why nobody may land on it; None while nothing speaks against it.
+        seen_s: when it was last seen; -inf before the first time.
+        problem: why the vehicle must not land on it; None if there is no reason.
     """
 
     def __init__(self, expected: ExpectedMarker) -> None:
@@ -84,18 +86,18 @@ class MarkerTrack:
 
     @property
     def position(self) -> Ned | None:
-        """Where it is, as far as is known; None before it was seen."""
+        """Where the marker is, as far as is known; None before it has been seen."""
         return self._position
 
     def age_s(self, now_s: float) -> float:
-        """The time since it was seen; inf if it never was."""
+        """The time since it was last seen; inf if it never was."""
         return now_s - self.seen_s
 
     def take(self, seen_s: float, position: Ned, accuracy_m: float) -> Refusal | None:
-        """Takes a sighting; why it does not count, None if it does.
+        """Takes a sighting. Returns why it does not count; None if it does.
 
         Args:
-            seen_s: when it was.
+            seen_s: time of the sighting.
             position: in the mission's frame.
             accuracy_m: standard deviation of the vehicle's own position.
         """
@@ -111,7 +113,7 @@ class MarkerTrack:
         return None
 
     def _see(self, seen_s: float, accuracy_m: float) -> None:
-        """The marker is seen where the median of its sightings is."""
+        """Takes the median of the sightings as the marker's position."""
         self.seen_s, self._position = seen_s, self._median()
         self._first = self._first or self._position
         moved_m = math.dist(self._first, self._position)
@@ -120,7 +122,9 @@ class MarkerTrack:
             self.problem = self.problem or moved
 
     def _are_strays_the_rule(self, seen_s: float) -> bool:
-        """Takes a stray; whether it was the first sightings that were strays, and are forgotten."""
+        """Takes a stray; returns whether the first sightings were the strays, and forgets them if
+        so.
+        """
         self._strays.append(seen_s)
         if len(self._strays) <= max(FEWEST, len(self._recent)):
             return False

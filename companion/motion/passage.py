@@ -1,4 +1,4 @@
-"""How far it is to a place, and how long the way there takes: in the plane, and up and down."""
+"""Lengths of the route to a place, horizontal and vertical, and the time that it takes."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from companion.motion.profile import SpeedLimits, flight_time_s
 
 LEVEL_M = 1e-3
-"""A way that rises by less is level, and one that is shorter over the ground is upright."""
+"""A route that rises by less is level, and one with a shorter horizontal part is vertical."""
 
 
 @dataclass(frozen=True, slots=True)
 class Passage:
-    """How far it is to a place; inf where no way leads there.
+    """Lengths of the route to a place; inf if there is no route.
 
     Attributes:
-        over_ground_m: in the plane.
+        over_ground_m: horizontal length.
         down_m: from its beginning to its end; negative for a climb.
-        climb_m: on the spot at its beginning, before it is level; None where it is sloped.
+        climb_m: climb on the spot at the beginning, before the level part; None for a sloped route.
     """
 
     over_ground_m: float
@@ -31,7 +31,7 @@ class Passage:
         return self.climb_m is not None
 
     def duration_s(self, limits: SpeedLimits) -> float:
-        """Time to fly it from rest to rest; of a stepped one, with a stop between its parts.
+        """Time to fly it from rest to rest; a stepped one has a stop between its parts.
 
         >>> Passage(0.0, -6.0).duration_s(SpeedLimits(4.0, 2.0, 8.0, climb_mps=2.0))
         4.25

@@ -1,4 +1,4 @@
-"""Paths: the legs and rounded corners of a route, by the distance along them."""
+"""Paths: the legs and rounded corners of a route, as functions of the distance along them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STRAIGHT: Ned = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class StraightLeg:
-    """What is straight between two corners.
+    """The straight part between two corners.
 
     Attributes:
         begin: its first point.
@@ -33,11 +33,11 @@ class StraightLeg:
     length_m: float
 
     def at(self, along_m: float) -> PathPoint:
-        """The point at a distance along it."""
+        """The point at a distance along the leg."""
         return PathPoint(moved(self.begin, self.direction, along_m), self.direction, STRAIGHT)
 
     def chords(self, from_m: float) -> npt.NDArray[np.float64]:
-        """(2, 3) a point on it and its end."""
+        """(2, 3) a point on the leg, and its end."""
         return np.array([self.at(from_m).position, self.at(self.length_m).position])
 
 
@@ -49,20 +49,20 @@ class Turn:
 
     @property
     def direction(self) -> Ned:
-        """Of the leg behind it, to which the heading turns."""
+        """The direction of the leg after the corner, to which the heading turns."""
         return ned_of(self.blend.after)
 
     @property
     def length_m(self) -> float:
-        """Its length."""
+        """The length of the rounded corner."""
         return self.blend.length_m
 
     def at(self, along_m: float) -> PathPoint:
-        """The point at a distance along it."""
+        """The point at a distance along the corner."""
         return self.blend.at(along_m)
 
     def chords(self, from_m: float) -> npt.NDArray[np.float64]:
-        """(n, 3) points on it from one of them to its end."""
+        """(n, 3) points from a distance along the corner to its end."""
         return self.blend.chords(from_m)
 
 
@@ -70,12 +70,12 @@ class Path:
     """The pieces of a route in the order of flight: a leg, and a turn if its corner is rounded.
 
     Args:
-        route: whose path it is.
-        keeps_first_turn: without it the first corner is not rounded.
+        route: the route of the path.
+        keeps_first_turn: if false, the first corner is not rounded.
 
     Attributes:
-        pieces: none if the route has no length.
-        length_m: of all of them.
+        pieces: empty if the route has no length.
+        length_m: total length of the pieces.
     """
 
     def __init__(self, route: Route, keeps_first_turn: bool = True) -> None:
@@ -97,16 +97,16 @@ class Path:
         self.length_m = self._begins_m.pop()
 
     def begin_m(self, index: int) -> float:
-        """How far along the path a piece begins."""
+        """The distance along the path at which a piece begins."""
         return self._begins_m[index]
 
     def at(self, along_m: float) -> PathPoint:
-        """The point at a distance along it, up to its length."""
+        """The point at a distance along the path; its end beyond that."""
         index = self._index(along_m)
         return self.pieces[index].at(along_m - self._begins_m[index])
 
     def ahead(self, along_m: float) -> npt.NDArray[np.float64]:
-        """(n, 3) points from a distance along it to its end, n >= 2; of a turn, its chords."""
+        """(n, 3) points from a distance along the path to its end, n >= 2; chords in the turns."""
         if along_m >= self.length_m:
             return np.array([self._end, self._end])
         index = self._index(along_m)
@@ -114,7 +114,9 @@ class Path:
         return np.vstack([here, *(piece.chords(0.0)[1:] for piece in self.pieces[index + 1 :])])
 
     def between(self, begin_m: float, end_m: float) -> npt.NDArray[np.float64]:
-        """(n, 3) such points from one distance along it to another, n >= 2."""
+        """(n, 3) points from one distance along the path to another, n >= 2; chords in the
+        turns.
+        """
         points = self.ahead(begin_m)
         along_m = np.cumsum(np.linalg.norm(np.diff(points, axis=0, prepend=points[:1]), axis=1))
         room_m = max(0.0, end_m - begin_m)

@@ -1,7 +1,7 @@
-"""Polygons: the cells that one touches, how far a point is from one, and whether it is one at all.
+"""Polygons: which cells one touches, how far a point is from it, and whether it is valid.
 
-A polygon is the area inside its edges, by the even-odd rule; its corners are points in cells
-(`line_of_sight.py`) or positions in metres, whichever is used throughout.
+A polygon is the area inside its edges, by the even-odd rule. Its corners are points in cells
+(`line_of_sight.py`) or positions in metres, the same throughout a call.
 """
 
 from __future__ import annotations
@@ -18,19 +18,20 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.line_of_sight import Points
 
 MAX_CORNERS = 250
-"""Of all polygons of a mission together: each setpoint is held against each edge, and the check of
-a mission with a comb of so many takes two seconds."""
+"""The most corners of all polygons of a mission: each setpoint is compared with each edge, and the
+check of a mission with a comb of that many corners takes two seconds."""
 
-_BATCH = 200_000  # legs times edges that are looked at together
-_TOUCH = 1e-9  # cells; a part of a cell that is thinner is none
+_BATCH = 200_000  # legs times edges that are tested together
+_TOUCH = 1e-9  # cells; a thinner part of a cell does not count
 _HAIR = 1e-4  # cells
 
 
 def cells_touched(shape: tuple[int, ...], corners: Points) -> npt.NDArray[np.bool_]:
-    """(rows, cols) the cells of which some part lies in a polygon; edges and corners are no part.
+    """(rows, cols) the cells of which some part lies in a polygon; edges and corners alone do not
+    count.
 
-    Exact: the cells that an edge crosses come from interval arithmetic on the rows that it passes,
-    all others lie inside or outside as their centres do.
+    Exact: the cells that an edge crosses come from interval arithmetic on the rows that it passes;
+    every other cell is inside or outside as its centre is.
 
     >>> triangle = np.array([[0.0, 0.0], [0.0, 3.0], [3.0, 0.0]])
     >>> cells_touched((3, 4), triangle).astype(int).tolist()
@@ -47,7 +48,7 @@ def cells_touched(shape: tuple[int, ...], corners: Points) -> npt.NDArray[np.boo
 
 
 def _crossed(shape: tuple[int, ...], south: Points, north: Points) -> npt.NDArray[np.bool_]:
-    """The cells whose inside an edge meets."""
+    """The cells whose interior an edge crosses."""
     rows, cols = shape
     first = np.floor(south[:, 0] + _TOUCH)
     last = np.ceil(north[:, 0] - _TOUCH) - 1
@@ -68,7 +69,7 @@ def _crossed(shape: tuple[int, ...], south: Points, north: Points) -> npt.NDArra
 
 
 def _centres_inside(shape: tuple[int, ...], south: Points, north: Points) -> npt.NDArray[np.bool_]:
-    """The cells whose centres are inside."""
+    """The cells whose centres are inside the polygon."""
     rows, cols = shape
     first, last = np.ceil(south[:, 0] - 0.5), np.ceil(north[:, 0] - 0.5) - 1
     edge, row = _passed(first, last, rows)
@@ -79,7 +80,7 @@ def _centres_inside(shape: tuple[int, ...], south: Points, north: Points) -> npt
 
 
 def _passed(first: Points, last: Points, rows: int) -> tuple[npt.NDArray[np.intp], ...]:
-    """For each edge and each row of the map that it passes: their numbers."""
+    """For each edge and each row of the map that it passes: the numbers of both."""
     low = np.clip(first, 0, rows).astype(np.intp)
     high = np.clip(last, -1, rows - 1).astype(np.intp)
     count = np.maximum(high - low + 1, 0)
@@ -88,21 +89,21 @@ def _passed(first: Points, last: Points, rows: int) -> tuple[npt.NDArray[np.intp
 
 
 def _columns(south: Points, north: Points, row: npt.NDArray[Any]) -> Points:
-    """Where edges are at some rows, or at their nearest ends."""
+    """The columns of edges at some rows, or at the edges' nearest ends."""
     rise = north[:, 0] - south[:, 0]
     share = (row - south[:, 0]) / np.where(rise > _TOUCH, rise, 1.0)
     return np.asarray(south[:, 1] + np.clip(share, 0.0, 1.0) * (north[:, 1] - south[:, 1]))
 
 
 def without_repeats(corners: Sequence[NorthEast]) -> tuple[NorthEast, ...]:
-    """The corners of a polygon, each once: some write the first one again at the end."""
+    """The corners of a polygon, each once; some authors repeat the first one at the end."""
     return tuple(
         corner for i, corner in enumerate(corners) if corner != corners[i - 1] or len(corners) == 1
     )
 
 
 def problem_of(corners: Sequence[NorthEast]) -> str | None:
-    """What keeps some corners, none of them twice in a row, from being a polygon's; None if so.
+    """Why some corners, none of them twice in a row, do not form a polygon; None if they do.
 
     >>> problem_of([(0, 0), (1, 1), (1, 0), (0, 1)])
     'its edges from corner 1 and from corner 3 cross'
@@ -142,7 +143,9 @@ def do_overlap(one: Sequence[NorthEast], other: Sequence[NorthEast]) -> bool:
 
 
 def cells_of(grid: OccupancyGrid, polygons: Iterable[Sequence[NorthEast]]) -> OccupancyGrid:
-    """A grid on which the cells of some polygons are occupied, too; itself without any."""
+    """The grid with the cells of some polygons occupied as well; the grid itself if there are
+    none.
+    """
     occupied = grid.occupied
     for corners in polygons:
         points = (np.array(corners) - grid.origin) / grid.cell_m
@@ -151,7 +154,7 @@ def cells_of(grid: OccupancyGrid, polygons: Iterable[Sequence[NorthEast]]) -> Oc
 
 
 def distance_to_edges(points: Points, corners: Points) -> npt.NDArray[np.float64]:
-    """(...) from points (..., 2) to the nearest edge of a polygon (n, 2)."""
+    """(...) distances from points (..., 2) to the nearest edge of a polygon (n, 2)."""
     a = corners
     leg = np.roll(corners, -1, axis=0) - a
     to = points[..., None, :] - a
@@ -170,10 +173,10 @@ def are_inside(points: Points, corners: Points) -> npt.NDArray[np.bool_]:
 
 
 def enters_polygon(a: Points, b: Points, corners: Points) -> npt.NDArray[np.bool_]:
-    """(...) whether the legs from a to b (..., 2) come into a polygon from outside.
+    """(...) whether the legs from a to b (..., 2) enter a polygon from outside.
 
-    A leg that touches it from outside counts, too; leaving it is allowed, but not to come back into
-    another arm of it.
+    A leg that touches it from outside counts, too. A leg may leave it, but not enter another arm of
+    it.
 
     >>> arms = np.array([[0.0, 0.0], [0.0, 5.0], [3.0, 5.0], [3.0, 4.0], [1.0, 4.0], [1.0, 0.0]])
     >>> a, b = np.array([0.5, 0.5]), np.array([2.5, 4.5])
@@ -197,10 +200,11 @@ def enters_polygon(a: Points, b: Points, corners: Points) -> npt.NDArray[np.bool
 
 
 def cells_beside(shape: tuple[int, ...], corners: Points, reach: int) -> npt.NDArray[np.bool_]:
-    """(rows, cols) the cells that an edge crosses, and those so many rows or columns away.
+    """(rows, cols) the cells that an edge crosses, and all cells up to `reach` rows or columns
+    away.
 
-    An edge on the line between two rows, or columns, crosses no cell: it counts as if it lay a hair
-    beyond, where there is a reach.
+    An edge on the line between two rows, or columns, crosses no cell. If there is a reach, it
+    counts as if it lay a hair beyond the line.
 
     >>> square = np.array([[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]])
     >>> cells_beside((3, 3), square, 0).any(), cells_beside((3, 3), square, 1).all()
@@ -235,14 +239,16 @@ def segments_meet(a: Points, b: Points, c: Points, d: Points) -> npt.NDArray[np.
 
 
 def _are_crossed(a: Points, b: Points, c: Points, d: Points) -> npt.NDArray[np.bool_]:
-    """(...) whether segments from a to b cross those from c to d; at a corner one of two does."""
+    """(...) whether segments from a to b cross those from c to d; at a shared corner one of two
+    does.
+    """
     is_c_left, is_d_left = _side(a, b, c) > 0, _side(a, b, d) > 0
     is_a_left, is_b_left = _side(c, d, a) > 0, _side(c, d, b) > 0
     return np.asarray((is_c_left != is_d_left) & (is_a_left != is_b_left))
 
 
 def _side(a: Points, b: Points, point: Points) -> npt.NDArray[np.float64]:
-    """On which side of a line from a to b points are: the sign of the cross product."""
+    """The side of a line from a to b on which points are: the sign of the cross product."""
     return np.sign(_cross(b - a, point - a))
 
 

@@ -1,14 +1,15 @@
-"""The error of the position, as the autopilot estimates it, and what motion makes of it.
+"""The error of the position that the autopilot estimates, and the clearance that covers it.
 
-An autopilot tells one standard deviation of its horizontal position: `pos_horiz_accuracy` of
-ESTIMATOR_STATUS, which PX4 takes from its filter's covariance, north and east together. Along one
-axis, as towards a wall, the error is 1 / sqrt(2) of that. It is not divided by, because two more
-errors are about as large: the map was laid by the same estimate, and a wrong velocity takes the
-vehicle off its route (on a PX4: 0.3 m/s, 0.25 m). Three deviations of what is told are reckoned
-with.
+An autopilot reports one standard deviation of its horizontal position: `pos_horiz_accuracy` of
+ESTIMATOR_STATUS, which PX4 takes from its filter's covariance, for north and east together. Along
+one axis, as towards a wall, the error is 1 / sqrt(2) of that. We do not divide by sqrt(2), because
+two more errors are about as large: the map was made with the same estimate, and a wrong velocity
+takes the vehicle off its route (on a PX4: 0.3 m/s, 0.25 m). We use three of the reported
+deviations.
 
-The error adds to the vehicle's own deviation from its route, on which it does not depend, as the
-root of the squares. That is what the profile says, or what is seen in flight (`tracking_error.py`).
+The vehicle's deviation from its route is independent of that error, so the two are added as the
+root of the sum of their squares. The deviation is that of the profile, or what is observed in
+flight (`tracking_error.py`).
 """
 
 from __future__ import annotations
@@ -17,20 +18,20 @@ import math
 
 SIGMAS = 3.0
 MOST_M = 1.5
-"""No more is reckoned with: an autopilot that is worse off soon lands."""
+"""The greatest error that is covered: an autopilot with a worse position soon lands."""
 EXACT_M = 0.1
-"""A position that is as good as this is taken for exact."""
+"""A position with at most this error counts as exact."""
 EXACT_HEIGHT_M, GPS_HEIGHT_M = 0.3, 1.0
-"""What the height is reckoned to be off by, where the position is exact, and where it is not: two
-degrees of attitude at 8 m, and two deviations of a PX4's height."""
+"""The assumed error of the height, if the position is exact and if not: two degrees of attitude at
+8 m, and two deviations of PX4's height."""
 WORST_HEIGHT_M = 1.4
-"""What the height of PX4's simulator was off by at worst, with GPS."""
+"""The largest height error of PX4's simulator with GPS."""
 STEP_M = 0.1
-"""The clearance changes by such steps, and with it all routes."""
+"""The step by which the clearance changes, and with it all routes."""
 
 
 def greatest_error_m(accuracy_m: float) -> float:
-    """How far the vehicle may be from where it is taken to be, towards a wall.
+    """The greatest distance of the vehicle from its estimated position, towards a wall.
 
     >>> round(greatest_error_m(0.25), 2)
     0.75
@@ -39,16 +40,16 @@ def greatest_error_m(accuracy_m: float) -> float:
 
 
 def height_error_m(accuracy_m: float, up_m: float, below_m: float | None) -> float:
-    """How far the vehicle may be below the height that it is taken to have, above what is below.
+    """How far the vehicle may be below its estimated height above what is below it.
 
-    Where the position is not exact and a range finder looks down, that is what it says: what it
-    sees may be the ground, or stand on it.
+    If the position is not exact and a range finder looks down, its measurement decides: what it
+    sees may be the ground, or something that stands on the ground.
 
     Args:
-        accuracy_m: of the position.
-        up_m: the height that it is taken to have.
-        below_m: the distance to what is below it; None where that is not measured, and inf where
-            nothing is within reach.
+        accuracy_m: accuracy of the position.
+        up_m: the estimated height.
+        below_m: the distance to what is below the vehicle; None if that is not measured, inf if
+            nothing is within range.
 
     >>> height_error_m(0.05, 2.0, 1.0), height_error_m(0.25, 2.0, None)
     (0.3, 1.0)
@@ -63,16 +64,17 @@ def height_error_m(accuracy_m: float, up_m: float, below_m: float | None) -> flo
 
 
 class AddedClearance:
-    """What routes keep from obstacles beside the clearance of the vehicle's profile.
+    """What routes keep from obstacles in addition to the clearance of the vehicle's profile.
 
-    It follows both errors in steps, and lags behind by half a step more, so that an error between
-    two steps does not change all routes again and again.
+    It follows both errors in steps, with a hysteresis of half a step, so that an error between two
+    steps does not change all routes again and again.
 
     Attributes:
-        metres: now.
+        metres: the present value.
 
     Args:
-        deviation_m: of the vehicle from its route; the profile's clearance covers it already.
+        deviation_m: deviation of the vehicle from its route, which the profile's clearance already
+            covers.
     """
 
     def __init__(self, deviation_m: float) -> None:
@@ -80,12 +82,12 @@ class AddedClearance:
         self._deviation_m = deviation_m
 
     def follow(self, accuracy_m: float, off_m: float = 0.0) -> bool:
-        """Takes how good the position is; true if that changes what is added.
+        """Takes the accuracy of the position; true if that changes the added clearance.
 
         Args:
-            accuracy_m: of the position.
-            off_m: how far the vehicle is seen to be off its route; it counts where it is more than
-                its deviation by more than a step.
+            accuracy_m: accuracy of the position.
+            off_m: observed distance of the vehicle from its route; it counts only if it exceeds the
+                profile's deviation by more than a step.
 
         >>> added = AddedClearance(0.15)
         >>> added.follow(0.05), added.follow(0.25), added.metres

@@ -1,15 +1,15 @@
 """Speed profiles along a straight leg, under limits of speed, acceleration and jerk.
 
-The quickest change from one speed to another, with no acceleration at both, has a closed form: the
-acceleration rises and falls with the greatest jerk j, and holds between, if the change is greater
-than a^2 / j,
+The quickest change from one speed to another, with zero acceleration at both, has a closed form.
+The acceleration rises and falls with the greatest jerk j. It is constant in between if the change
+is greater than a^2 / j:
 
     T = |v1 - v0| / a + a / j,   else   T = 2 sqrt(|v1 - v0| / j);   s = (v0 + v1) / 2 T
 
 by symmetry (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and Robots, 2008,
-section 3.4). From these follow the speed that can be reached within a distance, the distance to a
-stop and the time of a flight from rest to rest. The quickest profile along a leg of given length
-between given speeds, from an acceleration too, is Ruckig's (Berscheid and Kroeger, Jerk-limited
+section 3.4). From this follow the speed that can be reached within a distance, the distance to a
+stop, and the time of a flight from rest to rest. The quickest profile along a leg of given length
+between given speeds, also from an acceleration, is Ruckig's (Berscheid and Kroeger, Jerk-limited
 Real-time Trajectory Generation with Arbitrary Target States, RSS 2021).
 """
 
@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import ruckig
 
-_REST_MPS = 1e-9  # slower is at rest
+_REST_MPS = 1e-9  # a slower vehicle is at rest
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class SpeedLimits:
 
     Attributes:
         climb_mps: greatest vertical speed upwards.
-        descent_mps: the same downwards.
+        descent_mps: greatest vertical speed downwards.
     """
 
     speed_mps: float
@@ -53,7 +53,7 @@ class SpeedLimits:
         """The limits along a direction.
 
         Args:
-            down: component of the unit vector, negative for a climb.
+            down: vertical component of the unit vector, negative for a climb.
 
         >>> SpeedLimits(2.0, 2.0, 8.0, descent_mps=0.9).along(0.6).speed_mps
         1.5
@@ -64,15 +64,15 @@ class SpeedLimits:
         return replace(self, speed_mps=vertical_mps / abs(down))
 
     def change_s(self, from_mps: float, to_mps: float) -> float:
-        """Least time from one speed to another, with no acceleration at both."""
+        """Least time to change from one speed to another, with zero acceleration at both."""
         change_mps = abs(to_mps - from_mps)
         ramp_s = self.acceleration_mps2 / self.jerk_mps3
-        if change_mps <= self.acceleration_mps2 * ramp_s:  # the acceleration is not reached
+        if change_mps <= self.acceleration_mps2 * ramp_s:  # it is not reached
             return 2 * math.sqrt(change_mps / self.jerk_mps3)
         return change_mps / self.acceleration_mps2 + ramp_s
 
     def change_m(self, from_mps: float, to_mps: float) -> float:
-        """The distance that such a change takes."""
+        """The distance flown during such a change."""
         return (from_mps + to_mps) / 2 * self.change_s(from_mps, to_mps)
 
     def reached_mps(self, from_mps: float, within_m: float) -> float:
@@ -95,16 +95,17 @@ class SpeedLimits:
         return min(reached_mps, self.speed_mps)
 
     def released(self, motion: Motion) -> tuple[float, float]:
-        """The speed once the acceleration is brought to zero, and the distance until then."""
+        """The speed once the acceleration has been brought to zero, and the distance until then."""
         ramp_s = abs(motion.acceleration_mps2) / self.jerk_mps3
         change_mps = motion.acceleration_mps2 * ramp_s / 2
         distance_m = (motion.speed_mps + change_mps * 2 / 3) * ramp_s
         return motion.speed_mps + change_mps, distance_m
 
     def braking(self, motion: Motion) -> tuple[float, float]:
-        """The speed, without acceleration, at which braking begins, and the distance to there.
+        """The speed, without acceleration, at which braking begins, and the distance to that point.
 
-        The distance is negative if the vehicle is braking already: there it would have begun.
+        The distance is negative if the vehicle is braking already: the braking would have begun
+        there.
         """
         ramp_s = motion.acceleration_mps2 / self.jerk_mps3
         speed_mps = motion.speed_mps + motion.acceleration_mps2 * ramp_s / 2
@@ -135,10 +136,10 @@ def flight_time_s(distance_m: float, limits: SpeedLimits) -> float:
 def quickest(
     length_m: float, start: Motion, end_mps: float, limits: SpeedLimits
 ) -> ruckig.Trajectory:
-    """The quickest profile along a leg, to a speed with no acceleration.
+    """The quickest profile along a leg, to a speed without acceleration.
 
     Raises:
-        ArithmeticError: Ruckig finds none.
+        ArithmeticError: Ruckig finds no profile.
     """
     asked = ruckig.InputParameter(1)
     asked.current_position, asked.target_position = [0.0], [length_m]

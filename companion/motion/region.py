@@ -1,8 +1,8 @@
-"""The region of a place: where `at(place)` holds. Its two kinds, and all that is asked of them.
+"""The region of a place, in which `at(place)` holds: its two kinds, and their operations.
 
-Planner, routes, symbols, the watch over the vehicle's whereabouts and the pages ask here, so that
-they mean the same. Positions are metres in the mission's frame; the centre of a region is the
-place's own point, which may move (symbols do not move it).
+Planner, routes, symbols, the check of where the vehicle is, and the pages all use this module, so
+that they agree. Positions are metres in the mission's frame. The centre of a region is the place's
+own point, which may move (symbols do not move it).
 """
 
 from __future__ import annotations
@@ -23,29 +23,31 @@ _GOLDEN_RAD = math.pi * (3 - math.sqrt(5))
 
 
 class Region(Protocol):
-    """Where a place is, about its centre."""
+    """The area of a place, relative to its centre."""
 
     def away_m(self, centre: Ned, position: Ned) -> float:
-        """How far outside a position is; at most 0 inside."""
+        """How far outside the region a position is; at most 0 inside."""
 
     def inner_m(self, centre: Ned) -> float:
-        """Radius of the disc about the centre that lies inside."""
+        """Radius of the largest disc around the centre that lies inside."""
 
     def waypoints(self, centre: Ned, count: int, inside_m: float) -> Iterator[Ned]:
-        """At most so many points spread over it, so far inside, from its centre outwards."""
+        """At most `count` points spread over the region, `inside_m` from its edge, from the centre
+        outwards.
+        """
 
     def outline(self) -> tuple[NorthEast, ...] | None:
-        """Its corners; None of a disc."""
+        """The corners of the region; None for a disc."""
 
 
 @dataclass(frozen=True, slots=True)
 class Disc:
-    """All points within a radius; over the ground a disc, in the air a ball."""
+    """All points within a radius: on the ground plan a disc, in the air a ball."""
 
     radius_m: float
 
     def away_m(self, centre: Ned, position: Ned) -> float:
-        """By the distance in space."""
+        """From the distance in space."""
         return distance(centre, position) - self.radius_m
 
     def inner_m(self, centre: Ned) -> float:
@@ -53,7 +55,7 @@ class Disc:
         return self.radius_m
 
     def waypoints(self, centre: Ned, count: int, inside_m: float) -> Iterator[Ned]:
-        """Vogel's spiral."""
+        """Points on Vogel's spiral."""
         return _spiral(centre, count, max(0.0, self.radius_m - inside_m))
 
     def outline(self) -> None:
@@ -63,27 +65,27 @@ class Disc:
 
 @dataclass(frozen=True)
 class Area:
-    """All points over a polygon, at whatever height."""
+    """All points above a polygon, at any height."""
 
     corners: tuple[NorthEast, ...]
 
     def away_m(self, centre: Ned, position: Ned) -> float:
-        """By the distance over the ground."""
+        """From the horizontal distance."""
         gap_m = self._gap_m(position)
         return -gap_m if is_in_polygon(position, self.corners) else gap_m
 
     def inner_m(self, centre: Ned) -> float:
-        """As far as its nearest edge is."""
+        """The distance to the nearest edge."""
         return max(0.0, -self.away_m(centre, centre))
 
     def waypoints(self, centre: Ned, count: int, inside_m: float) -> Iterator[Ned]:
-        """Those of Vogel's spiral that lie inside."""
+        """The points of Vogel's spiral that lie inside."""
         reach_m = max(math.dist(centre[:2], corner) for corner in self.corners)
         points = _spiral(centre, count, reach_m)
         return (point for point in points if self.away_m(centre, point) <= -inside_m)
 
     def outline(self) -> tuple[NorthEast, ...]:
-        """Its corners."""
+        """The corners of the polygon."""
         return self.corners
 
     def _gap_m(self, position: Ned) -> float:
@@ -95,7 +97,7 @@ class Area:
 
 
 def _spiral(centre: Ned, count: int, reach_m: float) -> Iterator[Ned]:
-    """Points spread evenly over a disc, from its middle outwards (Vogel 1979)."""
+    """Points spread evenly over a disc, from its centre outwards (Vogel 1979)."""
     north, east, down = centre
     for i in range(1, count + 1):
         away_m, angle = reach_m * math.sqrt(i / count), i * _GOLDEN_RAD

@@ -1,4 +1,4 @@
-"""The edges that come into regions, which paths to other places do not use.
+"""The edges that enter regions, which paths to other places do not use.
 
 They do not depend on which cells are free, so all clearances of a map share them.
 """
@@ -12,11 +12,11 @@ from companion.motion.regions import Regions
 
 
 class RegionEdges:
-    """The edges of a map that come from outside into regions; found when first asked for.
+    """The edges of a map that enter regions from outside; computed when first asked for.
 
     Args:
         shape: rows and columns of the map.
-        regions: of the exclusive places.
+        regions: the regions of the exclusive places.
 
     Attributes:
         regions: see above.
@@ -27,7 +27,7 @@ class RegionEdges:
         self._shape = shape
 
     def barred_to(self, place: str) -> GridGraph:
-        """The edges that no path to a place uses: those into the regions of all others."""
+        """The edges that no path to a place uses: those into the regions of all other places."""
         if place not in self._entering:
             return self._entering_any
         return self._entering_any.without(self._entering[place].without(self._entering_several))

@@ -1,7 +1,7 @@
 """The regions of places, which legs to other places may not enter.
 
-A region is a disc or a polygon in the plane (`region.py`). A leg may leave it, or stay inside; it
-may not come in from outside. Points and radii are in cells (`line_of_sight.py`).
+A region is a disc or a polygon in the plane (`region.py`). A leg may leave it or stay inside, but
+may not enter from outside. Points and radii are in cells (`line_of_sight.py`).
 
 >>> regions = Regions(("A",), np.array([[5.0, 5.0]]), np.array([2.0]))
 >>> bool(regions.are_entered(np.array([5.0, 1.0]), np.array([5.0, 4.0])))
@@ -31,10 +31,11 @@ class Regions:
     """The regions of some places.
 
     Attributes:
-        names: n names of the places.
+        names: names of the n places.
         centres: (n, 2).
         radii: (n,).
-        polygons: by name, corners (m, 2) of those that are no discs; the disc is around them.
+        polygons: by name, corners (m, 2) of regions that are not discs; centre and radius are those
+            of a disc around them.
     """
 
     names: tuple[str, ...]
@@ -47,7 +48,7 @@ class Regions:
         return self._chosen(np.array([other != name for other in self.names], dtype=np.bool_))
 
     def near(self, point: Points, reach: float) -> Regions:
-        """The regions within a distance of a point, without those that hold it."""
+        """The regions within a distance of a point, except those that contain it."""
         away = self.away(point)
         return self._chosen((away >= 0) & (away <= reach))
 
@@ -77,7 +78,7 @@ class Regions:
         return np.asarray(entered)
 
     def border(self, shape: tuple[int, ...], reach: int) -> npt.NDArray[np.int_]:
-        """(k, 2) the cells of a map of which those are that edges into one of them lead to.
+        """(k, 2) the cells of a map that include all ends of edges into a region.
 
         Args:
             shape: rows and columns of the map.

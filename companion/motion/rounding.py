@@ -1,15 +1,15 @@
-"""Rounding: the corners of a route become blends (`blends.py`) that keep clear.
+"""Rounding: turns the corners of a route into blends (`blends.py`) that keep clear.
 
-A blend cuts its corner on the inside, where the obstacle stands that the route leads round. So a
-corner may be moved to the outside, by as much as its blend is away from it, and two corners
-close together become one where the legs before and behind them meet. The largest blend is
-taken that is clear, and near as good as one that is not moved: sizes are tried from half of the
-shorter leg downwards, each first in place, then moved out. A corner at which none is clear stays as
-it is; the vehicle stops there.
+A blend cuts its corner on the inside, where the obstacle stands around which the route leads. So a
+corner may be moved outwards, by as much as its blend is away from it, and two corners close
+together may become one, where the legs before and after them meet. The largest clear blend is
+taken; one almost as large is preferred if its corner is not moved. Sizes are tried from half of the
+shorter leg downwards, each first in place, then moved out. If no blend is clear, the corner stays
+as it is, and the vehicle stops there.
 
-What is tested is exact: the curve lies between its chords and the tangents at their ends, both of
-which must be clear. An obstacle that touches neither would have to fit in between, which is far
-thinner than a cell.
+The test is exact: the curve lies between its chords and the tangents at their ends, and both have
+to be clear. An obstacle that touches neither would have to fit between them, which is far less than
+a cell.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from companion.motion.blends import Blend, Vector, cross
 Waypoints = npt.NDArray[np.float64]
 """(n, 3) NED metres."""
 AreClear = Callable[[Waypoints, Waypoints], npt.NDArray[np.bool_]]
-"""(n,) whether the legs between two points each (n, 3) may be flown."""
+"""(n,) whether the legs between two points each (n, 3) are clear."""
 
 MAX_TURN_RAD = np.deg2rad(170.0)  # a sharper corner is not rounded
-_LEG_SHARE = 0.45  # of a leg, greatest reach of the blend at either end
-_SIZES = 0.7 ** np.arange(12)  # of the greatest reach
-_MERGED_M = 0.5  # two corners of the same sense that are nearer to each other become one
-_MOVES = (0.0, 0.5, 1.0)  # of the depth of a blend
-_MIN_LEG_M = 1e-3  # waypoints nearer than that to the one before are left out
-_STRAIGHT = 1e-6  # radians; legs that turn by less are one
+_LEG_SHARE = 0.45  # greatest reach of the blend at either end, as a share of a leg
+_SIZES = 0.7 ** np.arange(12)  # as shares of the greatest reach
+_MERGED_M = 0.5  # corners of the same sense that are nearer to each other become one
+_MOVES = (0.0, 0.5, 1.0)  # shares of the depth of a blend
+_MIN_LEG_M = 1e-3  # waypoints nearer to the one before are left out
+_STRAIGHT = 1e-6  # radians; legs that turn by less become one
 
 
 def corners(waypoints: Waypoints) -> Waypoints:
-    """The waypoints at which a route begins, turns or ends; the end alone if it has no length."""
+    """The waypoints at which a route begins, turns or ends; only the end if it has no length."""
     kept = [waypoints[0]]
     for waypoint in waypoints[1:-1]:
         if np.linalg.norm(waypoint - kept[-1]) >= _MIN_LEG_M:
@@ -52,15 +52,15 @@ def corners(waypoints: Waypoints) -> Waypoints:
 def rounded(
     waypoints: Waypoints, are_clear: AreClear, first_moved: int = 1
 ) -> tuple[Waypoints, tuple[Blend | None, ...]]:
-    """A path with its corners rounded, where that is clear.
+    """The path with its corners rounded, where that is clear.
 
     Args:
         waypoints: its corners.
-        are_clear: tells which legs may be flown.
+        are_clear: tells which legs are clear.
         first_moved: the first corner that may be moved.
 
     Returns:
-        (n, 3) the corners, some of them moved, and the blend at each but the first and the last.
+        (n, 3) the corners, some of them moved, and the blend at each except the first and the last.
     """
     points = _merged(corners(waypoints), are_clear, first_moved)
     if len(points) < 3:
@@ -82,7 +82,7 @@ def rounded(
 
 
 def _merged(points: Waypoints, are_clear: AreClear, first_moved: int) -> Waypoints:
-    """The corners, of which neighbours have become one where that is clear."""
+    """The corners, with neighbours merged into one where that is clear."""
     index = first_moved
     while index < len(points) - 2:
         meeting = _meeting(*points[index - 1 : index + 3])
@@ -99,14 +99,14 @@ def _merged(points: Waypoints, are_clear: AreClear, first_moved: int) -> Waypoin
 
 
 def _meeting(before: Vector, first: Vector, second: Vector, after: Vector) -> Vector | None:
-    """Where the legs around a short one would meet, seen from above; None if they do not, ahead."""
+    """Where the legs around a short leg meet ahead, seen from above; None if they do not."""
     if np.linalg.norm(second - first) > _MERGED_M:
         return None
     a, b, c = (first - before)[:2], (second - first)[:2], (after - second)[:2]
     turns = cross(np.array([a, b, a]), np.array([b, c, c]))
     if not (np.all(turns > 0) or np.all(turns < 0)):
         return None
-    ahead = float(turns[1] / turns[2])  # of the leg before, in its lengths
+    ahead = float(turns[1] / turns[2])  # along the leg before, in lengths of it
     return np.array([*(first[:2] + ahead * a), (first[2] + second[2]) / 2])
 
 
@@ -135,7 +135,7 @@ def _between(before: Vector, corner: Vector, after: Vector, reach_m: float) -> B
 
 
 def _aimed(blend: Blend | None, target: Vector) -> Blend | None:
-    """The same blend towards another end of its second leg."""
+    """The blend with another end of its second leg."""
     if blend is None:
         return None
     way = target - blend.corner
@@ -145,7 +145,7 @@ def _aimed(blend: Blend | None, target: Vector) -> Blend | None:
 def _is_flyable(
     blend: Blend, previous: Blend | None, points: Waypoints, index: int, are_clear: AreClear
 ) -> bool:
-    """Whether a blend, its legs, and the blend before it may be flown."""
+    """Whether a blend, its legs, and the blend before it are clear."""
     before, after = points[index - 1], points[index + 1]
     if blend.turn_rad > MAX_TURN_RAD or blend.turn_rad < _STRAIGHT:
         return False

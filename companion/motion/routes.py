@@ -1,15 +1,15 @@
 """Routes to places on the map, as straight legs, and their lengths.
 
 The cost-to-go of a place gives the shortest path along free cells from everywhere
-(`distance_maps.py`); string pulling (`string_pulling.py`) shortens it to legs that cross free
-cells only (`free_space.py`).
+(`distance_maps.py`). String pulling (`string_pulling.py`) shortens it to legs that cross only free
+cells (`free_space.py`).
 
-Routes respect the labels of the task: no leg comes from outside into the region of another
-exclusive place, but legs within and out of one are allowed. So a vehicle can leave the place
-where it is, and passes through no other unrecorded.
+Routes respect the labels of the task: no leg enters the region of another exclusive place from
+outside, but legs may stay within one and leave it. So a vehicle can leave its place, and passes
+through no other place unrecorded.
 
-Routes are planned in the plane; the altitude changes evenly along the way. Left out: obstacles that
-are low (`layered_routes.py`), and the vehicle's dynamics (`trajectory.py`).
+Routes are planned in the plane; the altitude changes linearly along the route. Left out: low
+obstacles (`layered_routes.py`), and the vehicle's dynamics (`trajectory.py`).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from companion.motion.string_pulling import length, pull_string
 from companion.motion.way_choice import WayAt, decisive_ways
 
 CELLS_PER_TICK = 10_000
-"""Cells that are searched at once: setpoints leave in the same loop."""
+"""Cells that are searched in one tick, because the same loop sends the setpoints."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +45,8 @@ class PlaceRegion:
 
     Attributes:
         position: the centre of the region, where routes to the place end at first.
-        region: where the vehicle is at the place; here its part in the north-east plane.
-        is_exclusive: the task mentions the place: no route to elsewhere may enter the region.
+        region: where the vehicle is at the place; only its horizontal extent is used here.
+        is_exclusive: whether the task mentions the place: routes to elsewhere avoid its region.
     """
 
     position: Ned
@@ -60,7 +60,7 @@ class Route:
 
     Attributes:
         waypoints: (n, 3) float, NED metres, n >= 2; the first is the start, the last the place.
-        blends: at each corner, None where it is not rounded; () if none is.
+        blends: at each corner, None if it is not rounded; () if no corner is.
     """
 
     waypoints: npt.NDArray[np.float64]
@@ -79,12 +79,12 @@ class RouteMap:
         version: changes whenever the free cells do.
 
     Args:
-        grid: the map as it is known at first.
+        grid: the map as known at first.
         places: by name.
         fence: north-east corners of the polygon that no route leaves.
-        clearance_m: the least distance of a route to an obstacle.
-        fence_margin_m: the same to the fence.
-        keep_out: the corners of areas that routes keep away from as from obstacles.
+        clearance_m: the least distance of a route from an obstacle.
+        fence_margin_m: the least distance from the fence.
+        keep_out: the corners of areas that routes treat as obstacles.
         within: more polygons that no route leaves.
     """
 
@@ -113,7 +113,7 @@ class RouteMap:
         edges = RegionEdges(inside.shape, regions)
         self._room = Room(clearance_m, inside, edges, self._others, self._goals)
         self._least = ClearanceLevel(self._room, self._obstacles(grid), clearance_m)
-        self._least.look()  # its cells decide on the version
+        self._least.look()  # its cells determine the version
         self._levels = [self._least]
 
     def see(self, grid: OccupancyGrid) -> None:
@@ -128,26 +128,26 @@ class RouteMap:
 
     @property
     def _usable(self) -> npt.NDArray[np.bool_]:
-        """(rows, cols) the cells that fences and zones leave."""
+        """(rows, cols) the cells that are inside all fences and outside all zones."""
         inside = self._room.is_inside
         return inside if self._zones is None else inside & ~self._zones
 
     @property
     def obstacles(self) -> OccupancyGrid:
-        """The map, on which zones are occupied as well."""
+        """The map, with zones occupied as well."""
         return self._least.space.grid
 
     def is_usable(self, position: NorthEast) -> bool:
-        """Whether fences and zones leave a position."""
+        """Whether a position is inside all fences and outside all zones."""
         cell = self._grid.cell(position)
         return self._grid.contains(*cell) and bool(self._usable[cell])
 
     def is_as_wide_as(self, other: RouteMap) -> bool:
-        """Whether fences and zones leave the same cells as on another one, of the same map."""
+        """Whether fences and zones leave the same cells as in another one, on the same map."""
         return np.array_equal(self._usable, other._usable)
 
     def add_clearance(self, added_m: float) -> None:
-        """Routes keep so much more from obstacles, where the map has the room."""
+        """Makes routes keep more distance from obstacles, where the map has room for it."""
         self._levels = levels_from(self._least, added_m)
         self.version += 1
 
@@ -157,9 +157,9 @@ class RouteMap:
         return first.maps.find(max_cells) and all(level.repair(max_cells) for level in lower)
 
     def search(self, start: NorthEast, place: str, max_cells: int) -> bool:
-        """Searches about `max_cells` cells for the ways to a place; True once they are known.
+        """Searches about `max_cells` cells for the routes to a place; True once they are known.
 
-        Then `distance_m` and `route` from that start search nothing.
+        After that, `distance_m` and `route` from this start need no search.
 
         Raises:
             KeyError: there is no such place.
@@ -173,7 +173,7 @@ class RouteMap:
         return True
 
     def aim(self, place: str, goal: Ned) -> None:
-        """Lets routes to a place end at another point; its region stays where it is."""
+        """Makes routes to a place end at another point; its region stays where it is."""
         if self._goals[place] != goal:
             self._goals[place] = goal
             for level in self._levels:
@@ -184,10 +184,9 @@ class RouteMap:
         return self._goals[place]
 
     def is_clear(self, path: npt.NDArray[np.float64]) -> bool:
-        """Whether a path has the least clearance, inside the fence; (n, 2) or (n, 3) metres.
-
-        A path that begins in no free cell may lead out of there: its first leg must stay as far
-        from obstacles as its start, less a cell.
+        """Whether a path (n, 2) or (n, 3) in metres is in the fence and has the least clearance.
+        A path that begins in no free cell may lead out of there: its first leg must keep as far
+        from obstacles as its start does, less one cell.
         """
         space = self._least.space
         points = space.point(path)
@@ -201,16 +200,15 @@ class RouteMap:
         return self._least.space.is_free(self._grid.cell(position))
 
     def is_connected(self, start: NorthEast, place: str) -> bool:
-        """Whether free cells lead from near a start to a place, whatever regions lie between.
+        """Whether free cells lead from near a start to a place, ignoring the regions in between.
 
-        Quick: a place that is cut off is known without a search.
+        Quick: if a place is cut off, this is known without a search.
         """
         goal = self._grid.cell(self._goals[place][:2])
         return self._least.space.is_connected(start, goal)
 
     def distance_m(self, start: NorthEast, place: str) -> float:
-        """Length of the leg to a place, or of the path along cells, in the plane; inf without any.
-
+        """Horizontal length of the leg to a place, or of the path along cells; inf without any.
         Raises:
             KeyError: there is no such place.
         """
@@ -224,17 +222,17 @@ class RouteMap:
     def route_from_motion(
         self, start: Ned, stop: Ned, place: str, down_m: float | None = None
     ) -> Route | None:
-        """A route whose first leg leads to where the vehicle can stop, straight ahead.
+        """A route whose first leg leads straight ahead to where the vehicle can stop.
 
-        None if that leg comes closer to obstacles than the start or the least clearance allows, by
-        more than a cell, or if no path leads on from there. What is left then is a route from a
-        start at rest, from which the vehicle deviates while it brakes.
+        None if that leg comes more than a cell closer to obstacles than the start or the least
+        clearance allows, or if no path leads on from there. Then only a route from rest is
+        possible, from which the vehicle deviates while it brakes.
 
         Args:
             start: where the vehicle is.
             stop: where it can come to rest.
             place: where to fly.
-            down_m: the altitude in which it ends; None for that of the place.
+            down_m: the altitude (down) at which it ends; None for that of the place.
         """
         least = self._least.space
         if not least.keeps_away(least.point(start), least.point(stop)):
@@ -244,9 +242,9 @@ class RouteMap:
     def route(self, start: Ned, place: str, down_m: float | None = None) -> Route | None:
         """The shortest route to a place, after string pulling and rounding; None if there is none.
 
-        A start that is not free (the vehicle has drifted, or something has come near it) is left by
-        a leg to the nearest free cell within ENTRY_M that comes no nearer to obstacles than the
-        start is; if there is none, to the nearest one across no occupied cell.
+        If the start is not free (the vehicle has drifted, or something has come near it), the first
+        leg leads to the nearest free cell within ENTRY_M without coming nearer to obstacles than
+        the start. If there is no such cell, it leads to the nearest one across no occupied cell.
 
         Raises:
             KeyError: there is no such place.
@@ -256,7 +254,7 @@ class RouteMap:
     def _route(
         self, start: Ned, place: str, down_m: float | None, flown: list[Ned]
     ) -> Route | None:
-        """A route to a place, after points that are flown anyway."""
+        """A route to a place, after points that are flown in any case."""
         goal, others = self._goals[place], self._others[place]
         space, way = self._levels[0].space, None
         if not self._is_in_sight(start[:2], place):
@@ -276,7 +274,7 @@ class RouteMap:
         else:
             return None
         plane = points * self._grid.cell_m + self._grid.origin
-        plane[0], plane[-1] = start[:2], goal[:2]  # exactly, whatever the rounding
+        plane[0], plane[-1] = start[:2], goal[:2]  # exact, without rounding errors
         last_down_m = goal[2] if down_m is None else down_m
         waypoints = np.vstack([*flown, _with_altitude(plane, start[2], last_down_m)])
         legs = _ClearLegs(space, others)
@@ -289,13 +287,13 @@ class RouteMap:
     def _is_in_sight(
         self, start: NorthEast, place: str, level: ClearanceLevel | None = None
     ) -> bool:
-        """Whether a straight leg to a place is clear; nothing is searched.
+        """Whether a straight leg to a place is clear; without any search.
 
         Args:
-            start: of the leg.
+            start: where the leg begins.
             place: where it ends.
-            level: of clearance; None for the highest. At the rim of the region where the start is
-                a place has no other way, so the least one counts there, too.
+            level: the clearance level; None for the highest. At the edge of the region around the
+                start there is no other route to a place, so the least level counts there, too.
         """
         space = (level or self._levels[0]).space
         legs = _ClearLegs(space, self._others[place])
@@ -303,7 +301,7 @@ class RouteMap:
         return bool(legs.may_be_clear(*leg) and legs.are_clear(*leg))
 
     def _way(self, start: NorthEast, place: str) -> WayAt:
-        """The way on which a place is flown to, if any leads there."""
+        """The route by which a place is reached, at one clearance, if there is one."""
         *_, way = self._decisive_ways(start, place)
         return way
 
@@ -313,7 +311,7 @@ class RouteMap:
 
 
 def _regions(grid: OccupancyGrid, places: Mapping[str, PlaceRegion]) -> Regions:
-    """The regions of some places in the cells of a map."""
+    """The regions of some places, in the cells of a map."""
     centres = points_of(grid, np.array([p.position for p in places.values()]).reshape(-1, 3))
     outlines = {name: place.region.outline() for name, place in places.items()}
     polygons = {name: points_of(grid, corners) for name, corners in outlines.items() if corners}
@@ -328,7 +326,7 @@ def _regions(grid: OccupancyGrid, places: Mapping[str, PlaceRegion]) -> Regions:
 
 @dataclass(frozen=True, slots=True)
 class _ClearLegs:
-    """The legs across free cells that enter no other region; a `LegTest`."""
+    """The legs that cross only free cells and enter no other region; a `LegTest`."""
 
     space: FreeSpace
     others: Regions
@@ -343,7 +341,7 @@ class _ClearLegs:
 def _with_altitude(
     plane: npt.NDArray[np.float64], first_down_m: float, last_down_m: float
 ) -> npt.NDArray[np.float64]:
-    """(n, 3) waypoints of (n, 2) ones; down changes in proportion to the length in the plane."""
+    """(n, 3) waypoints from (n, 2) ones; down changes in proportion to the length in the plane."""
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(plane, axis=0), axis=1))])
     share = along / along[-1] if along[-1] > 0 else np.linspace(0.0, 1.0, len(plane))
     return np.column_stack([plane, first_down_m + share * (last_down_m - first_down_m)])

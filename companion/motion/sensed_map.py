@@ -1,23 +1,23 @@
 """The map as sensed: the prior map of the mission, corrected by range scans.
 
-Each cell has the logarithm of its odds to be occupied (Moravec and Elfes 1985). A scan raises it
+Each cell has the logarithm of its odds of being occupied (Moravec and Elfes 1985). A scan raises it
 where a beam ends and lowers it where beams pass, by the amounts of OctoMap (Hornung et al. 2013,
-section 3): 0.7 and 0.4 as probabilities. Clamps at both ends keep the map ready to change: two
-scans with a hit make a free cell occupied, nine without free it again.
+section 3): 0.7 and 0.4 as probabilities. Upper and lower clamps keep the map ready to change: two
+scans with a hit make a free cell occupied, nine without one free it again.
 
 The prior map weighs more:
 - An echo within EXPLAINED_M of a wall of the prior map is that wall, displaced by an error of the
-  position or of the map. An error of the position that is larger is taken out of a scan before
-  (`wall_alignment.py`); what is left the margin of routes covers.
-- A beam passes a cell only if its two neighbours get as far. So no beam that grazes a wall or a
-  corner wears it away, and a wall of the prior map goes only when beams pass through it clearly,
-  for seconds.
+  position or of the map. A larger error of the position is removed from a scan beforehand
+  (`wall_alignment.py`); the margin of routes covers what is left.
+- A beam passes a cell only if its two neighbours reach as far. So beams that graze a wall or a
+  corner do not wear it away, and a wall of the prior map disappears only after beams have clearly
+  passed through it for seconds.
 
-Low walls of the prior map stay as they are told. Where one of them, or what it explains, reaches up
-to BELOW_M below an echo, that says nothing; above it a cell is as any other.
+Low walls of the prior map never change. An echo that one of them explains tells nothing if it is at
+most BELOW_M above the wall's end; higher up the cell is like any other.
 
-Left out: the third dimension otherwise, and errors of the position beyond EXPLAINED_M, which show
-up as obstacles.
+Left out: the third dimension otherwise, and errors of the position beyond EXPLAINED_M, which look
+like obstacles.
 """
 
 from __future__ import annotations
@@ -32,20 +32,20 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.range_scan import RangeScan, echoes
 
 HIT_LOG_ODDS = 0.85
-"""Added by a hit: the log-odds of 0.7."""
+"""What a hit adds: the log-odds of 0.7."""
 MISS_LOG_ODDS = 0.41
-"""Taken away by a miss: minus the log-odds of 0.4."""
+"""What a miss subtracts: minus the log-odds of 0.4."""
 MIN_LOG_ODDS, MAX_LOG_ODDS = -1.0, 3.5
 WALL_LOG_ODDS = 10.0
-"""Of a wall of the prior map, and its upper clamp: 25 scans through it."""
+"""The log-odds of a wall of the prior map, and their upper clamp: 25 scans through it."""
 EXPLAINED_M = 0.25
-"""An echo this close to a wall of the prior map is taken for that wall."""
+"""An echo this close to a wall of the prior map counts as that wall."""
 BELOW_M = 1.0
-"""An echo from so far above a wall's end is none of that wall: its height may be off."""
+"""An echo from higher above a wall's end does not come from that wall; its height may be wrong."""
 PASSED_ABOVE_M = 0.5
-"""A beam that is higher above the vehicle may have passed over something that is in its way."""
-_BEHIND_M = 0.0051  # the cell of an echo is looked for this far behind it
-_DIAGONAL = 1.5  # cells; next to each other, corners included
+"""A beam that is higher above the vehicle may pass over something that is in the vehicle's way."""
+_BEHIND_M = 0.0051  # the cell of an echo is looked up this far behind it
+_DIAGONAL = 1.5  # cells; the greatest distance of neighbours, including diagonal ones
 
 Floats = npt.NDArray[np.float64]
 Cells = npt.NDArray[np.intp]
@@ -59,7 +59,7 @@ class SensedMap:
         prior: the map of the mission.
 
     Attributes:
-        grid: the cells that are occupied now; another object exactly when a cell has changed.
+        grid: the occupied cells now; it is another object exactly when a cell has changed.
     """
 
     def __init__(self, prior: OccupancyGrid) -> None:
@@ -68,17 +68,17 @@ class SensedMap:
         self._log_odds = np.where(walls, WALL_LOG_ODDS, MIN_LOG_ODDS).ravel()
         self._max_log_odds = np.where(walls, WALL_LOG_ODDS, MAX_LOG_ODDS).ravel()
         rows, cols = walls.shape
-        self._framed_shape = rows + 2, cols + 2  # with a frame of cells, for what is off the map
+        self._framed_shape = rows + 2, cols + 2  # with a frame, for what is off the map
         self._framed_origin = np.array(prior.origin)[:, None] - prior.cell_m
         self._cell_of_echo = _cell_of_echo(prior)
         self._low_m = _explained_low_m(prior)
         self._find_surface()
 
     def integrate(self, scan: RangeScan) -> bool:
-        """Takes in a scan; True if a cell has become occupied or free."""
+        """Integrates a scan; True if a cell has become occupied or free."""
         hits, passed = self._hits(scan), self._passed(scan)
         if not passed.size and (self._log_odds[hits] == self._max_log_odds[hits]).all():
-            return False  # nothing new, as nearly always
+            return False  # nothing new, as in nearly all scans
         raised = np.minimum(self._log_odds[hits] + HIT_LOG_ODDS, self._max_log_odds[hits])
         touched = np.concatenate([hits, passed])
         before = self._log_odds[touched]
@@ -94,7 +94,9 @@ class SensedMap:
         return True
 
     def _find_surface(self) -> None:
-        """Finds the cells that can be lowered, without inner ones, which no beam reaches first."""
+        """Finds the cells that can be lowered; inner cells are left out, as no beam reaches them
+        first.
+        """
         rows, cols = self.grid.occupied.shape
         is_raised = (self._log_odds > MIN_LOG_ODDS).reshape(rows, cols)
         is_inside = ndimage.binary_erosion(
@@ -104,13 +106,13 @@ class SensedMap:
         row, col = np.divmod(self._surface, cols)
         south_m, west_m = self.grid.origin
         centres = (row + 0.5) * self.grid.cell_m + south_m, (col + 0.5) * self.grid.cell_m + west_m
-        self._surface_at = np.array(centres)  # (2, n) north and east
+        self._surface_at = np.array(centres)  # (2, n) north and east of these cells
 
     def _hits(self, scan: RangeScan) -> Cells:
-        """The cells that echoes come from, some of them twice; echoes off the map are left out.
+        """The cells from which echoes come, some of them twice; echoes off the map are left out.
 
-        A cell is looked for half a centimetre behind the echo, the rounding of a distance on the
-        wire: an echo comes from a face, and the cell is behind it.
+        A cell is looked up half a centimetre behind the echo, which covers the rounding of a
+        distance in the message: an echo comes from a face, and the cell is behind it.
         """
         ends = echoes(scan, _BEHIND_M)
         row, col = np.floor((ends[:2] - self._framed_origin) / self.grid.cell_m).astype(np.intp)
@@ -135,7 +137,7 @@ class SensedMap:
         away_m = np.sqrt(away2[near])
         clear_m = np.minimum(scan.distances_m, scan.reaches_m(PASSED_ABOVE_M))
         round_m = np.concatenate((clear_m[-1:], clear_m, clear_m[:1]))
-        clear_m = np.minimum(np.minimum(round_m[:-2], round_m[2:]), clear_m)  # nan is nan
+        clear_m = np.minimum(np.minimum(round_m[:-2], round_m[2:]), clear_m)  # nan stays nan
 
         count, turn = len(scan.distances_m), 2 * math.pi / abs(scan.step_rad)
         bearing = np.arctan2(right[near], ahead[near]) - scan.first_rad
@@ -148,16 +150,16 @@ class SensedMap:
         )
         (clear,) = is_clear.nonzero()
         if not clear.size:
-            return np.asarray(clear)  # no beam gets past a wall, as nearly always
+            return np.asarray(clear)  # no beam passes through a wall, as in nearly all scans
         aside = np.abs(bearing - nearest)[clear] * abs(scan.step_rad)
         is_crossed = away_m[clear] * np.sin(aside) <= math.sqrt(0.5) * cell_m
         return np.asarray(self._surface[near[clear[is_crossed]]])
 
 
 def _explained_low_m(prior: OccupancyGrid) -> Floats | None:
-    """(n,) the upper end of the low walls that an echo in each cell may come from.
+    """(n,) the upper end of the low walls from which an echo in each cell may come.
 
-    -inf where it comes from none. Cells are those of the map and of a frame around it.
+    -inf if it comes from none. The cells are those of the map and of a frame around it.
     """
     if prior.low is None:
         return None
@@ -167,10 +169,10 @@ def _explained_low_m(prior: OccupancyGrid) -> Floats | None:
 
 
 def _cell_of_echo(prior: OccupancyGrid) -> Cells:
-    """(n,) for an echo in each cell, the flat index of the cell that it comes from.
+    """(n,) for an echo in each cell, the flat index of the cell from which it comes.
 
-    Cells are those of the map and of a frame around it. Outside a map that is not open everything
-    is a wall; an echo from there, or from the frame, is negative.
+    The cells are those of the map and of a frame around it. Outside a map that is not open
+    everything is a wall; an echo from there, or from the frame, has a negative index.
     """
     rows, cols = prior.occupied.shape
     own = np.arange(rows * cols, dtype=np.intp).reshape(rows, cols)

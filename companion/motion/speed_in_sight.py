@@ -1,10 +1,10 @@
-"""How fast a vehicle may fly by what it sees: it stops before what no map shows.
+"""The greatest speed from which a vehicle can stop before obstacles that no map shows.
 
-An obstacle counts from where the range finder's echoes count. From there on the vehicle flies on
-for REACTION_S, then brakes, and comes to rest with its clearance left. Half of REACTION_S is
-known: two scans, of which the second one is believed, a tick, the response of the controller. The
-rest is for wind: with it 120 flights in up to 4 m/s of it, at things 0.3 to 40 m wide, stopped or
-went round them, but for four that brushed a corner of what they went round.
+An obstacle is noticed where the range finder's echoes begin to count. From there the vehicle flies
+on for REACTION_S, then brakes, and comes to rest with its clearance left. Half of REACTION_S is
+known: two scans, the second of which is believed, a tick, and the response of the controller. The
+rest is for wind. With it, in 120 flights in wind of up to 4 m/s, at things 0.3 to 40 m wide,
+vehicles stopped or flew around them; only four brushed a corner while flying around.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from companion.vehicle_profile import VehicleProfile
 
 REACTION_S = 0.8
 LEAST_MPS = 0.5
-"""However little is seen, the vehicle may fly as fast."""
+"""The vehicle may always fly at this speed, however little it sees."""
 
 
 def fastest_mps(sight_m: float, vehicle: VehicleProfile) -> float:
     """The greatest speed at which the vehicle stops within sight.
 
-    The distance to a stop (`SpeedLimits.change_m`) is v^2 / 2a + v a / 2j, and less for what is so
-    slow that it never brakes with all of its acceleration.
+    The distance to a stop (`SpeedLimits.change_m`) is v^2 / 2a + v a / 2j; it is less at speeds so
+    low that the full acceleration is never reached.
 
     >>> round(fastest_mps(8.0, VehicleProfile()), 1)
     4.6

@@ -1,7 +1,7 @@
-"""String pulling: a path along cells is shortened by straight legs wherever one is clear.
+"""String pulling: shortens a path along cells by straight legs wherever they are clear.
 
-The corners of the path are cell centres; points between them, which a leg needs to pass close to
-an obstacle's corner, come from dividing the legs.
+The corners of the path are cell centres. A leg may need other points to pass close to an obstacle's
+corner; these come from dividing the legs.
 """
 
 from __future__ import annotations
@@ -15,18 +15,20 @@ import numpy.typing as npt
 
 from companion.motion.line_of_sight import Points
 
-_MIN_GAIN = 0.1  # cells; a pass that gains less is the last one
-_BATCH = 16  # legs that are tested together; of the furthest ones most are clear
+_MIN_GAIN = 0.1  # cells; the last pass is the one that gains less
+_BATCH = 16  # legs that are tested together; most of the furthest ones are clear
 
 
 class LegTest(Protocol):
-    """Tells which straight legs may be flown."""
+    """Tells which straight legs are clear."""
 
     def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        """(...) a quick test of many legs from a to b (..., 2): False for none that is clear."""
+        """(...) a quick test of many legs from a to b (..., 2): False only for legs that are not
+        clear.
+        """
 
     def are_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        """(...) whether the legs from a to b (..., 2) may be flown."""
+        """(...) whether the legs from a to b (..., 2) are clear."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +64,7 @@ def length(path: npt.NDArray[np.float64]) -> float:
 
 
 def _shortened(path: Points, legs: LegTest) -> Points:
-    """The path with legs from each point that is kept to the furthest one in sight."""
+    """The path with legs from each remaining point to the furthest one in sight."""
     kept = [0]
     while kept[-1] < len(path) - 1:
         kept.append(_furthest(path, kept[-1], legs))
@@ -70,7 +72,7 @@ def _shortened(path: Points, legs: LegTest) -> Points:
 
 
 def _furthest(path: Points, here: int, legs: LegTest) -> int:
-    """The last point of a path that may be flown to from another one; at least the next."""
+    """The last point of a path to which a clear leg leads from another one; at least the next."""
     ahead = here + 2 + np.flatnonzero(legs.may_be_clear(path[here], path[here + 2 :]))
     for end in range(len(ahead), 0, -_BATCH):
         some = ahead[max(end - _BATCH, 0) : end]

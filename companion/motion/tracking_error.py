@@ -1,9 +1,9 @@
-"""How far a vehicle flies off the way that it is told.
+"""How far a vehicle is off the path that its setpoints describe.
 
-A vehicle that only lags behind its setpoint is still on its way, so what counts is the distance to
-where its setpoints have led in the last seconds, in the plane. What it was off by at most counts
-for this period and the next: it swings, and gusts come back. It is told in steps, as routes are
-found anew for each.
+A vehicle that only lags behind its setpoint is still on its path. So what counts is the horizontal
+distance to where its setpoints have led in the last seconds. The largest distance counts for this
+period and the next, because the vehicle oscillates, and gusts return. The result is rounded to
+steps, because each change makes new routes necessary.
 """
 
 from __future__ import annotations
@@ -15,42 +15,42 @@ from itertools import pairwise
 from companion.geometry import NorthEast
 
 LOOK_S = 0.25
-"""Between two looks; a vehicle that swings does so for seconds."""
+"""Time between two measurements; a vehicle oscillates over seconds."""
 WAY_S = 3.0
-"""For so long a setpoint counts as way: no vehicle lags further behind. And so long it may take one
-that others have moved to come back to its way."""
+"""How long a setpoint counts as part of the path: no vehicle lags further behind. A vehicle that
+others have moved may also take so long to return to its path."""
 PERIOD_S = 60.0
-"""The most counts for so long at least, and twice as long at most."""
+"""The largest distance counts for at least so long, and at most twice as long."""
 STEP_M = 0.2
-"""It is told to a multiple of that."""
+"""The result is a multiple of this."""
 
 
 class TrackingError:
-    """Of one vehicle.
+    """The tracking error of one vehicle.
 
     Args:
-        jump_m: setpoints that are further apart are no way.
+        jump_m: setpoints further apart than this do not form a path.
     """
 
     def __init__(self, jump_m: float) -> None:
         self._jump_m = jump_m
         self._way: deque[tuple[float, NorthEast]] = deque()
-        self._most_m = self._before_m = 0.0  # of this period, and of the one before
+        self._most_m = self._before_m = 0.0  # the largest of this period and of the one before
         self._begin_s: float | None = None
         self._look_s = self._paused_s = -math.inf
 
     @property
     def off_m(self) -> float:
-        """How far it was off at most, to a step."""
+        """How far the vehicle was off its path at most, rounded to a step."""
         return round(STEP_M * round(max(self._most_m, self._before_m) / STEP_M), 9)
 
     def pause(self, now_s: float) -> None:
-        """It is not told where to be, or nothing is known of where it is."""
+        """Interrupts the measurement: there is no setpoint, or the position is unknown."""
         self._way.clear()
         self._paused_s = now_s
 
     def follow(self, now_s: float, told: NorthEast, here: NorthEast) -> None:
-        """Takes where it is told to be, and where it is; once a tick."""
+        """Takes the setpoint and the position of the vehicle; once in each tick."""
         if now_s - self._look_s < LOOK_S:
             return
         self._look_s = now_s

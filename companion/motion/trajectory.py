@@ -1,16 +1,17 @@
 """Trajectories: position, velocity and heading along a route at each time.
 
-The vehicle follows the route exactly, from rest (or from a motion along the first leg) to rest. On
-each leg the speed changes as fast as the limits of acceleration and jerk allow (`profile.py`), with
-no acceleration at both ends. Each rounded corner (`blends.py`) is passed at the greatest constant
-speed that those limits allow across; at one that is not rounded the vehicle stops. So neither
-velocity nor acceleration jumps.
+1. The vehicle follows the route exactly, from rest (or from a motion along the first leg) to rest.
+2. On each leg the speed changes as fast as the limits of acceleration and jerk allow
+   (`profile.py`), with zero acceleration at both ends.
+3. Each rounded corner (`blends.py`) is flown at the greatest constant speed that these limits allow
+   laterally. At a corner that is not rounded the vehicle stops.
+4. So neither velocity nor acceleration jumps.
 
-A pass forwards over the corners and one backwards make these speeds reachable (the usual
-time-optimal scaling along a given path: Biagiotti and Melchiorri, Trajectory Planning for
-Automatic Machines and Robots, 2008, chapters 3 and 9). Sampling a trajectory integrates nothing.
+A forward and a backward pass over the corners make these speeds reachable (the usual time-optimal
+scaling along a given path: Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines and
+Robots, 2008, chapters 3 and 9). Sampling a trajectory integrates nothing.
 
-A sample says in which direction the leg leads; how the vehicle turns is not the trajectory's.
+A sample gives the direction of the leg; how the vehicle turns is decided elsewhere.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ from companion.motion.routes import Route
 
 AT_REST: Ned = (0.0, 0.0, 0.0)
 
-_REACH = 0.99  # share of a leg that a change of speed may take; one that just fits is not found
-_RUN_OUT = 1.03  # of the shortest distance to a stop; more than 1 / _REACH
-_MIN_LEVEL_SHARE = 1e-3  # of a leg; a steeper leg has no heading
+_REACH = 0.99  # share of a leg for a change of speed; an exact fit is not found
+_RUN_OUT = 1.03  # times the shortest distance to a stop; more than 1 / _REACH
+_MIN_LEVEL_SHARE = 1e-3  # of a leg; a steeper leg gives no heading
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +44,10 @@ class Sample:
     """A moment of a trajectory, in the mission's frame.
 
     Attributes:
-        acceleration: for feed-forward; a tracker without it lags behind.
-        is_finished: the end of the route has been reached, at rest.
-        course_rad: direction of the leg over ground, 0 is north, positive to the east, in
-            (-pi, pi]; None before a leg that is not too steep to have one.
+        acceleration: for feed-forward; without it a controller lags behind.
+        is_finished: whether the end of the route has been reached, at rest.
+        course_rad: direction of the leg over ground, 0 is north, positive to the east, in (-pi,
+            pi]; None before the first leg that is not too steep.
     """
 
     position: Ned
@@ -56,7 +57,7 @@ class Sample:
     course_rad: float | None = None
 
     def slower(self, rate: float) -> Sample:
-        """The same moment while the trajectory's time runs at a rate."""
+        """The same moment if the trajectory's time runs at another rate."""
         if rate == 1.0:
             return self
         velocity, acceleration = times(self.velocity, rate), times(self.acceleration, rate**2)
@@ -69,11 +70,11 @@ class Trajectory:
     Args:
         route: the legs to fly.
         limits: of the speed along them.
-        start: motion at the start, along the first leg; lowered to what the route allows.
+        start: motion at the start, along the first leg; reduced to what the route allows.
 
     Attributes:
         duration_s: time from the start to the end at rest.
-        path: what is flown.
+        path: the path that is flown.
     """
 
     duration_s: float
@@ -89,7 +90,7 @@ class Trajectory:
         """Position, velocity and course at a time since the start.
 
         Args:
-            t_s: seconds; before 0 the start, after the duration the end, at rest.
+            t_s: seconds; the start before 0, the end at rest after the duration.
         """
         t_s = max(0.0, t_s)
         course_rad = self._course(t_s)
@@ -107,7 +108,7 @@ class Trajectory:
         return self.path.begin_m(piece) + along_m, Motion(mps, mps2)
 
     def ahead(self, t_s: float) -> npt.NDArray[np.float64]:
-        """(n, 3) points of the path that is left at a time, n >= 2."""
+        """(n, 3) points of the path that remains at a time, n >= 2."""
         return self.path.ahead(self.progress(t_s)[0])
 
     def between(self, begin_s: float, end_s: float) -> npt.NDArray[np.float64]:
@@ -115,19 +116,19 @@ class Trajectory:
         return self.path.between(self.progress(begin_s)[0], self.progress(end_s)[0])
 
     def _course(self, t_s: float) -> float | None:
-        """That of the latest leg that has one."""
+        """The course of the latest leg that has one."""
         begun = bisect_right(self._courses, t_s, key=lambda course: course[0])
         return self._courses[begun - 1][1] if begun else None
 
 
 class Stop:
-    """The way to rest along the path of a trajectory that is given up, unless it soon rests itself.
+    """The way to rest along the path of a trajectory that is given up.
 
     Args:
-        trajectory: that was flown until now.
-        t_s: its time now.
-        motion: along its path now; it may be flown more slowly than it says.
-        limits: of the stop.
+        trajectory: the trajectory that was flown until now.
+        t_s: its present time.
+        motion: the present motion along its path, which may be slower than the trajectory's.
+        limits: the limits of the stop.
 
     Attributes:
         duration_s: time to the end at rest.
@@ -148,7 +149,7 @@ class Stop:
             self.duration_s = self._profile.duration
 
     def sample(self, t_s: float) -> Sample:
-        """As that of a trajectory, since the stop began."""
+        """Like that of a trajectory, at a time since the stop began."""
         if self._profile is None:
             return self._trajectory.sample(self._begin_s + t_s)
         (along_m,), (mps,), (mps2,) = self._profile.at_time(min(t_s, self.duration_s))
@@ -165,7 +166,7 @@ def sample_at(
     is_finished: bool = False,
     course_rad: float | None = None,
 ) -> Sample:
-    """The moment at which a vehicle passes a point of a path."""
+    """The sample for a vehicle that passes a point of a path."""
     position, direction, curvature = path.at(along_m)
     along, across = motion.acceleration_mps2, motion.speed_mps**2
     change = moved(times(direction, along), curvature, across)
@@ -173,7 +174,7 @@ def sample_at(
 
 
 def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
-    """The motion along a velocity."""
+    """The motion along the direction of a velocity."""
     speed_mps = math.hypot(*velocity)
     if speed_mps == 0.0:
         return REST
@@ -182,7 +183,8 @@ def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
 
 
 def run_out(position: Ned, velocity: Ned, acceleration: Ned, limits: SpeedLimits) -> Ned:
-    """The point straight ahead where a moving vehicle can come to rest, with a little room.
+    """The point straight ahead where a moving vehicle can come to rest, with a little room to
+    spare.
 
     >>> north, *_ = run_out((0.0, 0.0, -2.0), (2.0, 0.0, 0.0), AT_REST, SpeedLimits(2.0, 2.0, 8.0))
     >>> round(north, 3)
@@ -198,7 +200,7 @@ def run_out(position: Ned, velocity: Ned, acceleration: Ned, limits: SpeedLimits
 
 @dataclass(frozen=True, slots=True)
 class _Evenly:
-    """A profile of constant speed, read like Ruckig's."""
+    """A profile of constant speed, with the interface of Ruckig's."""
 
     speed_mps: float
     duration: float
@@ -210,9 +212,9 @@ class _Evenly:
 def _flown(
     route: Route, limits: SpeedLimits, start: Motion
 ) -> tuple[Path, list[ruckig.Trajectory | _Evenly]]:
-    """The path of a route, and how fast each of its pieces is flown.
+    """The path of a route, and the profile with which each of its pieces is flown.
 
-    A first corner for which a start is too fast is not rounded: a stop takes less room.
+    If a start is too fast for the first corner, that is not rounded: a stop there takes less room.
     """
     path = Path(route)
     each, motions = _motions(path, limits, start)
@@ -235,7 +237,7 @@ def _flown(
 def _motions(
     path: Path, limits: SpeedLimits, start: Motion
 ) -> tuple[list[SpeedLimits], list[Motion]]:
-    """The limits along each leg, and the motion at the beginning of each and at the end."""
+    """The limits along each leg, and the motion at the beginning of each leg and at the end."""
     legs = [piece for piece in path.pieces if isinstance(piece, StraightLeg)]
     each = [limits.along(leg.direction[2]) for leg in legs]
     corners_mps = [
@@ -254,7 +256,7 @@ def _corner_motions(
     Args:
         lengths_m: of the legs, without the blends at their ends.
         corners_mps: greatest speeds at the corners between them.
-        start: lowered to what the first leg allows.
+        start: the motion at the start; reduced to what the first leg allows.
         limits: along each leg.
     """
     if not lengths_m:
@@ -273,7 +275,7 @@ def _corner_motions(
 def _reachable(
     max_mps: list[float], rooms_m: list[float], start: Motion, limits: list[SpeedLimits]
 ) -> list[float]:
-    """The greatest speeds at the ends of legs, each reachable from those beside it."""
+    """The greatest speeds at the ends of legs from which the neighbouring ones can be reached."""
     ends = max_mps.copy()
     speed_mps, used_m = limits[0].released(start)
     for leg, room_m in enumerate(rooms_m):
@@ -287,7 +289,7 @@ def _reachable(
 
 
 def _can_brake(start: Motion, end_mps: float, room_m: float, limits: SpeedLimits) -> bool:
-    """Whether a start on the first leg leaves room to slow down to its end."""
+    """Whether a start on the first leg leaves room to slow down to the speed at its end."""
     released_mps, _ = limits.released(start)
     if end_mps >= released_mps:
         return True
@@ -298,7 +300,7 @@ def _can_brake(start: Motion, end_mps: float, room_m: float, limits: SpeedLimits
 def _courses(
     pieces: Sequence[StraightLeg | Turn], begins_s: list[float]
 ) -> list[tuple[float, float]]:
-    """For each piece that is not too steep: when it begins, and its course."""
+    """For each piece that is not too steep: its beginning time, and its course."""
     courses = []
     for piece, begin_s in zip(pieces, begins_s, strict=True):
         north, east, _ = piece.direction

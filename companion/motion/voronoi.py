@@ -1,10 +1,10 @@
 """The middle of every passage: the generalised Voronoi diagram of a map.
 
-A cell is on the diagram where the nearest obstacles of two neighbours are not the same (Takahashi
-and Schilling 1989, Motion planning in a plane using generalized Voronoi diagrams). Beside a single
-wall they are, a cell apart at most; in a passage they are on either side, as far apart as it is
-wide. So the diagram leads through each passage where there is most room, and out on both sides.
-Cells have to be small against the clearance: a passage of less than four is not told from a wall.
+A cell is on the diagram if two neighbours have different nearest obstacles (Takahashi and Schilling
+1989, Motion planning in a plane using generalized Voronoi diagrams). Beside a single wall these are
+at most a cell apart. In a passage they are on opposite sides, as far apart as the passage is wide.
+So the diagram leads through the middle of each passage, and out at both ends. Cells have to be
+small against the clearance: a passage of fewer than four cells cannot be told from a wall.
 """
 
 from __future__ import annotations
@@ -16,17 +16,18 @@ from scipy import ndimage
 from companion.motion.grid import OccupancyGrid, thickened
 
 _ROUNDING_CELLS = 3.0
-"""By how much nearer two thickened walls are to each other than their edges are apart, and more."""
+"""By how much two thickened walls are nearer to each other than their edges, with a margin."""
 
 
 def passages(grid: OccupancyGrid, wide_m: float) -> npt.NDArray[np.bool_]:
-    """(rows, cols) the cells of the diagram in passages of a width or more, and those around them.
+    """(rows, cols) the cells of the diagram in passages of at least this width, and their
+    neighbours.
 
-    What lies off a grid that is not open is an obstacle.
+    Outside a grid that is not open everything is an obstacle.
 
     Args:
         grid: the map.
-        wide_m: of the narrowest passage that is asked for.
+        wide_m: width of the narrowest passage.
     """
     padded = np.pad(grid.occupied, 1, constant_values=not grid.is_open)
     if not padded.any():
@@ -46,6 +47,6 @@ def passages(grid: OccupancyGrid, wide_m: float) -> npt.NDArray[np.bool_]:
 
 
 def _all_but(end: int, axis: int) -> tuple[slice, slice]:
-    """All rows or columns but the last one, or the first one."""
+    """All rows or columns except the last one, or the first one."""
     part = slice(None, -1) if end == -1 else slice(1, None)
     return (part, slice(None)) if axis == 0 else (slice(None), part)

@@ -1,16 +1,16 @@
-"""How far a scan is off from the told walls: what position and heading are wrong by.
+"""Finds the errors of position and heading by aligning a scan with the walls of the prior map.
 
-The walls of the prior map stand where they stand. If the echoes of a scan come from half a metre
-behind them, the vehicle is half a metre further back than its autopilot takes it to be; if they
-stand askew, its heading is off. The move and the turn that lay the echoes onto the walls are found
-by least squares on the map's signed distance field (Fitzgibbon 2003, Robust Registration of 2D and
-3D Point Sets): an echo counts by its distance from the nearest wall, in the direction of that wall.
+If the echoes of a scan come from half a metre behind a wall, the vehicle is half a metre further
+back than its autopilot estimates; if they are at an angle to it, the heading is wrong. The shift
+and the turn that bring the echoes onto the walls are found by least squares on the map's signed
+distance field (Fitzgibbon 2003, Robust Registration of 2D and 3D Point Sets): an echo counts by its
+distance from the nearest wall, in the direction of that wall.
 
-Echoes too far from any wall come from something that no map shows, and do not count; what is too
-far shrinks from pass to pass. Along a straight corridor the echoes say nothing of how far the
-vehicle has come, and nothing is changed there.
+Echoes too far from any wall come from something that no map shows, and are ignored. The limit for
+that shrinks from pass to pass. Along a straight corridor echoes do not tell how far the vehicle has
+come, so nothing is corrected in that direction.
 
-PX4's heading was off by up to 22 degrees in the first seconds of a flight, and by 2 to 11 RMS.
+PX4's heading was wrong by up to 22 degrees in the first seconds of a flight, and by 2 to 11 RMS.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.range_scan import RangeScan, echoes
 
 INLIER_M = 0.25
-"""In the last pass, an echo further from any wall does not count."""
+"""In the last pass, an echo further from any wall is ignored."""
 FIRST_M = 1.0
-"""In the first pass: 10 degrees at 6 m."""
+"""The limit in the first pass: 10 degrees at 6 m."""
 LEAST_ECHOES = 8
-"""With fewer that count, a scan says nothing."""
+"""With fewer echoes that count, a scan tells nothing."""
 LEAST_SHARE = 0.4
-"""Of all echoes so many count, or the scan was laid onto the wrong walls."""
+"""At least this share of all echoes has to count, or the scan was aligned with the wrong walls."""
 GREATEST_TURN_RAD = math.radians(30.0)
 _PASSES = 10
-_HELD = 1.0  # weight of staying as it is, in echoes
-_LEVER_M = 2.0  # of an echo that holds the heading
+_HELD = 1.0  # weight of leaving the pose unchanged, in echoes
+_LEVER_M = 2.0  # lever arm of an echo that would hold the heading
 
 Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Displacement:
-    """What a pose has to be changed by.
+    """The correction of a pose.
 
     Attributes:
-        north_m, east_m: of the position.
-        turn_rad: of the heading, positive to the east.
+        north_m, east_m: correction of the position.
+        turn_rad: correction of the heading, positive to the east.
     """
 
     north_m: float = 0.0
@@ -55,7 +55,7 @@ class Displacement:
     turn_rad: float = 0.0
 
     def applied(self, scan: RangeScan) -> RangeScan:
-        """A scan, placed anew."""
+        """A scan with its pose corrected."""
         north, east = scan.position
         return replace(
             scan,
@@ -68,7 +68,7 @@ NONE = Displacement()
 
 
 class WallAlignment:
-    """Lays scans onto the walls of a map.
+    """Aligns scans with the walls of a map.
 
     Args:
         prior: the map of the mission.
@@ -84,11 +84,11 @@ class WallAlignment:
         self._slope = np.array(np.gradient(self._field))
 
     def displacement(self, scan: RangeScan, greatest_m: float) -> Displacement:
-        """What the pose of a scan has to be changed by; NONE if that cannot be said.
+        """The correction of a scan's pose; NONE if it cannot be determined.
 
         Args:
-            scan: where the vehicle is taken to be, and what it saw.
-            greatest_m: the position is off by no more.
+            scan: the estimated pose of the vehicle, and what it saw.
+            greatest_m: upper limit of the position error.
         """
         if not self._has_walls:
             return NONE
@@ -117,8 +117,10 @@ class WallAlignment:
         return NONE if is_far or abs(found.turn_rad) > GREATEST_TURN_RAD else found
 
     def _look_up(self, points: Floats) -> tuple[Floats, Floats]:
-        """(n,) signed distance of points (n, 2) from the nearest face, and (n, 2) its slope."""
-        at = points.T - 0.5  # of cells' centres
+        """(n,) signed distance of points (n, 2) from the nearest wall face, and (n, 2) its
+        gradient.
+        """
+        at = points.T - 0.5  # relative to the cells' centres
         away = ndimage.map_coordinates(self._field, at, order=1, mode="nearest")
         slope = [ndimage.map_coordinates(axis, at, order=1, mode="nearest") for axis in self._slope]
         return np.asarray(away), np.stack(slope, axis=-1)

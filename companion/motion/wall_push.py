@@ -1,20 +1,21 @@
-"""What the setpoint of a vehicle that comes nearer to a wall than its route is moved by.
+"""Moves the setpoint away from a wall if the vehicle comes nearer to it than its route.
 
-A setpoint on a clear route keeps nobody off a wall who flies beside it: an estimate that is off, a
-gust, a turn that was too fast. So where the vehicle itself, by its own position, is nearer to a
-wall than routes keep and nearer than its setpoint is, the setpoint that is sent is moved away from
-that wall, by GAIN times what the vehicle is nearer: the spring of a repulsive potential (Khatib
-1986, Real-time obstacle avoidance), whose zero is the distance that the setpoint has.
+A setpoint on a clear route does not keep the vehicle off a wall if the vehicle flies beside its
+route: because of an error of the estimate, a gust, or a turn that was too fast. So if the vehicle
+itself, by its own position, is nearer to a wall than routes keep and nearer than its setpoint, the
+setpoint that is sent is moved away from the wall, by GAIN times the difference. This is the spring
+of a repulsive potential (Khatib 1986, Real-time obstacle avoidance), whose zero is the distance of
+the setpoint.
 
     nearer = min(kept, d(setpoint)) - d(vehicle),   moved by = GAIN nearer grad d(vehicle)
 
-It is no more than a push against a deviation: a vehicle on its route, however near to a wall, in a
-passage of any width, or at a start beside a wall, is moved by nothing, and one that is pushed is
-pushed no further than to where its setpoint is. It has no memory, so nothing has to be reset.
+It only pushes against a deviation. If a vehicle is on its route, its setpoint is not moved, however
+near a wall is: in a passage of any width, or at a start beside a wall. A vehicle that is pushed is
+pushed no further than to its setpoint. There is no memory, so nothing has to be reset.
 
-What a vehicle is off by lasts for seconds, and a pillar that it passes is near for half a second.
-So both are looked at as they will be, too, moved along by the setpoint's velocity; for what is
-still ahead the setpoint is moved across its way alone.
+A deviation lasts for seconds, but a pillar that the vehicle passes is near only for half a second.
+So vehicle and setpoint are also examined at future times, moved along by the setpoint's velocity.
+For what is still ahead, the setpoint is only moved laterally.
 
 Distances are those of the map's distance field, between the centres of its cells.
 """
@@ -28,13 +29,13 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.trajectory import Sample
 
 GAIN = 3.0
-"""A vehicle that drifts comes a quarter as far."""
+"""With this gain a vehicle that drifts comes a quarter as far."""
 AHEAD_S = (0.0, 0.4, 0.8, 1.2)
-"""When it is looked at: at 2 m/s a pillar is 2.4 m ahead then. It takes a second to move aside."""
+"""Times ahead that are examined: at 2 m/s up to 2.4 m. It takes a second to move aside."""
 MOST_M = 0.6
-"""A setpoint is moved by no more."""
+"""The most by which a setpoint is moved."""
 REACH_SHARE = 0.95
-"""Of the gate's carrot: no further from the vehicle is a setpoint moved."""
+"""A setpoint is not moved further from the vehicle than this share of the gate's limit."""
 STILL: NorthEast = (0.0, 0.0)
 
 
@@ -45,14 +46,14 @@ def push(
     told: Sample,
     carrot_m: float,
 ) -> NorthEast:
-    """What to move a setpoint by, north and east; STILL where the vehicle is as far off as it is.
+    """How to move a setpoint, north and east; STILL if the vehicle is no nearer to a wall than it.
 
     Args:
         walls: the map at the altitude of the setpoint.
         kept_m: what routes keep from walls, where there is room.
-        position: of the vehicle.
+        position: position of the vehicle.
         told: the setpoint.
-        carrot_m: no setpoint may be further from the vehicle.
+        carrot_m: the gate's limit for the distance between setpoint and vehicle.
     """
     v_north, v_east, _ = told.velocity
     worst_m, by = 0.0, STILL
@@ -79,7 +80,7 @@ def push(
 
 
 def _across(slope: NorthEast, velocity: Ned) -> NorthEast:
-    """The part of a slope that is across a velocity."""
+    """The part of a gradient that is perpendicular to a velocity."""
     (north, east), (v_north, v_east, _) = slope, velocity
     speed2 = v_north * v_north + v_east * v_east
     along = (north * v_north + east * v_east) / speed2 if speed2 else 0.0
@@ -87,9 +88,10 @@ def _across(slope: NorthEast, velocity: Ned) -> NorthEast:
 
 
 def _distance(walls: OccupancyGrid, point: NorthEast) -> tuple[float, float, float] | None:
-    """Distance to the nearest wall and its slope, north and east; None at the map's rim and off it.
+    """Distance to the nearest wall and its gradient, north and east; None off the map and at its
+    edge.
 
-    Both are bilinear between the centres of four cells.
+    Both are interpolated bilinearly between the centres of four cells.
     """
     row_m, col_m = (point[i] - walls.origin[i] for i in (0, 1))
     row, col = row_m / walls.cell_m - 0.5, col_m / walls.cell_m - 0.5

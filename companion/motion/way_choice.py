@@ -1,9 +1,9 @@
-"""At which clearance a place is flown to: more of it may make the way longer, but not by much.
+"""Chooses the clearance of a route: more clearance may make it longer, but not by much.
 
-Any way at the highest level would be flown whatever it costs, four times as long for a tenth of a
-metre more beside one gap. So where all of what is added makes the way more than a tenth longer, two
-thirds of it are enough: two deviations of the position in place of three. Where no way keeps as
-much, it is the highest level that leads there.
+The route at the highest level may be four times as long, for a tenth of a metre more beside one
+gap. So if the whole added clearance makes the route more than a tenth longer, two thirds of it are
+enough: two deviations of the position instead of three. If no route keeps that much, the highest
+level that leads to the place is flown.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from companion.geometry import NorthEast
 from companion.motion.clearance_level import ClearanceLevel, WayEntry, is_enough
 
 DETOUR = 1.1
-"""A way so many times as long is flown for the sake of what is added to the clearance."""
+"""A route may be this many times as long to keep the whole added clearance."""
 
 
 @dataclass
 class WayAt:
-    """A way at one clearance; what is asked for is searched then, and once.
+    """A route at one clearance; its properties are searched when first asked for, and once.
 
     Args:
-        level: of the way.
-        start: of the way.
+        level: its clearance level.
+        start: where it begins.
         place: where it leads.
     """
 
@@ -36,29 +36,29 @@ class WayAt:
 
     @cached_property
     def entry(self) -> WayEntry | None:
-        """Where it enters free cells; None if no way leads there."""
+        """Where the route enters free cells; None if there is no route."""
         return self.level.entry(self.start, self.place)
 
     @property
     def length_m(self) -> float:
-        """Its length in the plane; inf if no way leads there."""
+        """Its length in the plane; inf if there is no route."""
         return math.inf if self.entry is None else self.entry.length_m
 
 
 def decisive_ways(
     levels: Sequence[ClearanceLevel], start: NorthEast, place: str, straight_m: float
 ) -> Iterator[WayAt]:
-    """The ways that decide on which one is flown; each may be searched before it is looked at.
+    """The routes that decide which one is flown; each may be searched before it is examined.
 
-    The last one is flown: that at the highest level at which it is not DETOUR times as long as
-    where ENOUGH_SHARE of what is added is kept. A way is no shorter at a higher level, nor than a
-    straight line.
+    The last one is flown: the one at the highest level that is not DETOUR times as long as the one
+    that keeps ENOUGH_SHARE of the added clearance. A route is never shorter at a higher level, nor
+    shorter than a straight line.
 
     Args:
         levels: the highest first.
-        start: of the way.
+        start: where the route begins.
         place: where it leads.
-        straight_m: the straight line there.
+        straight_m: length of the straight line there.
     """
     ways = [WayAt(level, start, place) for level in levels]
     yield ways[0]
