@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Costs = NDArray[np.int64]
-"""Milliseconds; UNREACHABLE_MS where there is no path."""
+"""Milliseconds; UNREACHABLE_MS if there is no path."""
 Marks = NDArray[np.bool_]
 """(T, M): which acceptance marks each target has."""
 UNREACHABLE_MS = 1 << 50
-"""The cost where there is no path: above all real costs, and thousands of it can be added up."""
+"""The cost if there is no path: above all real costs, and small enough to add up thousands of
+them.
+"""

@@ -1,4 +1,4 @@
-"""The nodes of a product that are entered from some states of its automata."""
+"""Makes the nodes of a product that edges enter from certain states of its automata."""
 
 from __future__ import annotations
 
@@ -8,25 +8,26 @@ from collections.abc import Callable, Sequence
 from companion.planning.builtin.transition_system import Successors
 
 Node = tuple[int, tuple[int, ...], int]
-"""Facts, states of the automata, marks met on the way in."""
+"""Facts, states of the automata, and the marks met on the way in."""
 
 Takes = tuple[int, int] | None
-"""What counts of an action besides its cost: time and energy. None: it charges."""
+"""What an action takes besides its cost, where that matters: time and energy. None: it charges."""
 _Way = tuple[int, int, Takes]
-"""Along an edge: its action, its cost, and what it takes."""
+"""An edge: its action, its cost, and what else it takes."""
 _NOTHING: Takes = 0, 0
 
 
 class EnteredNodes(dict[int, list[int]]):
-    """By the facts that are reached, the nodes that are entered from some automaton states.
+    """For each set of facts that is reached, the nodes that are entered from certain automaton
+    states.
 
-    Nodes are numbered as they are met.
+    Nodes are numbered in the order of discovery.
 
     Args:
         moves: the joint moves of the automata on the label of some facts, with their marks.
-        nodes: all that are known; new ones are added.
-        number_of: their numbers.
-        takes: by action; empty where nothing but costs counts.
+        nodes: all known nodes; new ones are added.
+        number_of: the numbers of these nodes.
+        takes: by action; empty if only costs matter.
     """
 
     def __init__(
@@ -54,9 +55,10 @@ class EnteredNodes(dict[int, list[int]]):
         return numbers
 
     def edges(self, successors: Successors) -> Successors:
-        """The nodes after a node, the cheapest edge to each.
+        """The nodes after a node, with the cheapest edge to each.
 
-        Others are kept that charge, or take less of what counts besides.
+        More expensive edges are kept if they charge, or take less time or energy where that
+        matters.
         """
         entered = list(map(self.__getitem__, successors.states))
         ends = list(itertools.chain.from_iterable(entered))
@@ -79,12 +81,12 @@ class EnteredNodes(dict[int, list[int]]):
 
 
 def _is_as_good(one: _Way, other: _Way) -> bool:
-    """Whether a way costs and takes no more than another one."""
+    """Whether an edge costs no more, and takes no more, than another one."""
     return one[1] <= other[1] and is_no_less(other[2], one[2])
 
 
 def is_no_less(one: Takes, other: Takes) -> bool:
-    """Whether an action takes no less than another one; a charge does not compare.
+    """Whether an action takes no less than another one; a charge cannot be compared.
 
     >>> is_no_less((0, 3), (0, 2)), is_no_less(None, (0, 2))
     (True, False)

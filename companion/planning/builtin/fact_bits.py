@@ -1,4 +1,4 @@
-"""Facts as bits, so that sets of facts are whole numbers."""
+"""Facts as bits, so that a set of facts is an int."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from companion.mission.facts import Fact
 
 
 class FactBits:
-    """Numbers facts as bits, in the order in which they are asked for.
+    """Assigns a bit to each fact, in the order in which they are asked for.
 
     >>> bits = FactBits()
     >>> bits.mask({"at(A)", "lit"}), bits.mask({"lit"})

@@ -1,12 +1,12 @@
-"""Where a loop is entered in flight, so that no part of it waits for ever.
+"""Chooses where a replan enters its loop, so that no part of the loop waits for ever.
 
-Each new plan begins its loop somewhere. If that were always where the loop is reached first, an
-event that comes again and again could keep the vehicle from its far end for good. So of all states
-of the loop the one is taken after which the oldest mark is the youngest: each mark's age is the
-time since it was met last, at the moment when the plan meets it first, and the largest of these
-ages is the least. Of equal ones the shortest prefix is taken.
+If each new plan began its loop where it is reached first, an event that comes again and again could
+keep the vehicle from the far end for good. So the loop is entered where the oldest mark is
+youngest: a mark's age is the time since it was last met, at the moment when the plan meets it
+first, and the largest age is minimised. Ties go to the shortest prefix.
 
-A vehicle on its loop goes on along it: to pass over a part makes that part older than a lap.
+A vehicle on its loop continues along it, because skipping a part would make that part older than a
+lap.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ _NODE_US = 5
 def entered_fairly(
     product: Product, paths: ShortestPaths, plan: ProductPlan, loop: list[Edge]
 ) -> ProductPlan:
-    """A plan with a loop entered so that the worst age of a mark is the least.
+    """The plan, with its loop entered so that the largest age of a mark is the least.
 
-    Where the way back costs as much, the loop is flown in the direction that is better for this.
+    If the reverse direction costs the same, the loop is flown in the better direction.
 
     Args:
         product: knows since when each mark waits; if none does, the plan stays as it is.
-        paths: in the product.
-        plan: has a loop that costs as much.
+        paths: the shortest paths in the product.
+        plan: a plan whose loop has the same cost.
         loop: a cycle of the product.
     """
     if not product.waiting_since_ms or len(loop) == 1:
@@ -56,7 +56,7 @@ def entered_fairly(
 def _best_entry(
     product: Product, paths: ShortestPaths, loop: list[Edge]
 ) -> tuple[tuple[int, int], list[Edge]]:
-    """The loop from where it is entered best; before it the worst age and the prefix."""
+    """The loop from its best entry, preceded by the largest age and the cost of the prefix."""
     nodes = [edge.end for edge in loop]
     prefix_ms = paths.from_start[nodes]
     met_ms = prefix_ms[:, np.newaxis] + _met_after(product, loop)
@@ -71,7 +71,7 @@ def _best_entry(
 
 
 def _backwards(product: Product, loop: list[Edge]) -> list[Edge] | None:
-    """The loop in the other direction, if there is one and it costs as much."""
+    """The loop in the other direction, if it exists and costs the same."""
     back: list[Edge] = []
     for here, before in pairwise(edge.end for edge in [*loop[::-1], loop[-1]]):
         leaving = slice(product.first[here], product.first[here + 1])

@@ -1,16 +1,16 @@
-"""Facts that the states of a product need not remember: they are made for one goal, or for none.
+"""Facts that product states need not remember: only one goal needs them, or nothing does.
 
-A fact that stays once it is made doubles the states: photos of twelve trees make 4,096 times as
-many as there are places. A one-shot goal that is kept out of the product (`one_shot_goals.py`)
-waits for such a fact only to be made. If nothing else reads it, neither an action nor another
-conjunct, the same paths are open with it and without it. So a forgotten fact holds only at the
-states that are entered by making it, where the goal is met.
+A fact that stays true once it is made doubles the states: with photos of twelve trees there are
+4,096 times as many states as places. A one-shot goal that is kept out of the product
+(`one_shot_goals.py`) only waits until such a fact is made. If no action and no other conjunct reads
+the fact, the same paths exist with it and without it. So a forgotten fact holds only at the states
+that are entered by making it, where the goal is met.
 
-Loops begin after all goals are met. There a forgotten fact holds for good, whatever a loop does, so
-a loop that closes without it closes with it.
+Loops begin after all goals are met. There a forgotten fact would always hold, so a loop that closes
+without it also closes with it.
 
-A fact that neither a conjunct nor an action reads is in no state at all, such as a photo that no
-line asks for. A loop may make it in its first lap, which to the task is as all others.
+A fact that no conjunct and no action reads is in no state at all, such as a photo that no line asks
+for. A loop may make it in its first lap, which for the task is like all others.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ def unread_facts(system: TransitionSystem, readers: Counter[str], bits: FactBits
     """The facts (bits) that nothing reads.
 
     Args:
-        system: under the product.
-        readers: how many conjuncts read each proposition.
-        bits: of the facts.
+        system: the transition system under the product.
+        readers: the number of conjuncts that read each proposition.
+        bits: the bits of the facts.
     """
     return system.only_made(system.changing & ~bits.mask(readers))
 
@@ -43,10 +43,10 @@ def forgotten_facts(
     """The facts (bits) that hold only right after they are made.
 
     Args:
-        system: under the product.
-        goals: that are kept out of the product, each with the state in which it waits.
-        readers: how many conjuncts read each proposition.
-        bits: of the facts.
+        system: the transition system under the product.
+        goals: the goals that are kept out of the product, each with the state in which it waits.
+        readers: the number of conjuncts that read each proposition.
+        bits: the bits of the facts.
     """
     awaited = 0
     for goal, pending in goals:

@@ -1,10 +1,9 @@
 """Tours over targets: the generalised travelling salesman problem (GTSP) of a loop.
 
-A loop of a plan is a closed walk that passes, for every acceptance mark, a node that has it: a
-*target*. Between two targets it takes the shortest path, so what is left to choose is one target
-for each mark and their order. With one target for each mark (a patrol) that is the travelling
-salesman problem itself. Few marks are solved exactly (`held_karp.py`), many by local search
-(`local_search.py`).
+A plan's loop is a closed walk that passes, for every acceptance mark, a node with that mark: a
+*target*. Between two targets it takes the shortest path. So the choice is one target for each mark,
+and their order. If each mark has only one target (a patrol), this is the travelling salesman
+problem. Few marks are solved exactly (`held_karp.py`), many by local search (`local_search.py`).
 """
 
 from __future__ import annotations
@@ -17,11 +16,11 @@ from companion.planning.builtin.local_search import LocalSearch
 
 
 class Tours(Protocol):
-    """The best tours that are known over some targets.
+    """The best known tours over some targets.
 
     Attributes:
-        cost_ms: of the shortest one.
-        bound_ms: no tour is shorter; 0 if nothing is known.
+        cost_ms: cost of the shortest known tour.
+        bound_ms: a lower bound for all tours; 0 if nothing is known.
         is_exact: whether all costs are those of shortest tours.
     """
 
@@ -33,7 +32,7 @@ class Tours(Protocol):
         """Looks for shorter tours."""
 
     def costs_through(self, to_targets: Costs, from_targets: Costs) -> Costs:
-        """Cost of the shortest tour known through each of some nodes, (V,).
+        """Cost of the shortest known tour through each of some nodes, (V,).
 
         Args:
             to_targets: cost from each node to each target, (T, V).
@@ -41,10 +40,11 @@ class Tours(Protocol):
         """
 
     def cycle(self) -> list[int]:
-        """The targets of the shortest tour, beginning with any of them."""
+        """The targets of the shortest known tour, beginning with any of them."""
 
     def order_after(self, to_targets: Costs, from_targets: Costs) -> list[int]:
-        """The targets of the shortest tour through a node, in the order in which they follow it.
+        """The targets of the shortest known tour through a node, in the order in which they follow
+        it.
 
         Args:
             to_targets: cost from the node to each target, (T,).
@@ -53,12 +53,12 @@ class Tours(Protocol):
 
 
 def tours(between: Costs, marks: Marks, max_additions: int) -> Tours:
-    """Tours that meet every mark, exact ones if their tables take no more additions than allowed.
+    """Tours that meet every mark; exact ones if their tables need few enough additions.
 
     Args:
         between: cost of the shortest path with at least one edge from target to target, (T, T).
-        marks: of the targets, (T, M); every mark has a target.
-        max_additions: that the tables of Held and Karp may take.
+        marks: marks of the targets, (T, M); every mark has a target.
+        max_additions: limit of the additions for the tables of Held and Karp.
     """
     is_small = table_additions(marks) <= max_additions
     return (HeldKarp if is_small else LocalSearch)(between, marks)

@@ -1,8 +1,9 @@
 """Held and Karp's dynamic programme: exact tours of the generalised travelling salesman problem.
 
-A table gives the cheapest path from each target to an anchor, for each set of marks that are met
-already. Every tour passes a target of the rarest mark, so these are the anchors. Two tables for
-each anchor, of the paths to it and of the paths from it, give the shortest tour through any node.
+For each set of marks that are already met, a table gives the cheapest path from each target to an
+anchor. Every tour passes a target of the rarest mark, so these are the anchors. For each anchor
+there are two tables, of the paths to it and from it; together they give the shortest tour through
+any node.
 
 Source: Held and Karp, A dynamic programming approach to sequencing problems, 1962.
 """
@@ -18,11 +19,11 @@ from companion.planning.builtin.costs import UNREACHABLE_MS, Costs, Marks
 from companion.planning.effort import ADDITION_US
 from companion.slices import spent
 
-_CHUNK = 400_000  # additions at once; bounds memory, and fits into a slice
+_CHUNK = 400_000  # additions at once; limits memory and fits into a slice
 
 
 def table_additions(marks: Marks) -> int:
-    """The number of additions that fill the tables, which is what they cost.
+    """The number of additions that fill the tables, which is their cost.
 
     >>> table_additions(np.eye(17, dtype=np.bool_))  # a patrol over 17 sites
     37879808
@@ -36,12 +37,12 @@ class HeldKarp:
     """The shortest tours over some targets; the interface is `Tours`.
 
     Attributes:
-        cost_ms: of the shortest tour.
-        bound_ms: the same.
+        cost_ms: cost of the shortest tour.
+        bound_ms: the same value.
 
     Args:
         between: cost of the shortest path with at least one edge from target to target, (T, T).
-        marks: of the targets, (T, M).
+        marks: marks of the targets, (T, M).
 
     >>> between = np.array([[9, 1, 4], [5, 9, 2], [3, 6, 9]])
     >>> tours = HeldKarp(between, np.eye(3, dtype=np.bool_))
@@ -58,7 +59,7 @@ class HeldKarp:
         self.cost_ms = self.bound_ms = min(table.cost_ms for table in self._tables)
 
     def improve(self) -> None:
-        """Does nothing: no tour is shorter."""
+        """Does nothing, because no tour is shorter."""
 
     def costs_through(self, to_targets: Costs, from_targets: Costs) -> Costs:
         """Cost of the shortest tour through each of some nodes, (V,).
@@ -88,9 +89,9 @@ class HeldKarp:
 
 
 class _Tables:
-    """The shortest tours through an anchor.
+    """The shortest tours through one anchor.
 
-    Sets of marks are bits; the marks of the anchor itself are left out of them.
+    Sets of marks are bits, without the anchor's own marks.
     """
 
     def __init__(self, between: Costs, marks: NDArray[np.int64], anchor: np.intp) -> None:
@@ -114,9 +115,9 @@ class _Tables:
     def costs_through(
         self, to_targets: Costs, from_targets: Costs
     ) -> tuple[Costs, NDArray[np.intp]]:
-        """Cost of the shortest tour through each node, and the marks it meets after the node.
+        """Cost of the shortest tour through each node, and the marks that it meets after the node.
 
-        The second figure is a set of marks: those met on the part from the node to the anchor.
+        The second value is a set of marks: those met on the part from the node to the anchor.
         """
         before = self._part_costs(self._inward, from_targets)
         after = self._part_costs(self._onward, to_targets)[::-1]  # complements
@@ -128,7 +129,9 @@ class _Tables:
         return costs, left
 
     def _part_costs(self, table: Costs, legs: Costs) -> Costs:
-        """Cost of the part between node and anchor by the marks not met on it, (sets, V)."""
+        """Cost of the part between node and anchor, by the set of marks not met on it, (sets,
+        V).
+        """
         sets = np.arange(self._all_marks + 1)
         reached = table[sets[:, None] | self._marks, np.arange(len(self._others))]
         other_legs = legs[self._others]
@@ -146,7 +149,7 @@ class _Tables:
         return [self._anchor, *self._traced(self._onward, self._inner, self._from_anchor, 0)]
 
     def order_after(self, to_targets: Costs, from_targets: Costs) -> list[int]:
-        """The targets of the shortest tour through a node, in the order they follow it."""
+        """The targets of the shortest tour through a node, in the order in which they follow it."""
         _, left = self.costs_through(to_targets[:, None], from_targets[:, None])
         met_after = int(left[0])
         met_before = self._all_marks ^ met_after
@@ -155,7 +158,7 @@ class _Tables:
         return [*after, self._anchor, *reversed(before)]
 
     def _traced(self, table: Costs, inner: Costs, legs: Costs, met: int) -> list[int]:
-        """The targets between a node and the anchor, by the best choice at each."""
+        """The targets between a node and the anchor, with the best choice at each step."""
         traced: list[int] = []
         next_legs = legs[self._others]
         targets = np.arange(len(self._others))
@@ -178,7 +181,7 @@ class _Tables:
 
 
 def _renumbered(marks: NDArray[np.int64], met: int) -> NDArray[np.int64]:
-    """Marks without those that are met, the others renumbered from 0."""
+    """The marks without those that are met, with the others renumbered from 0."""
     every = int(np.bitwise_or.reduce(marks))
     kept = [bit for bit in range(every.bit_length()) if every >> bit & 1 and not met >> bit & 1]
     found = np.zeros_like(marks)
@@ -188,11 +191,11 @@ def _renumbered(marks: NDArray[np.int64], met: int) -> NDArray[np.int64]:
 
 
 def _table(between: Costs, marks: NDArray[np.int64], last: Costs) -> Costs:
-    """Cost from each target, by the marks that are met there, to meet the others and end.
+    """Cost from each target to the end, by the set of marks that are met there, meeting the others.
 
     Args:
         between: cost from target to target, (T, T).
-        marks: of each target, none of them 0, (T,).
+        marks: marks of each target, as bits, none of them 0, (T,).
         last: cost from each target to the end, (T,).
 
     Returns:
@@ -217,7 +220,7 @@ def _table(between: Costs, marks: NDArray[np.int64], last: Costs) -> Costs:
 
 @cache
 def _layers(bits: int) -> tuple[NDArray[np.int64], ...]:
-    """All sets but the full one, those of equal size together, the largest first."""
+    """All sets except the full one, grouped by size, the largest first."""
     sets = np.arange((1 << bits) - 1)
     sizes = sum((sets >> bit & 1 for bit in range(bits)), start=np.zeros_like(sets))
     return tuple(sets[sizes == size] for size in range(bits - 1, -1, -1))

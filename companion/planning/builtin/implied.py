@@ -1,17 +1,17 @@
-"""Conjuncts that the others imply: they are left out of the product, which doubles with each line.
+"""Conjuncts that the others imply; they are left out of the product, which grows with each.
 
-`G (at(A) -> F at(B))` says nothing beside `G F at(B)`: whatever the vehicle does, the one holds if
-the other does. Whether that is so depends on what was read, and on the letters that there are. So
-it is decided on the restricted automata, from their present states, over the facts that can be
-reached: no run of the others may accept a word that the conjunct does not accept.
+`G (at(A) -> F at(B))` is redundant beside `G F at(B)`: whatever the vehicle does, it holds if the
+other does. Whether a conjunct is redundant depends on what was read, and on which letters are
+possible. So the decision uses the restricted automata, from their present states, over the facts
+that can be reached: no run of the others may accept a word that the conjunct does not accept.
 
-All states that the conjunct's automaton may be in are tracked at once (the breakpoint
-construction). A breakpoint is reached when each tracked state has a run that met the mark since the
-breakpoint before. If breakpoints recur for ever, one run meets the mark for ever (König's lemma).
-So the answer "implied" is always right. The answer "not implied" may be too cautious where the
-automaton is not deterministic, since some runs are given up: those that accept no word that the
-others accept, those that another run stands for, and, if nothing is proved otherwise, all that have
-not met a mark when one has. A conjunct that is not decided, or would take too long, is kept.
+All possible states of the conjunct's automaton are tracked at once (the breakpoint construction). A
+breakpoint is reached when each tracked state has a run that has met the mark since the last
+breakpoint. If breakpoints recur for ever, one run meets the mark for ever (König's lemma). So the
+answer "implied" is always right. The answer "not implied" may be too cautious if the automaton is
+not deterministic, because some runs are dropped: those that accept no word that the others accept,
+those that another run simulates, and, as a last attempt, all that have not met a mark when one has.
+A conjunct is kept if the question stays open or would take too long.
 
 Source: Miyano and Hayashi, Alternating finite automata on omega-words, 1984, for breakpoints.
 """
@@ -34,15 +34,15 @@ from companion.planning.builtin.masked_automaton import MaskedAutomaton, Restric
 from companion.slices import spent
 
 MAX_EDGES = 5_000
-"""Edges after which it stays undecided whether a conjunct is implied."""
+"""The most edges that are examined before the question stays open."""
 _EDGE_US = 4
 _READING_US = 0.2
-"""For each letter and automaton, whether it leads on or not."""
+"""Time, for each letter and automaton, to find out whether it can be read."""
 _READER_US = 40
 
 
 class _Followed(NamedTuple):
-    """Runs of an automaton: their states, those that met the mark, the number of the mark."""
+    """Runs of an automaton: their states, those that met the mark, and the number of the mark."""
 
     states: int
     met: int
@@ -50,13 +50,13 @@ class _Followed(NamedTuple):
 
 
 _States = tuple[int, ...]
-"""The states of one run of each of the others."""
+"""The states of one run of each of the other automata."""
 
 T = TypeVar("T")
 
 
 class Implications:
-    """Which conjuncts are implied, kept from plan to plan."""
+    """Which conjuncts are implied; results are kept from plan to plan."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[object, ...], bool] = {}
@@ -67,15 +67,16 @@ class Implications:
         letters: Callable[[], Iterable[int] | None],
         bits: FactBits,
     ) -> list[RestrictedConjunct]:
-        """The conjuncts without those that the rest of them implies, the largest ones first.
+        """The conjuncts without those that the rest of them implies, the largest first.
 
-        One whose automaton has one state is kept, as it makes no product larger. So is one of
-        which nothing has to come about, or nothing of those that it shares a proposition with.
+        A conjunct is kept if its automaton has one state, because it enlarges no product. It is
+        also kept if its automaton has no marks, or if no conjunct that shares a proposition with it
+        has any.
 
         Args:
             parts: the conjuncts.
-            letters: asked for the facts (bits) that words are made of; None if there are too many.
-            bits: of the facts.
+            letters: returns the facts (bits) that words are made of; None if there are too many.
+            bits: the bits of the facts.
         """
         kept = list(parts)
         seen: set[int] | None = None
@@ -113,7 +114,7 @@ class Implications:
 def _related(
     part: RestrictedConjunct, others: list[RestrictedConjunct]
 ) -> list[RestrictedConjunct]:
-    """Those of the others that share a proposition with a conjunct."""
+    """The other conjuncts that share a proposition with this one."""
     read = frozenset(part.automaton.propositions)
     return [other for other in others if not read.isdisjoint(other.automaton.propositions)]
 
@@ -124,13 +125,13 @@ def is_implied(
     letters: Sequence[int],
     bits: FactBits,
 ) -> bool:
-    """Whether each word that all others accept is accepted; False if that is not decided.
+    """Whether it accepts each word that all others accept; False if that stays open.
 
     Args:
         part: a conjunct in its present states.
-        others: conjuncts in theirs.
-        letters: facts (bits) that words are made of.
-        bits: of the facts.
+        others: the other conjuncts in their present states.
+        letters: the facts (bits) that words are made of.
+        bits: the bits of the facts.
     """
     readers: list[MaskedAutomaton] = []
     marks = 0
@@ -146,21 +147,21 @@ def is_implied(
 
 
 class _Undecided(Exception):
-    """There are too many edges."""
+    """There are too many edges to decide."""
 
 
 class _GivenUp(Enum):
-    """The runs that are given up when some run has met a mark."""
+    """Which runs are dropped when some run has met a mark."""
 
     NONE = "none"
     BEHIND = "those that have not met it"
 
 
 class _Joint:
-    """The runs of all automata together on words of some letters; the last one is the conjunct's.
+    """The runs of all automata together on words of some letters; the conjunct's is the last.
 
     Raises:
-        _Undecided: there are too many.
+        _Undecided: there are too many edges.
     """
 
     def __init__(
@@ -176,11 +177,13 @@ class _Joint:
         self._edges_left = MAX_EDGES
         united = sum(reader.every_mark for reader in readers)
         self._every_mark = united & ~part.every_mark
-        self._accepted = 1 << united.bit_length()  # a mark of its own: the conjunct met all its
+        self._accepted = 1 << united.bit_length()  # an extra mark: the conjunct met all its own
         self._live = self._live_states(part, united)
 
     def _live_states(self, part: MaskedAutomaton, every_mark: int) -> dict[_States, int]:
-        """The conjunct's states (bits) that accept a word which the others accept, by theirs."""
+        """For states of the others, the conjunct's states (bits) that accept a word which they
+        accept.
+        """
         pending = [(z, own) for z in self._begin for own in self._part_begin]
         edges = self._explored(
             pending,
@@ -194,7 +197,7 @@ class _Joint:
         return live
 
     def includes(self, runs: _Runs) -> bool:
-        """Whether each word that the others accept is found to be accepted by the runs."""
+        """Whether the runs are found to accept each word that the others accept."""
         begin = sum(1 << state for state in self._part_begin)
         pending = [(z, _Followed(begin & self._live.get(z, 0), 0, 0)) for z in self._begin]
 
@@ -211,11 +214,12 @@ class _Joint:
         pending: list[tuple[_States, T]],
         step: Callable[[T, _States, int], Iterable[tuple[T, int]]],
     ) -> list[list[tuple[int, int]]]:
-        """Targets and marks of the edges of each node, of which `pending` gets all.
+        """Targets and marks of the edges of each node; all nodes are added to `pending`.
 
         Args:
             pending: the first nodes: states of the others, and what is followed of the conjunct.
-            step: what is followed, and marks, after reading a letter, given the others' new states.
+            step: from what is followed, a letter and the others' new states, what is followed next
+                and the marks.
         """
         number_of = {node: number for number, node in enumerate(pending)}
         edges: list[list[tuple[int, int]]] = []
@@ -243,7 +247,7 @@ class _Joint:
 def _components(
     edges: list[list[tuple[int, int]]], every_mark: int
 ) -> tuple[list[list[int]], list[bool]]:
-    """The strong components, and whether each has a cycle with all marks."""
+    """The strong components, and whether each has a cycle that meets all marks."""
     components = strong_components([[end for end, _ in leaving] for leaving in edges])
     accepting = []
     for component in components:
@@ -263,7 +267,7 @@ class _Runs:
         self._given_up = given_up
 
     def after(self, followed: _Followed, letter: int, live: int) -> tuple[_Followed, bool]:
-        """The runs one letter later, and whether the last of their marks was met.
+        """The runs one letter later, and whether they met the last of their marks.
 
         Args:
             live: the states that may be followed.
@@ -284,7 +288,7 @@ class _Runs:
         return _Followed(reached, 0, 0 if is_last else followed.mark + 1), is_last
 
     def _without_simulated(self, states: int, met: int) -> int:
-        """The states without those of which another one accepts as much and met as much."""
+        """The states without those of which another one accepts as much and has met as much."""
         kept = states
         for state in indices(states):
             for other in indices(self._simulators[state] & kept & ~(1 << state)):

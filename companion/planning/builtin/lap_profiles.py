@@ -1,10 +1,10 @@
-"""Lap profiles: what a lap does to an automaton, from whatever state it begins.
+"""Lap profiles: what one lap does to an automaton, from each state in which it may begin.
 
-The profile of a finite word has, for each state, the states to which the word leads, with the
-marks met on the way. There are finitely many profiles, and that of a longer word follows from that
-of its beginning, so profiles are the states of a deterministic finite automaton that reads laps.
-Of a lap v the profile says from which states v v v ... is accepted: those that reach, lap by lap,
-a component of states with all marks.
+The profile of a finite word gives, for each state, the states to which the word leads and the marks
+met on the way. There are finitely many profiles, and the profile of a word follows from that of the
+word without its last letter. So profiles are the states of a deterministic finite automaton that
+reads laps. The profile of a lap v tells from which states v v v ... is accepted: those that reach,
+lap by lap, a component of states with all marks.
 
 Source: Calbrix, Nivat and Podelski, Ultimately periodic words of rational omega-languages, 1993.
 """
@@ -21,28 +21,28 @@ EMPTY = 0
 """The profile of the empty word."""
 
 MAX_PROFILES = 200
-"""Profiles that are looked at to find how many laps a cycle of the automaton may take."""
+"""The most profiles examined to find how many laps a cycle of the automaton may take."""
 
 _ROW_US = 5
 
 Row = frozenset[tuple[int, int]]
-"""States to which a word leads from one state, each with the marks that some run meets."""
+"""The states to which a word leads from one state, each with the marks that some run meets."""
 
 
 class LapProfiles:
-    """The profiles of words over one automaton, numbered as they are met."""
+    """The profiles of words over one automaton, numbered in the order of discovery."""
 
     def __init__(self, automaton: MaskedAutomaton) -> None:
         self._automaton = automaton
         self._rows: list[tuple[Row, ...]] = [
             tuple(frozenset([(state, 0)]) for state in range(automaton.states))
         ]
-        self._number_of: dict[tuple[Row, ...], int] = {}  # the empty word is a word of its own
+        self._number_of: dict[tuple[Row, ...], int] = {}  # the empty word has a profile of its own
         self._after: dict[tuple[int, int], int] = {}
         self._accepting: dict[int, frozenset[int]] = {}
 
     def after(self, profile: int, facts: int) -> int:
-        """The profile of a word that is longer by the letter of some facts."""
+        """The profile of a word with the letter of some facts appended."""
         found = self._after.get((profile, facts))
         if found is None:
             rows = tuple(self._read(row, facts) for row in self._rows[profile])
@@ -65,7 +65,7 @@ class LapProfiles:
         )
 
     def accepting(self, profile: int) -> frozenset[int]:
-        """The states from which a word is accepted if it is repeated for ever."""
+        """The states from which a word, repeated for ever, is accepted."""
         found = self._accepting.get(profile)
         if found is None:
             rows = self._rows[profile]
@@ -81,7 +81,7 @@ class LapProfiles:
         return found
 
     def marks(self, profile: int) -> int:
-        """The marks that runs meet on a word, from whatever state."""
+        """The marks that runs meet on a word, from any state."""
         united = 0
         for row in self._rows[profile]:
             for _, met in row:
@@ -95,14 +95,14 @@ class LapProfiles:
         return united == self._automaton.every_mark
 
     def max_laps(self, letters: Iterable[int]) -> int:
-        """How many laps a cycle of the automaton takes at most for an accepted lap.
+        """The most laps that a cycle of the automaton takes, if the lap is accepted.
 
         Args:
-            letters: facts that laps are made of.
+            letters: the facts that laps are made of.
 
         Returns:
-            1 if each lap that is accepted leads, after some laps, from a state to itself and meets
-            all marks; a number that is never too small if that is not so, or not known.
+            1 if each accepted lap leads, after some laps, from a state to itself and meets all
+            marks; otherwise, or if that is unknown, a number that is never too small.
         """
         if self._has_cycles_of_one_lap(list(letters)):
             return 1

@@ -1,10 +1,12 @@
 """Local search: good tours of the generalised travelling salesman problem over many targets.
 
-A first tour is built by cheapest insertion. It is improved by 2-opt (reverse a part), or-opt (move
-a short part elsewhere) and exchange of a target for another one with the same marks, until no
-single change shortens it. Then it is perturbed and improved again, a fixed number of times: the
-same problem always has the same answer. A 1-tree bound (`one_tree.py`) says how far the tour can
-be from the shortest.
+1. Cheapest insertion builds a first tour.
+2. It is improved by 2-opt (reverse a part), or-opt (move a short part elsewhere) and exchange of a
+   target for another one with the same marks, until no single change shortens it.
+3. It is perturbed and improved again, a fixed number of times, so the same problem always has the
+   same answer.
+
+A 1-tree bound (`one_tree.py`) limits how far the tour is from the shortest.
 
 Source: Or, Traveling salesman-type combinatorial problems, 1976; Martin, Otto and Felten,
 Large-step Markov chains for the traveling salesman problem, 1991.
@@ -21,8 +23,8 @@ from companion.slices import spent
 
 PERTURBATIONS = 400
 _MIN_PERTURBED = 8  # targets; smaller tours are not perturbed
-_MAX_SPAN = 30  # targets; a perturbation of a longer part is hardly ever mended
-_MAX_STARTS = 10  # targets of the rarest mark from which a tour is built
+_MAX_SPAN = 30  # targets; a perturbation of a longer part is hardly ever repaired
+_MAX_STARTS = 10  # targets of the rarest mark from which tours are built
 _MAX_SHIFTED = 3  # targets; longest part that or-opt moves
 
 _CHANGE_US = 200
@@ -34,12 +36,12 @@ class LocalSearch:
     """A good tour over some targets; the interface is `Tours`.
 
     Attributes:
-        cost_ms: of the tour that is known.
-        bound_ms: no tour is shorter; known after `improve`, 0 before.
+        cost_ms: cost of the known tour.
+        bound_ms: a lower bound for all tours; known after `improve`, 0 before.
 
     Args:
         between: cost of the shortest path with at least one edge from target to target, (T, T).
-        marks: of the targets, (T, M).
+        marks: marks of the targets, (T, M).
 
     >>> between = np.array([[9, 1, 4], [5, 9, 2], [3, 6, 9]])
     >>> LocalSearch(between, np.eye(3, dtype=np.bool_)).cost_ms
@@ -61,7 +63,7 @@ class LocalSearch:
         self.bound_ms = 0
 
     def improve(self) -> None:
-        """Looks for a shorter tour, and bounds how much shorter one could be."""
+        """Looks for a shorter tour, and computes a lower bound."""
         self._order = _perturbed(self._order, self._between, self._marks)
         self.cost_ms = _cost_ms(self._order, self._between)
         self.bound_ms = lower_bound_ms(self._between, self._marks, self.cost_ms)
@@ -88,7 +90,7 @@ class LocalSearch:
         return self._order[place:] + self._order[:place]
 
     def _detours(self, to_targets: Costs, from_targets: Costs) -> Costs:
-        """What a node after each target of the tour adds to its cost, (targets, V)."""
+        """What a detour to a node after each target of the tour adds to its cost, (targets, V)."""
         following = np.roll(self._order, -1)
         legs = self._between[self._order, following]
         detours: Costs = from_targets[self._order] + to_targets[following] - legs[:, None]
@@ -96,9 +98,9 @@ class LocalSearch:
 
 
 def _perturbed(order: list[int], between: Costs, marks: Marks) -> list[int]:
-    """Iterated local search: the best tour after many perturbations, each improved.
+    """Iterated local search: the best tour after many perturbations, each followed by improvement.
 
-    A perturbation is a double bridge: two neighbouring parts of the tour change places.
+    A perturbation is a double bridge: two neighbouring parts of the tour are swapped.
     """
     chance = np.random.default_rng(0)
     best, best_ms = order, _cost_ms(order, between)
@@ -120,7 +122,7 @@ def _cost_ms(order: list[int], between: Costs) -> int:
 
 
 def _cheapest_insertion(first: int, between: Costs, marks: Marks) -> list[int]:
-    """A tour to which the target that lengthens it least is added, until all marks are met."""
+    """A tour, built by adding the target that lengthens it least until all marks are met."""
     order = [first]
     met = marks[first].copy()
     while not met.all():
@@ -136,7 +138,7 @@ def _cheapest_insertion(first: int, between: Costs, marks: Marks) -> list[int]:
 
 
 def _improved(order: list[int], between: Costs, marks: Marks) -> list[int]:
-    """A local optimum: a tour that no single change shortens."""
+    """A local optimum: a tour that no single change makes shorter."""
     order = _exchanged(order, between, marks)
     while len(order) > 3:
         spent(_CHANGE_US + _CHANGES_ADDITIONS * ADDITION_US * len(order) ** 2)
@@ -151,11 +153,11 @@ def _improved(order: list[int], between: Costs, marks: Marks) -> list[int]:
 
 
 Change = tuple[int, list[int]]
-"""What a change adds to the cost, and the new order as places of the old one."""
+"""What a change adds to the cost, and the new order, as positions in the old one."""
 
 
 def _two_opt(along: Costs) -> Change:
-    """The best reversal of a part, from i to j; costs may differ by direction."""
+    """The best reversal of a part, from i to j; costs may depend on the direction."""
     size = len(along)
     places = np.arange(size)
     following = np.roll(places, -1)
@@ -178,7 +180,7 @@ def _two_opt(along: Costs) -> Change:
 
 
 def _or_opt(along: Costs, length: int) -> Change:
-    """The best shift of a part of some length, from i on, to between p and the place after it."""
+    """The best shift of a part of given length, from i on, to between p and the place after it."""
     size = len(along)
     if size < length + 3:
         return 0, []
@@ -201,7 +203,9 @@ def _or_opt(along: Costs, length: int) -> Change:
 
 
 def _exchanged(order: list[int], between: Costs, marks: Marks) -> list[int]:
-    """Leaves out targets that are not needed, and exchanges others for the best of their marks."""
+    """Drops targets that are not needed, and replaces others by the best ones with the same
+    marks.
+    """
     order = list(order)
     if len(order) == len(marks):
         return order  # each target has a mark that no other has

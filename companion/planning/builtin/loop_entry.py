@@ -1,13 +1,13 @@
-"""The best lasso of all: a loop that is entered as soon as its word is accepted from there.
+"""Finds the best lasso of all: its loop is entered as soon as the word is accepted from there.
 
-What the tours over targets find (`loops.py`) is a cycle of the product, entered at one of its
-nodes. But a loop of actions may be entered from other states of the automata as well, if some laps
-lead from them to a cycle; and a cycle may be several laps of a shorter loop of actions. So
+The tours over targets (`loops.py`) give a cycle of the product, entered at one of its nodes. But a
+loop of actions may also be entered from other automaton states, if some laps lead from them to a
+cycle. And a cycle may be several laps of a shorter loop of actions. So:
 
-- a loop of actions at some facts costs no less than the shortest cycle there, divided by the laps
-  that a cycle takes at most (`Product.max_laps`, 1 with nearly all automata);
-- the loop that is known is tried from every state in which its facts are reached;
-- where these leave something open, `loop_search.py` looks at all loops of actions.
+- a loop of actions at some facts costs at least as much as the shortest cycle there, divided by the
+  most laps that a cycle takes (`Product.max_laps`, which is 1 for nearly all automata);
+- the known loop is tried from every state in which its facts are reached;
+- if these leave a question open, `loop_search.py` examines all loops of actions.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class ProductPlan:
     """A lasso as numbers of actions.
 
     Attributes:
-        bound_ms: no lasso has a lower objective.
+        bound_ms: lower bound for the objective of all lassos.
         has_best_prefix: whether no lasso with this lap has a shorter prefix.
     """
 
@@ -47,14 +47,14 @@ class ProductPlan:
 
 
 def rank(objective: Objective, prefix_ms: int, lap_ms: int) -> Rank:
-    """The smaller the better: the cost that is minimised, then the prefix."""
+    """The rank; smaller is better: the minimised cost, then the prefix."""
     cost_ms = prefix_ms + lap_ms if objective is Objective.SUM else lap_ms
     return cost_ms, prefix_ms
 
 
 def least_lap_ms(product: Product, cycle_ms: int) -> int:
-    """What a loop of actions costs at least, given what a cycle of the product does."""
-    if cycle_ms <= product.least_ms:  # a loop has an action
+    """The least cost of a loop of actions, given the least cost of a cycle of the product."""
+    if cycle_ms <= product.least_ms:  # because a loop has at least one action
         return cycle_ms
     return max(product.least_ms, -(-cycle_ms // product.max_laps))
 
@@ -67,12 +67,12 @@ def entered_best(
     plan: ProductPlan,
     effort: Effort,
 ) -> ProductPlan:
-    """The plan, or a better one, with what is proved of it.
+    """The plan, or a better one, with what is proved about it.
 
     Args:
         components_loops: the loops of each component.
-        plan: the best that enters a cycle of the product at one of its nodes.
-        effort: limits of the search.
+        plan: the best plan that enters a cycle of the product at one of the cycle's nodes.
+        effort: the limits of the search.
     """
     is_exact = all(loops.is_exact for loops in components_loops)
     known = rank(objective, plan.prefix_ms, plan.lap_ms)
@@ -99,15 +99,16 @@ def _promising(
     known: Rank,
     effort: Effort,
 ) -> dict[int, int]:
-    """Facts where a better loop may begin (`Product.facts_of`), with what it costs there at least.
+    """Facts where a better loop may begin (`Product.facts_of`), with a lower bound of its cost
+    there.
 
     Raises:
-        SearchLimit: there are too many.
+        SearchLimit: there are too many such facts.
     """
     least_at: dict[int, int] = {}
     for loops in components_loops:
         nodes = loops.nodes
-        if product.max_laps == 1:  # then a loop is a cycle, which is known as entered at its nodes
+        if product.max_laps == 1:  # then a loop is a cycle, entered at its nodes, and known
             nodes = nodes[paths.to_facts[nodes] < paths.from_start[nodes]]
         least_ms = least_lap_ms(product, loops.bound_ms)
         to_facts = paths.to_facts[nodes].tolist()
@@ -148,11 +149,11 @@ class _Entering:
         return rank(self._objective, prefix_ms, lap_ms)
 
     def _better_entries(self, facts: int, lap_ms: int, known: Rank) -> list[Entry]:
-        """The entries at some facts with which a lap would be better than what is known."""
+        """The entries at some facts for which a lap would have a better rank than the known one."""
         return [e for e in self._entries.get(facts, ()) if self._rank(e.prefix_ms, lap_ms) < known]
 
     def with_the_same_loop(self, plan: ProductPlan) -> ProductPlan:
-        """The plan with its loop entered where that is best."""
+        """The plan, with its loop entered at the best place."""
         facts = self._facts_along(plan)
         for begin in range(len(plan.loop)):
             known = self._rank(plan.prefix_ms, plan.lap_ms)
@@ -176,10 +177,10 @@ class _Entering:
         return along[len(plan.prefix) :]
 
     def with_any_loop(self, plan: ProductPlan) -> ProductPlan:
-        """The best plan.
+        """The best plan with any loop.
 
         Raises:
-            SearchLimit: it is not found in time.
+            SearchLimit: it is not found within the limits.
         """
         known = self._rank(plan.prefix_ms, plan.lap_ms)
         ranked = {
@@ -210,7 +211,7 @@ class _Entering:
 
 
 def _least_cycles(loops: Loops, nodes: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Some nodes, each with a cost that no cycle through it goes below."""
+    """Some nodes, each with a lower bound for the cost of cycles through it."""
     if not loops.is_exact:
         yield from ((node, loops.bound_ms) for node in nodes.tolist())
         return

@@ -1,13 +1,13 @@
-"""Loops of actions whose word is accepted, whatever the automata do on their first laps.
+"""Searches for loops of actions whose word is accepted, whatever the automata do in early laps.
 
-A loop may be entered wherever its word is accepted: the automata then need not come back to the
-states in which they were, but only to some from which the next laps are accepted as well. So this
-search goes through the facts and the profiles of the lap so far (`lap_profiles.py`), and the
-automata judge the lap when the facts are again what they were. It is A*: the least that is left to
-fly is the path back, over the facts that a mark still needs.
+A loop may be entered wherever its word is accepted. The automata then need not return to the states
+in which they were, only to states from which the following laps are also accepted. So this search
+runs over the facts and the profiles of the lap so far (`lap_profiles.py`), and the automata judge
+the lap when the facts are the same again. It is A*; its heuristic is the shortest path back over
+the facts that a missing mark needs.
 
-It is exact, and its size is the number of profiles: twice as many with each mark. So it takes what
-the tours over targets leave open (`loop_entry.py`), with a limit of its own.
+The search is exact, but the number of profiles doubles with each mark. So it is only used for what
+the tours over targets leave open (`loop_entry.py`), with its own limit.
 """
 
 from __future__ import annotations
@@ -35,17 +35,17 @@ _PROFILE_US = 0.4
 _STEP_US = 0.5
 
 Profiles = tuple[int, ...]
-"""The profile of a word over each of the automata."""
+"""The profile of a word for each of the automata."""
 
 _Node = tuple[int, Profiles]
-"""Place of the facts, and the profile of the lap so far."""
+"""The number of the facts, and the profiles of the lap so far."""
 
 Rank = tuple[int, int]
-"""The smaller the better: what is minimised, then the prefix."""
+"""Smaller is better: the minimised cost, then the prefix."""
 
 
 class Entry(NamedTuple):
-    """A product state at which a loop may begin, as a node, and the cost of the prefix to it."""
+    """A node at whose product state a loop may begin, and the cost of the prefix to it."""
 
     prefix_ms: int
     node: int
@@ -62,17 +62,17 @@ class EnteredLoop:
 
 
 class _Step(NamedTuple):
-    end: int  # place of the facts
+    end: int  # the number of the facts
     cost_ms: int
     action: int
 
 
 class LoopSearch:
-    """Searches loops of a product.
+    """Searches for loops of a product.
 
     Args:
-        product: explored.
-        max_steps: edges that all searches together may see.
+        product: an explored product.
+        max_steps: most edges that all searches together may examine.
     """
 
     def __init__(self, product: Product, max_steps: int) -> None:
@@ -81,7 +81,7 @@ class LoopSearch:
         self._after: dict[tuple[Profiles, int], Profiles] = {}
 
     def accepting(self, letters: Sequence[int], entries: Sequence[Entry]) -> Entry | None:
-        """The first of some entries from which a lap is accepted, given the facts along it."""
+        """The first of some entries from which a lap is accepted, given the facts along the lap."""
         profiles: Profiles = (EMPTY,) * len(self._profiles)
         for facts in letters:
             profiles = self._longer(profiles, facts)
@@ -95,16 +95,16 @@ class LoopSearch:
         rank: Callable[[int, int], Rank],
         known: Rank,
     ) -> EnteredLoop | None:
-        """The best loop at some facts; None if none is better than what is known.
+        """The best loop at some facts; None if none is better than the known one.
 
         Args:
             facts: where the loop begins and ends.
-            entries: at these facts, the shortest prefix first.
-            rank: of a prefix and a lap.
-            known: the rank to be better than.
+            entries: the entries at these facts, the one with the shortest prefix first.
+            rank: computes the rank of a prefix and a lap.
+            known: the rank to improve on.
 
         Raises:
-            SearchLimit: there were too many edges.
+            SearchLimit: there are too many edges.
         """
         if rank(entries[0].prefix_ms, 2 * self._product.least_ms) >= known:
             return self._best_step(facts, entries, rank, known)
@@ -146,7 +146,7 @@ class LoopSearch:
     def _best_step(
         self, facts: int, entries: Sequence[Entry], rank: Callable[[int, int], Rank], known: Rank
     ) -> EnteredLoop | None:
-        """The best loop of one action, where loops of two would cost too much."""
+        """The best loop of one action, if loops of two would cost too much."""
         entry = self.accepting([facts], entries)
         if entry is None:
             return None
@@ -196,7 +196,7 @@ class LoopSearch:
 
     @cached_property
     def _between(self) -> Costs:
-        """Cost of the shortest path from facts to facts, by places."""
+        """Cost of the shortest path from facts to facts, by number."""
         cheapest: dict[tuple[int, int], int] = {}
         for place, steps in enumerate(self._steps):
             for step in steps:
@@ -209,7 +209,9 @@ class LoopSearch:
 
     @cached_property
     def _targets(self) -> list[tuple[int, int, list[int]]]:
-        """Automaton, mark (a bit) and places that have it, of the automata of one state."""
+        """Each automaton with one state: automaton, mark (a bit), and the facts that have the
+        mark.
+        """
         found = []
         for number, automaton in enumerate(self._product.automata):
             if automaton.states > 1:
@@ -221,9 +223,9 @@ class LoopSearch:
         return found
 
     def _remaining(self, anchor: int) -> Callable[[int, Profiles], int]:
-        """The least that is left to fly from some facts, with a lap so far, back to an anchor.
+        """A lower bound for the path from some facts, with the lap so far, back to an anchor.
 
-        Each mark that is still missing has to be met on the way, if its automaton has one state.
+        Each missing mark of an automaton with one state has to be met on that path.
         """
         between = self._between
         back_ms: list[int] = between[:, anchor].tolist()

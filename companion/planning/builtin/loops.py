@@ -1,8 +1,9 @@
-"""The loops that a strongly connected component of the product offers, and their costs.
+"""The loops in a strongly connected component of the product, and their costs.
 
-Two kinds: a component where every loop meets all marks anyway offers its shortest cycles, among
-them rest; in any other a loop is a tour over targets of the marks. Targets are nodes; a mark whose
-targets include all those of another mark is met with that one and left out.
+There are two kinds. If every loop of a component meets all marks anyway, its loops are shortest
+cycles, including rest. Otherwise a loop is a tour over targets of the marks. Targets are nodes. A
+mark is left out if its targets include all those of another mark, because it is met together with
+that one.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from companion.planning.builtin.shortest_paths import Edge, ShortestPaths
 from companion.planning.effort import Effort
 from companion.slices import spent
 
-_CHUNK = 400_000  # additions at once; bounds memory, and fits into a slice
+_CHUNK = 400_000  # additions at once; limits memory and fits into a slice
 _NODE_US = 0.1
-_MAX_TARGETS = 400  # of a component; of more the nearest are looked at
+_MAX_TARGETS = 400  # of a component; if there are more, the nearest are used
 
 
 class Loops(Protocol):
@@ -33,22 +34,22 @@ class Loops(Protocol):
 
     @property
     def best_ms(self) -> int:
-        """Cost of the shortest loop that is known."""
+        """Cost of the shortest known loop."""
 
     @property
     def bound_ms(self) -> int:
-        """A cost that no loop goes below."""
+        """A lower bound for the cost of all loops."""
 
     @property
     def is_exact(self) -> bool:
-        """Whether `costs` are those of the shortest loops."""
+        """Whether `costs` are the costs of shortest loops."""
 
     @property
     def bottleneck_bound_ms(self) -> int:
-        """A bottleneck that no loop goes below."""
+        """A lower bound for the bottleneck of all loops."""
 
     def bottleneck_ms(self, loop: list[Edge]) -> int:
-        """The longest time between two passes of targets of the same mark on one of the loops."""
+        """The longest time between two passes of targets of the same mark, on a loop."""
 
     @property
     def is_final(self) -> bool:
@@ -56,13 +57,13 @@ class Loops(Protocol):
 
     @property
     def batch_size(self) -> int:
-        """Number of nodes for which `costs` should be asked together."""
+        """The number of nodes for which `costs` should be called together."""
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
-        """Cost of the shortest loop known through each of some nodes."""
+        """Cost of the shortest known loop through each of some nodes."""
 
     def loop_from(self, node: int) -> list[Edge]:
-        """The shortest loop known through a node, from the node on."""
+        """The shortest known loop through a node, beginning there."""
 
     def improve(self) -> None:
         """Looks for shorter loops."""
@@ -80,7 +81,7 @@ def loops_of(
 
 
 def essential_targets(product: Product, nodes: NDArray[np.intp]) -> list[frozenset[int]]:
-    """The targets of each mark that is not met with another one anyway."""
+    """The targets of each mark that is not always met together with another one."""
     targets_of: dict[frozenset[int], None] = {}
     for mark in range(product.all_marks.bit_length()):
         spent(_NODE_US * len(nodes))
@@ -90,9 +91,9 @@ def essential_targets(product: Product, nodes: NDArray[np.intp]) -> list[frozens
 
 
 class ShortestCycles:
-    """Shortest cycles, where all marks are met anyway; the interface is `Loops`.
+    """Shortest cycles, for components where all marks are met anyway; the interface is `Loops`.
 
-    If no rest is as short as can be, cycles are looked for through the `max_nodes` nearest nodes.
+    If no rest is as short as possible, cycles are sought through the `max_nodes` nearest nodes.
     """
 
     def __init__(
@@ -122,7 +123,7 @@ class ShortestCycles:
         self.is_exact = self.best_ms == self.bound_ms
 
     def bottleneck_ms(self, loop: list[Edge]) -> int:
-        """The longest edge of a loop, as every node meets all marks."""
+        """The longest edge of a loop, because every node meets all marks."""
         return max(edge.cost_ms for edge in loop)
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
@@ -141,14 +142,14 @@ class ShortestCycles:
         return self._paths.path(node, node, to_node)
 
     def improve(self) -> None:
-        """Does nothing: the cycles are the shortest."""
+        """Does nothing: these cycles are the shortest."""
 
 
 class TargetTours:
     """Tours over targets of the marks; the interface is `Loops`.
 
-    Of more than `max_targets` targets the nearest of each mark are looked at, and then nothing is
-    proved.
+    If there are more than `max_targets` targets, only the nearest of each mark are used, and
+    nothing is proved.
     """
 
     def __init__(
@@ -179,12 +180,12 @@ class TargetTours:
 
     @property
     def best_ms(self) -> int:
-        """Cost of the shortest tour that is known."""
+        """Cost of the shortest known tour."""
         return self._tours.cost_ms
 
     @property
     def bound_ms(self) -> int:
-        """A cost that no tour goes below; 0 if targets were left out."""
+        """A lower bound for the cost of all tours; 0 if targets were left out."""
         return self._tours.bound_ms if self._has_all_targets else 0
 
     def bottleneck_ms(self, loop: list[Edge]) -> int:
@@ -193,16 +194,16 @@ class TargetTours:
 
     @property
     def is_exact(self) -> bool:
-        """Whether all targets are there and the tours over them are exact."""
+        """Whether all targets are used and the tours over them are exact."""
         return self._has_all_targets and self._tours.is_exact
 
     @property
     def bottleneck_bound_ms(self) -> int:
-        """A bottleneck that no tour goes below.
+        """A lower bound for the bottleneck of all tours.
 
-        Where each mark has one target, somewhere the longest gap begins and ends at one target and
-        passes all others, so it is a tour. Where a mark has several, it is at least as long as
-        the path between the nearest two of them, or from one back to itself.
+        If each mark has one target, the longest gap begins and ends at one target and passes all
+        others, so it is a tour. If a mark has several targets, its gap is at least the path between
+        the nearest two of them, or from one back to itself.
         """
         if not self._has_all_targets:
             return 0
@@ -212,11 +213,11 @@ class TargetTours:
         return max(int(self._between[np.ix_(at, at)].min()) for at in places)
 
     def costs(self, nodes: NDArray[np.intp]) -> Costs:
-        """Cost of the shortest tour known through each of some nodes."""
+        """Cost of the shortest known tour through each of some nodes."""
         return self._tours.costs_through(self._to_targets[:, nodes], self._from_targets[:, nodes])
 
     def loop_from(self, node: int) -> list[Edge]:
-        """The shortest tour known through a node, from the node on."""
+        """The shortest known tour through a node, beginning there."""
         order = self._tours.order_after(self._to_targets[:, node], self._from_targets[:, node])
         loop: list[Edge] = []
         here = node
@@ -239,7 +240,7 @@ class TargetTours:
 def _nearest(
     every: list[int], targets_of: list[frozenset[int]], paths: ShortestPaths, max_targets: int
 ) -> list[int]:
-    """The targets, or if they are too many the nearest ones of each mark."""
+    """The targets; if there are too many, the nearest ones of each mark."""
     if len(every) <= max_targets:
         return every
     share = max(1, max_targets // len(targets_of))

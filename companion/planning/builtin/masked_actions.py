@@ -1,9 +1,9 @@
-"""The actions of a mission over bit masks, kept from plan to plan.
+"""The actions of a mission as bit masks, kept from plan to plan.
 
-Only facts that some action changes have bits. All others, beliefs and events above all, are the
-same throughout a problem: they decide which actions there are, and a mission of 200 sites has
-40,000 of them. Actions with the same condition and the same deletes, such as the flights from a
-place, are a group: it is asked once whether all of them are applicable.
+Only facts that some action changes have bits. All others, mainly beliefs and events, are constant
+within a problem: they decide which actions exist, and a mission of 200 sites has 40,000 of them.
+Actions with the same condition and the same deletes, such as the flights from a place, form a
+group, which is tested for applicability only once.
 
 Source: the successor generator of Helmert, The Fast Downward planning system, 2006.
 """
@@ -27,7 +27,7 @@ _GROUPING_US = 1
 
 
 class MaskedCondition(NamedTuple):
-    """What must hold and what must not: of facts that change (bits), and of those that do not."""
+    """What must hold and what must not: facts that change (as bits), and facts that do not."""
 
     requires: int
     forbids: int
@@ -35,11 +35,11 @@ class MaskedCondition(NamedTuple):
     forbids_always: frozenset[Fact]
 
     def holds(self, state: int) -> bool:
-        """Whether it holds in a state, for what changes."""
+        """Whether a state satisfies the part about facts that change."""
         return self.requires & state == self.requires and not self.forbids & state
 
     def may_hold(self, facts: frozenset[Fact]) -> bool:
-        """Whether it holds for what does not change, given the facts at the start."""
+        """Whether the facts at the start satisfy the part about facts that do not change."""
         return self.requires_always <= facts and not self.forbids_always & facts
 
 
@@ -52,7 +52,7 @@ class MaskedEffect(NamedTuple):
 
 
 class MaskedAction(NamedTuple):
-    """An action over bit masks; `number` is its place among the problem's actions."""
+    """An action as bit masks; `number` is its index among the problem's actions."""
 
     number: int
     condition: MaskedCondition
@@ -63,14 +63,14 @@ class MaskedAction(NamedTuple):
 
 
 class ActionGroup:
-    """Actions with the same condition and deletes, in their order; a conditional one is alone.
+    """Actions with the same condition and deletes, in their order; a conditional action is alone.
 
     Attributes:
         requires, forbids: facts (bits) that must hold, and that must not.
-        numbers, costs: of its actions.
+        numbers, costs: those of its actions.
         adds, deletes: facts (bits) that one of them may add or delete, without conditional adds.
         conditional: effects with a condition.
-        reads: facts (bits) of its condition, and of those of its effects.
+        reads: facts (bits) in its condition and in those of its effects.
         changes: facts (bits) that one of its actions may add or delete.
     """
 
@@ -94,13 +94,13 @@ class ActionGroup:
 
     @property
     def rests_ms(self) -> list[int]:
-        """The costs of those that are always possible and change nothing."""
+        """The costs of actions that are always possible and change nothing."""
         if self.requires | self.forbids | self.deletes or self.conditional:
             return []
         return [ms for ms, adds in zip(self.costs, self._adds, strict=True) if not adds]
 
     def is_applicable(self, state: int) -> bool:
-        """Whether its actions are."""
+        """Whether the actions are applicable in a state."""
         return self.requires & state == self.requires and not self.forbids & state
 
     def ends(self, state: int) -> list[int]:
@@ -115,7 +115,9 @@ class ActionGroup:
         return [state & ~deletes | adds]
 
     def given(self, facts: frozenset[Fact], unavailable: set[int]) -> ActionGroup | None:
-        """What is left of it without some actions, and without effects that never come about."""
+        """The group without some actions, and without effects that can never happen; None if
+        empty.
+        """
         left = [
             action._replace(
                 conditional=tuple(e for e in action.conditional if e.condition.may_hold(facts))
@@ -127,15 +129,15 @@ class ActionGroup:
 
 
 class MaskedActions:
-    """Some actions over bit masks, in groups.
+    """Some actions as bit masks, in groups.
 
     Args:
-        actions: of a problem, or some of them.
-        first_number: the place of the first one among the problem's actions.
-        changed: facts that change, by these actions or others.
-        bits: of the facts.
-        before: some actions with the same facts that change; of those that differ in nothing but
-            costs the masks are taken over.
+        actions: the actions of a problem, or some of them.
+        first_number: the index of the first one among the problem's actions.
+        changed: facts that these or other actions change.
+        bits: the bits of the facts.
+        before: actions for the same changing facts; the masks of those that differ only in cost are
+            reused.
     """
 
     def __init__(
@@ -175,7 +177,7 @@ class MaskedActions:
         self._required, self._forbidden = frozenset(self._requiring), frozenset(self._forbidding)
 
     def relies_on(self, facts: Iterable[Fact]) -> bool:
-        """Whether some facts are among those that were taken not to change."""
+        """Whether it treats some of these facts as constant."""
         constants = self._required.union(
             self._forbidden,
             *(
@@ -201,7 +203,9 @@ class MaskedActions:
         return [group for group in groups if group is not None]
 
     def _taken_over(self, number: int, action: Action) -> MaskedAction | None:
-        """The mask of an action that differs from one of these in cost and number at most."""
+        """The existing mask of an action, if it differs from one of these at most in cost and
+        number.
+        """
         known = self._action_of.get(action.name)
         if known is None or not _does_the_same(action, known):
             return None
@@ -214,7 +218,7 @@ class MaskedActions:
     def _masked(self, number: int, action: Action) -> MaskedAction:
         spent(_MASKING_US)
         mask = self._bits.mask
-        adds, deletes = mask(action.adds), mask(action.deletes)  # what changes has low bits
+        adds, deletes = mask(action.adds), mask(action.deletes)  # facts that change have low bits
         condition = self._condition(action)
         effects = tuple(
             MaskedEffect(self._condition(effect), mask(effect.adds), mask(effect.deletes))
@@ -233,13 +237,13 @@ class MaskedActions:
 
 
 class KnownActions:
-    """The actions that every problem begins with, over bit masks, and facts as bits.
+    """The actions that every problem contains, as bit masks, and the bits of facts.
 
     Attributes:
-        bits: of the facts.
+        bits: the bits of the facts.
 
     Args:
-        actions: these are turned into masks once and kept; others are each time.
+        actions: converted to masks once and kept; other actions are converted each time.
     """
 
     def __init__(self, actions: Sequence[Action] = ()) -> None:
@@ -249,21 +253,21 @@ class KnownActions:
         self.keep(actions)
 
     def keep(self, actions: Sequence[Action]) -> None:
-        """Other actions are kept in place of those that were."""
+        """Replaces the actions that are kept."""
         self._keep(tuple(actions), self._changed | _changed_by(actions))
 
     def _keep(self, actions: tuple[Action, ...], changed: set[Fact]) -> None:
-        """All at once, in the end: to turn actions into masks takes long, and may be abandoned."""
+        """Assigns all attributes last, because the conversion takes long and may be abandoned."""
         before = self._masked if changed == self._changed else None
         masked = MaskedActions(actions, 0, changed, self.bits, before)
         self._actions, self._changed, self._masked = actions, changed, masked
 
     def state(self, facts: Iterable[Fact]) -> int:
-        """The bits of those of some facts that actions change."""
+        """The bits of those facts that actions change."""
         return self.bits.mask(self._changed.intersection(facts))
 
     def given(self, actions: tuple[Action, ...], facts: frozenset[Fact]) -> list[ActionGroup]:
-        """The actions of a problem that the facts at its start do not rule out, in groups."""
+        """The groups of a problem's actions that the facts at its start do not rule out."""
         known = len(self._actions) if actions[: len(self._actions)] == self._actions else 0
         more = actions[known:]
         new = _changed_by(more) - self._changed
@@ -278,7 +282,7 @@ class KnownActions:
 
 
 def _does_the_same(one: Action, other: Action) -> bool:
-    """Whether one was made of the other, with another cost at most: they have the same facts."""
+    """Whether one was made from the other with at most another cost: they share their facts."""
     return (
         one.requires is other.requires
         and one.forbids is other.forbids

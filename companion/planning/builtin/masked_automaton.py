@@ -1,7 +1,7 @@
 """The automata of a problem's conjuncts as the search reads them: restricted, over bit masks.
 
-A run that takes a move again and again may take it each time with other marks. So moves that
-differ in their marks alone are one move with all of these marks: the same words are accepted.
+A run that repeats a move for ever may take it each time with other marks. So moves that differ only
+in their marks are merged into one move with all of these marks; the same words are accepted.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from companion.planning.lasso import Conjunct
 
 @dataclass(frozen=True, slots=True)
 class RestrictedConjunct:
-    """One conjunct under the constants, in the states that its automaton may be in.
+    """A conjunct under the constants, in the states that its automaton may be in.
 
     Attributes:
-        accepts_all: from one of the states every word is accepted.
-        is_one_shot: the automaton waits to read a letter of some kind once.
-        waiting_since_ms: since when it waits to be met again; None if nothing waits.
+        accepts_all: whether every word is accepted from one of the states.
+        is_one_shot: whether the automaton waits to read a letter of some kind once.
+        waiting_since_ms: since when the conjunct waits to be met again; None if nothing waits.
     """
 
     conjunct: Conjunct
@@ -39,7 +39,7 @@ class RestrictedConjunct:
         whole: frozenset[int],
         waiting_since_ms: int | None = None,
     ) -> RestrictedConjunct:
-        """The conjunct, given the states that its whole automaton may be in."""
+        """The conjunct, from the states that its whole automaton may be in."""
         states = restriction.states(whole)
         return cls(
             conjunct,
@@ -52,15 +52,15 @@ class RestrictedConjunct:
 
     @property
     def automaton(self) -> BuchiAutomaton:
-        """What is left of the conjunct's automaton."""
+        """The restricted automaton."""
         return self.restriction.automaton
 
 
 class MaskedAutomaton:
-    """One automaton over bit masks; its marks are shifted to their place among all marks.
+    """An automaton over bit masks; its marks are shifted to their place among all marks.
 
     Attributes:
-        states: how many.
+        states: number of states.
         every_mark: its marks, as bits.
     """
 
@@ -83,7 +83,7 @@ class MaskedAutomaton:
         self._successors: dict[tuple[int, int], list[tuple[int, int]]] = {}
 
     def successors(self, state: int, facts: int) -> list[tuple[int, int]]:
-        """Successor states and marks on reading some facts."""
+        """Successor states and marks after reading some facts."""
         key = (state, facts & self._read)
         found = self._successors.get(key)
         if found is None:
@@ -98,7 +98,9 @@ class MaskedAutomaton:
         return list(found.items())
 
     def awaited(self, state: int) -> int:
-        """The one fact (a bit) that leads from a state to another one; 0 if it is not one fact."""
+        """The only fact (a bit) that leads from a state to another one; 0 if it is not exactly
+        one.
+        """
         leaving = [(p, n) for p, n, after, _ in self._outgoing[state] if after != state]
         if len(leaving) != 1:
             return 0

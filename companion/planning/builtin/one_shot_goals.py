@@ -1,12 +1,12 @@
-"""One-shot goals: the best order in which to meet, on the way to a loop, what is met once.
+"""One-shot goals: finds the best order to meet, before the loop, what has to be met once.
 
-`F at(A) & F at(B) & ...` doubles the product with each site. Such one-shot goals are left out of
-the product; a prefix is then a path from the start over a node of each of them to a node of a
-loop. That is a tour through one more target, which stands for the loop and leads back to the
-start, so it is found as tours are (`gtsp.py`): exactly for few goals, by local search for many.
+`F at(A) & F at(B) & ...` doubles the product with each site. So one-shot goals are left out of the
+product. A prefix is then a path from the start, over a node of each goal, to a node of a loop. One
+more target represents the loop and leads back to the start; then the path is a tour, and is found
+like other tours (`gtsp.py`): exactly for few goals, by local search for many.
 
-The goals are met before the loop begins; that the loop may meet some of them in its first lap is
-not made use of, so such a plan is proved only if its loop is a rest (`search.py`).
+The goals are met before the loop begins. That the loop might meet some of them in its first lap is
+not used, so such a plan is proved optimal only if its loop is a rest (`search.py`).
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from companion.planning.effort import Effort
 
 
 class OneShotGoals:
-    """The paths from the start over all one-shot goals to a loop.
+    """The paths from the start, over all one-shot goals, to a loop.
 
     Args:
-        product: with the goals.
-        paths: of the product.
-        loop_costs: cost of the loop that begins at each node, (nodes,); UNREACHABLE_MS where none
-            begins.
-        effort: limits of the search.
+        product: the product, with the goals.
+        paths: the shortest paths in the product.
+        loop_costs: cost of the loop that begins at each node, (nodes,); UNREACHABLE_MS if none
+            does.
+        effort: the limits of the search.
 
     Raises:
-        SearchLimit: there are too many nodes that meet goals.
+        SearchLimit: too many nodes meet goals.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class OneShotGoals:
 
     @property
     def cost_ms(self) -> int:
-        """Cost of the best path that is known, with that of its loop."""
+        """Cost of the best known path, including its loop."""
         return self._tours.cost_ms
 
     def improve(self) -> None:
@@ -82,7 +82,7 @@ class OneShotGoals:
         self.is_final = True
 
     def prefix(self) -> tuple[list[Edge], int]:
-        """The best path that is known, and the node where its loop begins."""
+        """The best known path, and the node where its loop begins."""
         cycle = self._tours.cycle()
         begin = cycle.index(len(self._targets)) + 1
         first, *rest = cycle[begin:] + cycle[: begin - 1]

@@ -1,18 +1,20 @@
-"""The product of the transition system and the automata, built only where the search goes.
+"""The product of the transition system and the automata, built only where the search needs it.
 
 A product state is a set of facts together with one state per automaton (Section III-A):
 
     s -> s'  and  z_i --L(s')--> z_i'  for every i   gives   (s, z) -> (s', z')
 
-The automata have read the position they are at (see `lasso.py`). A nondeterministic automaton makes
-several edges, so a path through the product fixes one run of each. Acceptance stays generalized.
-A node is a product state together with the acceptance marks that were met on the way into it, so
-that a loop meets a mark exactly if it passes a node that has it.
+The automata have already read the position at which they are (see `lasso.py`). A nondeterministic
+automaton makes several edges, so a path through the product fixes one run of each. Acceptance stays
+generalized. A node is a product state together with the acceptance marks that were met on the way
+into it; so a loop meets a mark exactly if it passes a node that has it.
 
-Constants (`transition_system.py`) are taken out of facts and automata first
-(`ltl/restriction.py`); what is left of a patrol are the places alone. So are conjuncts that the
-others imply (`implied.py`), and facts that nothing reads. Those that are made for a one-shot goal
-alone are forgotten (`forgotten_facts.py`).
+These are removed first, to keep the product small:
+1. Constants (`transition_system.py`), from facts and automata (`ltl/restriction.py`); only the
+   places are left of a patrol.
+2. Conjuncts that the others imply (`implied.py`).
+3. Facts that nothing reads. Facts that only a one-shot goal needs are forgotten
+   (`forgotten_facts.py`).
 """
 
 from __future__ import annotations
@@ -45,10 +47,10 @@ if TYPE_CHECKING:
     import networkx
 
 MIN_ONE_SHOT_GOALS = 4
-"""Goals to be met once are kept out of the product if there are so many: each would double it."""
+"""From this many one-shot goals on, they are kept out of the product; each would double it."""
 
 MAX_LETTERS = 2_000
-"""States of the transition system up to which it is looked for conjuncts that are implied."""
+"""The most states of the transition system for which implied conjuncts are searched."""
 
 _PART_US = 20
 _NODE_US = 5
@@ -61,28 +63,28 @@ class Product:
 
     Attributes:
         system: the transition system under the product.
-        nodes: how many there are.
+        nodes: number of nodes.
         initial: nodes at which a plan may begin.
         marks: for each node the marks (bits) met on the way into it.
         state_of: for each node its product state, as the number of the first node with the same
-            one, but for facts that are forgotten. All that can be done after one of these nodes can
-            be done after the others, so a plan may enter a loop at any of them.
+            one, apart from forgotten facts. The same continuations are possible from all these
+            nodes, so a plan may enter a loop at any of them.
         facts_of: for each node its facts, as the number of the first node with the same ones.
         all_marks: the marks (bits) that a loop has to meet.
         waiting_since_ms: for each of them, since when its conjunct waits; empty if nothing does.
-        automata: those that are read, one for each place of a node's automaton states.
-        one_shot_goals: for each goal that is kept out of the product the nodes that meet it.
-        ends, costs, actions: of the edges; those of node n are first[n] to first[n + 1].
-            Between two nodes only the cheapest edge is kept, in the order of the actions, and those
-            that charge, or take less time or energy where that counts.
+        automata: the automata that are read, one for each place of a node's automaton states.
+        one_shot_goals: for each goal that is kept out of the product, the nodes that meet it.
+        ends, costs, actions: of the edges; the edges of node n are first[n] to first[n + 1].
+            Between two nodes only the cheapest edge is kept, in the order of the actions, and edges
+            that charge, or take less time or energy where that matters.
 
     Args:
-        problem: what to plan.
-        known: actions and facts over bits, kept from plan to plan.
+        problem: the problem to plan for.
+        known: actions and facts as bits, kept from plan to plan.
         restrictions: of the conjuncts, kept from plan to plan.
         max_edges: limit of the search.
-        min_goals: one-shot goals are kept out if there are so many.
-        with_implied: whether conjuncts are read that the others imply.
+        min_goals: from this many one-shot goals on, they are kept out.
+        with_implied: whether conjuncts that the others imply are read as well.
 
     Raises:
         SearchLimit: there are more edges, or more initial states, than `max_edges`.
@@ -143,7 +145,7 @@ class Product:
 
     @property
     def edges_with_goals(self) -> int:
-        """About how many edges there would be with the one-shot goals in the product."""
+        """About how many edges the product would have with the one-shot goals in it."""
         return len(self.ends) << len(self.one_shot_goals)
 
     @property
@@ -156,15 +158,15 @@ class Product:
         return self._bits.bit(proposition)
 
     def facts(self, node: int) -> int:
-        """The facts (bits) of a node."""
+        """The facts of a node, as bits."""
         return self._nodes[node][0]
 
     def letter(self, node: int) -> frozenset[Fact]:
-        """All facts that hold at a node, constants among them."""
+        """All facts that hold at a node, including constants."""
         return self.system.constant | self._bits.facts(self.facts(node) & self.system.changing)
 
     def automaton_states(self, node: int) -> tuple[int, ...]:
-        """The states of the automata of a node."""
+        """The automaton states of a node."""
         return self._nodes[node][1]
 
     @cached_property
@@ -179,10 +181,10 @@ class Product:
 
     @cached_property
     def max_laps(self) -> int:
-        """How many laps of actions a cycle of the product takes at most, for an accepted loop."""
+        """The most laps of actions that a cycle of the product takes, if the loop is accepted."""
         returning = [part for part in self._parts if part.restriction.can_return]
         if not returning:
-            return 1  # a run stays in a state in the end, where each lap does the same
+            return 1  # a run finally stays in a state, where all laps do the same
         letters = {facts for facts, _, _ in self._nodes}
         laps = (self._restrictions.max_laps(part, letters, self._bits) for part in returning)
         return math.prod(laps)
@@ -216,13 +218,12 @@ class Product:
     def to_networkx(self) -> networkx.DiGraph:
         """The explored product as a graph.
 
-        Each node, by number, has the `facts` that hold of those that can change, the
-        `automaton_states`, one for each of the graph's `conjuncts`, the `marks` met on the way
-        into it, and the `goals` it meets, of the graph's number of `one_shot_goals` that are kept
-        out of the product. Each edge has the `action` by name and its `cost_ms`. The graph also
-        has the `initial` nodes, the number of `marks`, and as `constant` the facts that always
-        hold. The automata are those under the constants, so their states are not numbered as in
-        the problem.
+        Each node has a number and these attributes: the `facts` that hold, of those that can
+        change; the `automaton_states`, one for each of the graph's `conjuncts`; the `marks` met on
+        the way into it; the `goals` that it meets, of the `one_shot_goals` (their number) kept out
+        of the product. Each edge has the `action` by name and its `cost_ms`. The graph also has the
+        `initial` nodes, the number of `marks`, and as `constant` the facts that always hold. The
+        automata are those under the constants, so their states are not numbered as in the problem.
         """
         import networkx
 
@@ -249,7 +250,9 @@ class Product:
         return graph
 
     def _better_than_rest(self) -> frozenset[int]:
-        """The actions that charge, or that take less time or energy than a rest where it counts."""
+        """The actions that charge, or that take less time or energy than a rest, where that
+        matters.
+        """
         rests = (n for n, action in enumerate(self._problem.actions) if action is WAIT)
         if not self._takes or (rest := next(rests, None)) is None:
             return frozenset()
@@ -257,7 +260,7 @@ class Product:
         return frozenset(n for n, each in enumerate(self._takes) if not is_no_less(each, own))
 
     def _restricted(self) -> list[RestrictedConjunct]:
-        """The conjuncts under the constants, but for those that hold whatever is done."""
+        """The conjuncts under the constants, without those that hold in any case."""
         problem, constants = self._problem, self.system.constant_value
         since_ms = problem.waiting_since_ms or (None,) * len(problem.conjuncts)
         every = zip(problem.conjuncts, problem.automaton_states, since_ms, strict=True)
@@ -318,7 +321,7 @@ class Product:
 
 
 def _takes(problem: Problem) -> list[Takes]:
-    """What counts of each action besides its cost, if anything does: time, and energy."""
+    """What each action takes besides its cost, where that matters: time and energy."""
     energy, has_clocks = problem.energy, bool(problem.clocks_ms)
     if energy is None and not has_clocks:
         return []
@@ -332,8 +335,8 @@ def _takes(problem: Problem) -> list[Takes]:
 
 
 def dijkstra_steps(nodes: int, edges: int) -> int:
-    """About how many steps a shortest-path search takes, one for each edge.
+    """About how many steps a shortest-path search takes, at one step for each edge.
 
-    A node is taken off a heap, which costs as much as thirty edges.
+    Taking a node off a heap costs as much as thirty edges.
     """
     return edges + _STEPS_OF_NODE * nodes

@@ -1,4 +1,4 @@
-"""What a search keeps of a mission's conjuncts: their automata under the constants it has met."""
+"""Caches a mission's automata under the constants that the search has met."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Restrictions:
         Args:
             part: the conjunct.
             first_mark: the number of its first mark among all marks.
-            bits: of the facts; always the same ones.
+            bits: the bits of the facts; always the same ones.
         """
         key = (id(part.restriction), first_mark)
         found = self._masked.get(key)
@@ -46,12 +46,12 @@ class Restrictions:
         return found
 
     def max_laps(self, part: RestrictedConjunct, letters: Iterable[int], bits: FactBits) -> int:
-        """How many laps of actions a cycle of a conjunct's automaton takes at most.
+        """The most laps of actions that a cycle of a conjunct's automaton takes.
 
         Args:
             part: the conjunct.
-            letters: facts (bits) that laps are made of.
-            bits: of the facts.
+            letters: the facts (bits) that laps are made of.
+            bits: the bits of the facts.
         """
         mask = bits.mask(part.automaton.propositions)
         read = frozenset(letter & mask for letter in letters)
@@ -62,7 +62,7 @@ class Restrictions:
         return self._max_laps[key]
 
     def of(self, conjunct: Conjunct, constants: Callable[[str], bool | None]) -> Restriction:
-        """A conjunct's automaton, given the values of propositions; None where they change."""
+        """A conjunct's automaton, given the values of propositions; None for those that change."""
         names = conjunct.automaton.propositions
         spent(_LOOKING_US)
         values = tuple(map(constants, names))
@@ -72,5 +72,5 @@ class Restrictions:
             spent(_RESTRICTING_US)
             fixed = {n: v for n, v in zip(names, values, strict=True) if v is not None}
             found = (conjunct, restricted(conjunct.automaton, fixed))
-            self._found[key] = found  # holding the conjunct keeps its identity its own
+            self._found[key] = found  # keeping the conjunct alive keeps its identity unique
         return found[1]

@@ -1,19 +1,19 @@
 """The built-in search: the best lasso of a problem, or a good one with a bound.
 
-A mission that loops for ever pays the lap for ever, so by default the shortest lap comes first,
-and to it the shortest prefix. The sum of prefix and lap, which a classical planner minimises on
-the paper's compilation (Figs. 2-4), takes a lap of 80 on the paper's mission where one of 68
+A mission that loops for ever pays for the lap for ever. So by default the shortest lap comes first,
+then the shortest prefix for it. The sum of prefix and lap, which a classical planner minimises on
+the paper's compilation (Figs. 2-4), gives a lap of 80 on the paper's mission where one of 68
 exists.
 
-A loop lies in a strongly connected component of the product that has every mark. In each such
-component the marks that every loop meets anyway are dropped; if none is left the best loop is the
-shortest cycle (rest, for a task that ends), else the shortest tour over targets of the marks, or
-a good one if there are many (`gtsp.py`). A prefix leads to any node of a best loop, or to another
-state from which the loop is accepted (`loop_entry.py`). Equal costs fall to the order of the
-actions.
+1. A loop lies in a strongly connected component of the product that has every mark.
+2. In each such component the marks that every loop meets anyway are dropped. If none is left, the
+   best loop is the shortest cycle (rest, for a task that ends). Otherwise it is the shortest tour
+   over targets of the marks, or a good one if there are many (`gtsp.py`).
+3. A prefix leads to any node of a best loop, or to another state from which the loop is accepted
+   (`loop_entry.py`). Ties are broken by the order of the actions.
 
-`Search` keeps what does not change between plans: the actions as bits, and the automata under
-the constants that it has met. In flight only the facts and the automata's states change.
+`Search` keeps what does not change between plans: the actions as bits, and the automata under the
+constants that it has met. In flight only the facts and the states of the automata change.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from companion.slices import spent
 ENGINE = "built-in"
 
 MAX_EDGES_WITH_GOALS = 20_000
-"""Edges of a product with the one-shot goals in it, up to which it is searched to be exact."""
+"""The most edges of a product including one-shot goals for which an exact search is made."""
 
 _NODE_US = 2
 _EDGE_US = 0.05
@@ -59,7 +59,7 @@ class Search:
     """Plans from any state of one mission.
 
     Args:
-        actions: those that every problem begins with.
+        actions: the actions that every problem contains.
     """
 
     def __init__(self, actions: Sequence[Action] = ()) -> None:
@@ -67,14 +67,14 @@ class Search:
         self._restrictions = Restrictions()
 
     def keep(self, actions: Sequence[Action]) -> None:
-        """Other actions are in every problem from now on."""
+        """Replaces the actions that every problem contains."""
         self._known.keep(actions)
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a lasso; None if the product has too many states to search."""
         try:
             product = self.product(problem, effort)
-            if not product.one_shot_goals:  # then any loop will do
+            if not product.one_shot_goals:  # then any loop is good enough
                 return bool(accepting_components(product))
             return next(_plans(product, Objective.LAP, effort), None) is not None
         except SearchLimit:
@@ -86,9 +86,10 @@ class Search:
         objective: Objective = Objective.LAP,
         effort: Effort = BEFORE_FLIGHT,
     ) -> Iterator[Solution]:
-        """Lassos, each better than the one before; none if the task cannot be done from here.
+        """Lassos, each better than the one before; none if the task cannot be fulfilled from here.
 
-        The first one comes soon. The last one is optimal, or says how far from it it may be.
+        The first one comes quickly. The last one is optimal, or has a bound for how far from that
+        it is.
 
         Raises:
             SearchLimit: the product has too many states to search.
@@ -116,12 +117,12 @@ class Search:
         """The product that is searched for a problem's lassos.
 
         Args:
-            problem: what to plan.
-            effort: limits of the search.
-            min_goals: one-shot goals are kept out if there are so many.
+            problem: the problem to plan for.
+            effort: the limits of the search.
+            min_goals: from this many one-shot goals on, they are kept out.
 
         Raises:
-            SearchLimit: it has too many states.
+            SearchLimit: the product has too many states.
         """
         return self._product(problem, effort, min_goals)
 
@@ -241,7 +242,7 @@ def _plan_over_goals(
 ) -> tuple[ProductPlan, bool] | None:
     """The best cycle, entered after all one-shot goals; None if none can be reached after them.
 
-    With it, whether a second search has nothing to improve.
+    Also returns whether a second search could not improve anything.
     """
     is_sum = objective is Objective.SUM
     entries = _entries(components_loops, paths, objective)
@@ -272,8 +273,8 @@ def _plan_over_goals(
 def _meets_no_goal(product: Product, loop: list[Edge]) -> bool:
     """Whether no loop as short as this one meets a goal that its prefix has not met.
 
-    It is a rest as short as any action, so others like it are rests as well, which meet what was
-    met on arrival; some goal cannot be met at the start.
+    This loop is a rest as short as any action, so other loops of its length are rests as well,
+    which meet what was met on arrival; and some goal cannot be met at the start.
     """
     is_rest = len(loop) == 1 and loop[0].cost_ms == product.least_ms
     at_start = set(product.initial)
@@ -302,7 +303,7 @@ class _LoopEntry(NamedTuple):
 def _entries(
     components_loops: list[Loops], paths: ShortestPaths, objective: Objective
 ) -> dict[int, _LoopEntry]:
-    """The best loop to enter at each product state; unless prefixes count, only the best loops."""
+    """The best loop to enter at each product state; only the best loops, unless prefixes count."""
     found: dict[int, _LoopEntry] = {}
     for loops in components_loops:
         for node, cost in zip(loops.nodes, loops.costs(loops.nodes), strict=True):
@@ -321,7 +322,7 @@ def _bound_ms(
     objective: Objective,
     cost_ms: int,
 ) -> int:
-    """A cost that no lasso goes below, wherever its loop is entered."""
+    """A lower bound for the cost of all lassos, wherever their loop is entered."""
     if objective is Objective.BOTTLENECK:
         return min(cost_ms, *(loops.bottleneck_bound_ms for loops in components_loops))
     bounds = (

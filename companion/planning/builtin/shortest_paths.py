@@ -1,6 +1,6 @@
 """Shortest paths between nodes of a product, by Dijkstra's algorithm.
 
-Of equally short paths the one whose first actions come first in the mission file is taken.
+Among equally short paths, the one whose first actions come first in the mission file is taken.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from companion.planning.effort import DIJKSTRA_STEP_US
 from companion.slices import spent
 
 _BATCH_US = 2_000
-"""Of searches that are done together: less, and it tells that each graph is looked over first."""
+"""Time of a batch of searches; in shorter ones, the overhead of scanning the graph matters."""
 _CHOICE_US = 0.4
 
 
@@ -37,7 +37,7 @@ class ShortestPaths:
 
     Attributes:
         from_start: (nodes,) cost of the shortest path from the start to each node, or to another
-            node of the same product state, after which the same can be done.
+            node of the same product state, from which the same continuations are possible.
         state_of: `Product.state_of` as an array.
     """
 
@@ -63,7 +63,9 @@ class ShortestPaths:
 
     @cached_property
     def _node_before(self) -> list[int]:
-        """For each node the one before it on a shortest path from the start; negative at it."""
+        """For each node, the node before it on a shortest path from the start; negative at the
+        start.
+        """
         start = self._product.initial
         _, before, _ = dijkstra(
             self._forward, indices=start, min_only=True, return_predecessors=True
@@ -71,9 +73,9 @@ class ShortestPaths:
         return [int(node) for node in before]
 
     def passed(self, node: int) -> list[tuple[int, int]]:
-        """The nodes on the shortest path from the start to a product state, without the first one.
+        """The nodes on the shortest path from the start to a product state, without the start.
 
-        Each is with its cost from the start.
+        Each comes with its cost from the start.
         """
         passed = []
         node = self._nearest_alike(node)
@@ -98,7 +100,7 @@ class ShortestPaths:
         return int(costs.min(initial=UNREACHABLE_MS))
 
     def path(self, start: int, goal: int, to_goal: Costs) -> list[Edge]:
-        """The shortest path from a node to another; the shortest cycle if they are the same.
+        """The shortest path from a node to another; the shortest cycle if both are the same.
 
         Args:
             to_goal: cost from every node to the goal, (nodes,).
@@ -142,7 +144,9 @@ def costs_between(matrix: csr_array, sources: Sequence[int]) -> Costs:
 def cheapest_edges(
     starts: NDArray[np.integer], ends: NDArray[np.integer], costs: Costs, nodes: int
 ) -> csr_array:
-    """A graph with the cheapest edge of each pair: scipy's searches hang on a pair twice."""
+    """A graph with only the cheapest edge of each pair, because scipy's searches hang on
+    duplicates.
+    """
     order = np.lexsort((costs, ends, starts))
     pairs = np.stack((starts, ends))[:, order]
     is_new = np.append(True, (np.diff(pairs) != 0).any(axis=0))[: len(order)]
@@ -151,5 +155,5 @@ def cheapest_edges(
 
 
 def whole(costs: np.ndarray) -> Costs:
-    """Costs as integers, UNREACHABLE_MS in place of infinity."""
+    """Costs as integers, with UNREACHABLE_MS instead of infinity."""
     return np.where(np.isinf(costs), UNREACHABLE_MS, costs).astype(np.int64)

@@ -1,9 +1,9 @@
-"""The transition system of a problem: its states and the actions between them, over bit masks.
+"""The transition system of a problem: its states and the actions between them, as bit masks.
 
-Most facts never change in a plan: events keep their value, beliefs hold, and much of what a
-mission can name is out of reach. What can change is found by relaxed reachability (actions
-without their deletes, Bonet and Geffner 2001); all else is a constant. A state is the set of
-the facts that hold among those that some action changes.
+Most facts never change in a plan: events keep their value, beliefs hold, and much of what a mission
+can name is out of reach. Relaxed reachability (actions without their deletes, Bonet and Geffner
+2001) finds what can change; all other facts are constants. A state is the set of the facts that
+hold among those that some action changes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ _STEP_US = 0.5
 _GROUP_US = 0.3
 
 MAX_GRAPH_STATES = 100_000
-"""States of a transition system that are given out as a graph."""
+"""The most states of a transition system that is exported as a graph."""
 
 
 class Successors(NamedTuple):
@@ -45,9 +45,9 @@ class TransitionSystem:
         changing: the facts that can change.
 
     Args:
-        actions: of the problem.
-        facts: that hold at the start.
-        known: actions over bits, kept from plan to plan.
+        actions: the actions of the problem.
+        facts: the facts that hold at the start.
+        known: actions as bits, kept from plan to plan.
     """
 
     def __init__(
@@ -65,20 +65,21 @@ class TransitionSystem:
         self._always, self._by_fact = _indexed(self._possible)
 
     def only_made(self, facts: int) -> int:
-        """Those of some facts that do not hold at the start, that no action reads or deletes."""
+        """Those of some facts that are false at the start, and that no action reads or deletes."""
         facts &= ~self.start & ~_deleted(self._possible)
         for group in self._possible:
             facts &= ~group.reads
         return facts
 
     def drop_idle(self, read: int, kept: frozenset[int] = frozenset()) -> None:
-        """Leaves out actions that change none of some facts, nor make possible what changes them.
+        """Drops actions that change none of the `read` facts, and make no action possible that
+        does.
 
-        Where the problem has a rest, that does as well as they, for no more.
+        If the problem has a rest, that can replace them at no extra cost.
 
         Args:
-            read: these facts (bits).
-            kept: numbers of actions that are not left out, nor what makes them possible.
+            read: the facts (bits) that matter.
+            kept: numbers of actions that stay, together with those that make them possible.
         """
         rest_ms = min((ms for group in self._possible for ms in group.rests_ms), default=None)
         if rest_ms is None:
@@ -96,19 +97,19 @@ class TransitionSystem:
             self._successors.clear()
 
     def forget(self, facts: int) -> None:
-        """From now on some facts, which no action reads, hold only right after they are made."""
+        """From now on these facts, which no action reads, hold only right after they are made."""
         if facts != self._forgotten:
             self._forgotten = facts
             self._successors.clear()
 
     def leave_out(self, facts: int) -> None:
-        """From now on no state has some facts, which do not hold at the start."""
+        """From now on no state contains these facts, which are false at the start."""
         self._left_out = facts
         self._successors.clear()
 
     @cached_property
     def possible(self) -> list[int]:
-        """The numbers of the actions that may ever be applicable."""
+        """The numbers of the actions that may ever become applicable."""
         return sorted(number for group in self._possible for number in group.numbers)
 
     @cached_property
@@ -117,7 +118,7 @@ class TransitionSystem:
         return self._facts - self._bits.facts(self.changing)
 
     def constant_value(self, proposition: str) -> bool | None:
-        """The value of a proposition that keeps it; None for others."""
+        """The value of a proposition that never changes; None for other propositions."""
         is_changing = self._bits.bit(proposition) & self.changing
         return None if is_changing else proposition in self._facts
 
@@ -133,7 +134,7 @@ class TransitionSystem:
         return zip(*self.successors(state), strict=True)
 
     def reachable(self, max_states: int) -> list[int] | None:
-        """All states that can be reached, the start first; None if there are more than allowed."""
+        """All reachable states, the start first; None if there are more than `max_states`."""
         states = [self.start]
         seen = {self.start}
         for state in states:  # grows while it is read
@@ -153,11 +154,11 @@ class TransitionSystem:
         return found.states[found.actions.index(action)]
 
     def to_networkx(self, max_states: int = MAX_GRAPH_STATES) -> networkx.MultiDiGraph:
-        """All states that can be reached, and the actions between them, as a graph.
+        """All reachable states, and the actions between them, as a graph.
 
-        Nodes are numbered, 0 is the start; each has its `facts`, of those that can change. Edges
-        have the `action` by name, which is their key, and its `cost_ms`. The graph has the facts
-        that always hold as `constant`.
+        Nodes are numbered; 0 is the start. Each has its `facts`, of those that can change. Edges
+        have the `action` by name, which is their key, and its `cost_ms`. The graph has, as
+        `constant`, the facts that always hold.
 
         Raises:
             SearchLimit: there are more states than `max_states`.
@@ -214,7 +215,7 @@ def _first_number(group: ActionGroup) -> int:
 
 
 def _possible(groups: Sequence[ActionGroup], facts: int) -> tuple[list[ActionGroup], int]:
-    """The actions that may ever be applicable, and all facts that may ever hold."""
+    """The actions that may ever become applicable, and all facts that may ever hold."""
     blocked = 0  # facts that always hold
     while True:
         possible, reached = _relaxed(groups, facts, blocked)
@@ -225,7 +226,7 @@ def _possible(groups: Sequence[ActionGroup], facts: int) -> tuple[list[ActionGro
 
 
 def _deleted(groups: Sequence[ActionGroup]) -> int:
-    """All facts that some of the actions may delete."""
+    """All facts that some action may delete."""
     deleted = 0
     for group in groups:
         deleted |= group.deletes
