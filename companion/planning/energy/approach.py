@@ -1,9 +1,9 @@
-"""The quickest way to a loop on the charge that there is, which charges where it needs more.
+"""Finds the quickest path to a loop with the charge that there is, charging where needed.
 
-A label does not fix how far the battery was charged. It has the last dock, the energy used since,
-and the lowest level after that dock which satisfies every floor passed since. The level is fixed at
-the next dock, or at the end, as low as the floors allow: to arrive with more is never quicker, as
-charging is the slower the fuller the battery is.
+A label does not fix how far the battery was charged. It stores the last dock, the energy used
+since, and the lowest level after that dock that satisfies every floor passed since. The level is
+fixed at the next dock, or at the end, as low as the floors allow. Arriving with more is never
+quicker, because a battery charges the slower the fuller it is.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _LABEL_US, _COMPARISON_US, _LEG_US = 2.0, 0.7, 3.0
 
 @dataclass(frozen=True, slots=True)
 class FlightLeg:
-    """An edge of a graph that is not a charge."""
+    """An edge that is not a charge."""
 
     end: int
     time_ms: int
@@ -30,7 +30,7 @@ class FlightLeg:
 
 @dataclass(frozen=True, slots=True)
 class ChargeLeg:
-    """An edge along which the vehicle lands, charges, and takes off."""
+    """An edge on which the vehicle lands, charges, and takes off."""
 
     end: int
     charger: Charger
@@ -38,11 +38,11 @@ class ChargeLeg:
 
 @dataclass(frozen=True, slots=True)
 class EnergyGraph:
-    """States of a vehicle, what leads from one to another, and what must be left at each.
+    """The states of a vehicle, the edges between them, and the least level at each.
 
     Attributes:
         legs: by node, in the order in which ties are broken.
-        charges: likewise.
+        charges: by node, in the same order.
         floors: by node, the least level there.
     """
 
@@ -53,11 +53,11 @@ class EnergyGraph:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A leg that is taken.
+    """A leg of a path.
 
     Attributes:
-        number: among the legs of its node, or among its charges.
-        departure: the level after taking off; None for a leg that is no charge.
+        number: its index among the legs of its node, or among its charges.
+        departure: the level after taking off; None for a leg that is not a charge.
     """
 
     node: int
@@ -67,11 +67,11 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class LoopApproach:
-    """A way.
+    """A path.
 
     Attributes:
-        end: the node to which it leads.
-        level: there.
+        end: the node where it ends.
+        level: the level there.
     """
 
     steps: tuple[Step, ...]
@@ -82,10 +82,10 @@ class LoopApproach:
 
 @dataclass(frozen=True, slots=True)
 class ApproachGoal:
-    """Where a way may end.
+    """A node where a path may end.
 
     Attributes:
-        required: what has to be left there.
+        required: the level required there.
     """
 
     node: int
@@ -94,14 +94,14 @@ class ApproachGoal:
 
 @dataclass(slots=True, eq=False)
 class _Label:
-    """A way to a node, up to the level after its last charge.
+    """A path to a node, as far as it is fixed: without the level of its last charge.
 
     Attributes:
-        fixed_ms: its time, but for that charge.
-        used: since the last charge.
-        least: the level after the last charge that the floors since then ask for.
-        level: after it, where that is not free: at the beginning.
-        charger, arrival: of it.
+        fixed_ms: its time without the last charge.
+        used: energy used since the last charge.
+        least: the level after the last charge that the floors since then require.
+        level: the level after the last charge, if it cannot be chosen: at the beginning.
+        charger, arrival: the last charger, and the level on arrival there.
     """
 
     node: int
@@ -116,7 +116,9 @@ class _Label:
     is_charge: bool = False
 
     def departure(self, needed: int) -> int | None:
-        """The level after the last charge with which so much is left now; None if it cannot be."""
+        """The level after the last charge for which this level is left now; None if it is
+        impossible.
+        """
         wanted = max(self.least, needed + self.used)
         if self.charger is None:
             assert self.level is not None
@@ -125,7 +127,7 @@ class _Label:
         return wanted if wanted <= self.charger.highest else None
 
     def time_ms(self, needed: int) -> int:
-        """Its time if so much is to be left now."""
+        """Its time, if this level has to be left now."""
         departure = self.departure(needed)
         if departure is None:
             return UNREACHABLE_MS
@@ -136,10 +138,10 @@ class _Label:
         return self.fixed_ms + int(times_ms[departure + self.charger.take_off] - times_ms[begin])
 
     def dominates(self, other: _Label) -> bool:
-        """Whether whatever the other one can do, this one can in no more time."""
+        """Whether it can do everything that the other can, in no more time."""
         if self.charger is None or other.charger is None:
             is_no_later = self.time_ms(0) <= other.time_ms(0)
-            if self.charger is None:  # as much left at the latest as the other can have
+            if self.charger is None:  # at least as much left as the other can have
                 most = self.level - self.used if self.level is not None else 0
                 return is_no_later and most >= other.most_left
             return False
@@ -160,7 +162,7 @@ class _Label:
         )
 
     def after(self, leg: FlightLeg, number: int) -> _Label:
-        """The way with a leg more, by its number."""
+        """The path with one more leg, given by its number."""
         return _Label(
             leg.end,
             self.fixed_ms + leg.time_ms,
@@ -174,7 +176,7 @@ class _Label:
         )
 
     def charged(self, charge: ChargeLeg, number: int) -> _Label | None:
-        """The way with a charge more; None if the dock cannot be landed on."""
+        """The path with one more charge; None if the vehicle cannot land on the dock."""
         charger = charge.charger
         departure = self.departure(charger.floor)
         if departure is None:
@@ -185,13 +187,13 @@ class _Label:
 
     @property
     def most_left(self) -> int:
-        """The most that can be left now."""
+        """The highest possible level now."""
         highest = self.charger.highest if self.charger is not None else (self.level or 0)
         return highest - self.used
 
 
 class _OpenList:
-    """Labels that wait, by their time; each is one on its way, and maybe some that end there."""
+    """Waiting labels, by time; each may be continued, and may also end at its node."""
 
     def __init__(self, graph: EnergyGraph, goals: Sequence[ApproachGoal]) -> None:
         self._graph = graph
@@ -202,7 +204,7 @@ class _OpenList:
         self._count = 0
 
     def push(self, label: _Label) -> None:
-        """A label with which the floor of its node can be kept."""
+        """Adds a label that can keep the floor of its node."""
         floor = self._graph.floors[label.node]
         label.least = max(label.least, floor + label.used)
         self._add(label.time_ms(floor), None, label)
@@ -210,7 +212,7 @@ class _OpenList:
             self._add(label.time_ms(required), number, label)
 
     def pop(self) -> tuple[_Label, int | None] | None:
-        """The earliest one, and the goal at which it ends, if at one; None if there are none."""
+        """The earliest label, and the goal if its path ends there; None if there are no labels."""
         if not self._pending:
             return None
         _, _, goal, label = heapq.heappop(self._pending)
@@ -225,13 +227,13 @@ class _OpenList:
 def approach(
     graph: EnergyGraph, starts: Sequence[int], level: int, required: Mapping[int, int]
 ) -> LoopApproach | None:
-    """The quickest way from some nodes to one of others; None if there is none.
+    """The quickest path from some nodes to one of others; None if there is none.
 
     Args:
-        graph: its chargers all charge alike, or it may be not the quickest one.
+        graph: all its chargers should charge alike, otherwise the path may not be the quickest.
         starts: where it may begin.
-        level: at the beginning.
-        required: by node, what has to be left where it ends there.
+        level: the level at the beginning.
+        required: by node where it may end, the level required there.
     """
     goals = [ApproachGoal(node, needed) for node, needed in required.items()]
     return next((way for _, way in quickest_ways(graph, starts, level, goals)), None)
@@ -240,12 +242,12 @@ def approach(
 def quickest_ways(
     graph: EnergyGraph, starts: Sequence[int], level: int, goals: Sequence[ApproachGoal]
 ) -> Iterator[tuple[int, LoopApproach]]:
-    """The quickest way to each goal that can be reached, by its number, the quickest one first.
+    """The quickest path to each goal that can be reached, with the goal's number, in order of time.
 
     Args:
-        graph: its chargers all charge alike, or they may be not the quickest ones.
+        graph: all its chargers should charge alike, otherwise the paths may not be the quickest.
         starts: where they may begin.
-        level: at the beginning.
+        level: the level at the beginning.
         goals: where they may end.
     """
     pending, left = _OpenList(graph, goals), set(range(len(goals)))
@@ -274,7 +276,7 @@ def quickest_ways(
 
 
 def _read(label: _Label, needed: int) -> LoopApproach:
-    """The way of a label, with the levels that it takes."""
+    """The path of a label, with its levels."""
     end, time_ms = label.node, label.time_ms(needed)
     departure = label.departure(needed)
     assert departure is not None

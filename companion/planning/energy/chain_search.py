@@ -1,10 +1,10 @@
-"""The cheapest closed chain of sorties that meets every mark, by reduced costs.
+"""Finds the cheapest closed chain of sorties that meets every mark, by reduced costs.
 
-With prices of marks (`mark_prices.py`) what a lap costs is the price of all marks and the reduced
-costs of its sorties, none of which is negative. So a search by least reduced costs first looks at
-few chains where the prices are good: those that are hardly dearer than the best. A chain begins
-with a sortie that meets the first mark, as each lap has one, and meets no mark twice, as that is
-never cheaper (`sortie_table.py`).
+With prices of marks (`mark_prices.py`), the cost of a lap is the price of all marks plus the
+reduced costs of its sorties, which are never negative. So with good prices a best-first search by
+reduced costs examines few chains: those that are hardly more expensive than the best. A chain
+begins with a sortie that meets the first mark, because each lap has one. It meets no mark twice,
+because that is never cheaper (`sortie_table.py`).
 
 Source: Baldacci, Christofides and Mingozzi, An exact algorithm for the vehicle routing problem
 based on the set partitioning formulation with additional cuts, 2008: sorties left by their reduced
@@ -22,20 +22,20 @@ from companion.planning.energy.mark_prices import PricedSorties
 from companion.slices import spent
 
 MOST_SORTIES = 1_500_000_000
-"""So many are looked at, one after each chain, in some seconds."""
+"""The most sorties to try, one at the end of each chain; this takes some seconds."""
 _CHAINS_SORTIES = 2_000
-"""A chain takes as long as so many sorties."""
+"""A chain takes as long as this many sorties."""
 _CHAIN_US, _SORTIE_US = 20.0, 0.01
 
 
 @dataclass(frozen=True, slots=True)
 class ChainFound:
-    """What a search has found.
+    """The result of a search.
 
     Attributes:
-        sorties: of the cheapest lap, by their places in the priced table; None if none was found
-            that costs less than the one that is known.
-        bound_ms: no lap costs less.
+        sorties: those of the cheapest lap, as indices in the priced table; None if no lap is
+            cheaper than the known one.
+        bound_ms: a lower bound for the cost of all laps.
     """
 
     sorties: tuple[int, ...] | None
@@ -43,7 +43,7 @@ class ChainFound:
 
 
 _State = tuple[int, int, int]
-"""The dock where a chain begins, that where it ends, and the marks that it meets."""
+"""The dock where a chain begins, the dock where it ends, and the marks that it meets."""
 
 
 class ChainSearch:
@@ -51,8 +51,8 @@ class ChainSearch:
 
     Args:
         priced: all sorties of laps that cost less than the known one.
-        marks: how many there are.
-        known_ms: what a lap costs that is known.
+        marks: number of marks.
+        known_ms: cost of a known lap.
     """
 
     def __init__(self, priced: PricedSorties, marks: int, known_ms: int) -> None:
@@ -89,7 +89,7 @@ class ChainSearch:
         return ChainFound(None, self._priced.base_ms + least)
 
     def _extend(self, cost: int, state: _State, before: _State | None) -> None:
-        """Chains with a sortie more; the first one meets the first mark."""
+        """Adds one more sortie to chains; the first sortie meets the first mark."""
         start, here, met = state
         reduced, table = self._reduced[here], self._sorties[here]
         count = int(np.searchsorted(reduced, self._gap - cost))
@@ -106,7 +106,7 @@ class ChainSearch:
                 heapq.heappush(self._pending, (total, len(self._before), after))
 
     def _read(self, state: _State) -> tuple[int, ...]:
-        """The sorties of a chain in their order."""
+        """The sorties of a chain, in their order."""
         found = []
         at: _State | None = state
         while at is not None:

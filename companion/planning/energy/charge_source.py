@@ -1,4 +1,4 @@
-"""What tells how much charge there is, in units of energy: a full battery until a flight does."""
+"""Tells plans how much charge there is: a full battery, unless a flight provides the charge."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ class ChargeSource(Protocol):
     """Tells the charge that plans reckon with."""
 
     def least(self) -> int:
-        """The least that there may be; on the ground without what taking off takes."""
+        """The lowest level that is possible; on the ground, without the energy for the take-off."""
 
     def most(self) -> int:
-        """The most that there may be."""
+        """The highest level that is possible."""
 
     def middle(self) -> int:
-        """What there is, about."""
+        """The most likely level."""
 
     @property
     def is_flown(self) -> bool:
@@ -23,10 +23,10 @@ class ChargeSource(Protocol):
 
 
 class FullBattery:
-    """That of plans which are made before a flight.
+    """The charge for plans that are made before a flight.
 
     Args:
-        full: what it holds, in units.
+        full: its level when full.
     """
 
     is_flown = False
@@ -35,7 +35,7 @@ class FullBattery:
         self._full = full
 
     def least(self) -> int:
-        """All of it."""
+        """The full level."""
         return self._full
 
     most = middle = least

@@ -1,4 +1,4 @@
-"""Actions that charge, as far as a plan says."""
+"""Actions that charge to the level that a plan says."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from companion.mission.steps import Charge
 from companion.planning.domain import Action, Refinement, Step
 
 GAUGE_PERCENT = 1
-"""A gauge of whole percents may tell so much more than there is."""
+"""The error of a gauge that shows whole percents."""
 
 
 def charged(action: Action, level: int, arrival: int | None, percents: Sequence[float]) -> Action:
-    """An action that charges, to so much that a level is left after taking off.
+    """An action that charges so far that a certain level is left after taking off.
 
     Args:
-        action: with a charger.
-        level: in units.
-        arrival: the level before it; None for the least that there may be.
+        action: an action with a charger.
+        level: the level after taking off.
+        arrival: the level before the action; None for the lowest possible one.
         percents: by level, the charge of the battery.
     """
     assert action.charger is not None

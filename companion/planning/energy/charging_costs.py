@@ -1,4 +1,4 @@
-"""What charging at a dock costs for many levels at once."""
+"""Computes the cost of charging at a dock for many levels at once."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ from companion.planning.charger import Charger
 
 
 def service_costs(charger: Charger, departure: NDArray[np.int64]) -> Costs:
-    """Landing at the charger's floor, charging and taking off, for each of some levels after it.
+    """The cost to land with the floor's level, charge, and take off, for each of some levels.
 
     Args:
-        charger: at the dock.
-        departure: levels above the dock, after taking off; one that is too high costs
-            UNREACHABLE_MS.
+        charger: the charger of the dock.
+        departure: levels above the dock, after taking off; too high a level costs UNREACHABLE_MS.
     """
     begin = charger.floor - charger.landing
     end = np.clip(departure + charger.take_off, begin, len(charger.times_ms) - 1)
@@ -29,13 +28,13 @@ def service_costs(charger: Charger, departure: NDArray[np.int64]) -> Costs:
 def costs_at_least(
     chargers: Sequence[Charger], origin: int, goal: int, drains: NDArray[np.int64]
 ) -> Costs:
-    """What a charge cannot take less than, in a lap over docks that do not charge alike.
+    """A lower bound for the cost of a charge, in a lap over docks that do not all charge alike.
 
     Args:
-        chargers: all that there are.
-        origin: the one at which it charges.
-        goal: the next one.
-        drains: of flights between them.
+        chargers: all chargers.
+        origin: the charger at which it charges.
+        goal: the next charger.
+        drains: the energy of flights between the two.
     """
     steps = (
         c.times_ms[c.floor - c.landing + 1] - c.times_ms[c.floor - c.landing] for c in chargers

@@ -1,11 +1,11 @@
-"""Laps that last for ever on one battery: closed chains of sorties that meet every mark.
+"""Laps that can be flown for ever on one battery: closed chains of sorties that meet every mark.
 
-Each stretch between two charges is a sortie (`sorties.py`), and begins with as much as brings the
-vehicle to the next dock at that one's floor. More is never worth it where all docks charge alike:
-charging is the slower the fuller the battery, so what would be carried on is charged more quickly
-at the next dock. Then every lap begins and ends at the floor of its dock, and can be flown for
-ever; and the shortest chain is the shortest lap of all. Where they do not charge alike it is a good
-one, and the bound counts all charge as quickly as it comes anywhere.
+Each part between two charges is a sortie (`sorties.py`). It begins with the level that brings the
+vehicle to the next dock at that dock's floor. If all docks charge alike, more is never worthwhile:
+a battery charges the slower the fuller it is, so the extra energy is charged more quickly at the
+next dock. Then every lap begins and ends at the floor of its dock and can be flown for ever, and
+the shortest chain is the shortest lap of all. If docks do not charge alike, it is a good lap, and
+the bound assumes that all charging is as quick as anywhere.
 
 Source: Held and Karp 1962, for the sorties; a min-plus product over sets of marks for the chains.
 """
@@ -32,14 +32,14 @@ _LAYER_US, _PART_ADDITIONS = 100.0, 2
 
 @dataclass(frozen=True, slots=True)
 class ChargedSortie:
-    """A charge, and the flight to the next one.
+    """A charge, and the flight to the next charge.
 
     Attributes:
-        dock: where the vehicle charges, a stop.
+        dock: the stop where the vehicle charges.
         departure: the level after taking off.
-        targets: stops on the way, in their order.
-        cost_ms: of charge and flight.
-        is_thrifty: its ways are the thriftiest, not the quickest.
+        targets: the stops of the flight, in their order.
+        cost_ms: time of charge and flight.
+        is_thrifty: whether its paths take the least energy, instead of the least time.
     """
 
     dock: int
@@ -51,10 +51,10 @@ class ChargedSortie:
 
 @dataclass(frozen=True, slots=True)
 class ChargingLap:
-    """A lap: sorties one after the other, the last one to where the first begins.
+    """A lap: consecutive sorties, the last of which leads to where the first begins.
 
     Attributes:
-        bound_ms: no lap is shorter; 0 if nothing is known.
+        bound_ms: a lower bound for all laps; 0 if nothing is known.
     """
 
     sorties: tuple[ChargedSortie, ...]
@@ -66,8 +66,8 @@ class ChargingLaps:
     """The laps over some stops.
 
     Args:
-        ways: between all stops.
-        chargers: by stop, what charging takes there.
+        ways: the paths between all stops.
+        chargers: by stop, its charger.
     """
 
     def __init__(self, ways: WayTables, chargers: dict[int, Charger]) -> None:
@@ -87,7 +87,7 @@ class ChargingLaps:
                 self._price(i, j, charger)
 
     def _price(self, i: int, j: int, charger: Charger) -> None:
-        """The cost of all sorties between two docks."""
+        """Computes the cost of all sorties between two docks."""
         found, floor = self._sorties.between(i, j), self._chargers[j].floor
         costs = []
         for times_ms, drains in (
@@ -109,7 +109,7 @@ class ChargingLaps:
         """The shortest lap; None if there is none.
 
         Args:
-            with_bound: whether its bound is wanted.
+            with_bound: whether to compute its bound.
         """
         costs = _Chains(self._costs)
         anchor = int(costs.laps_ms.argmin())
@@ -136,13 +136,13 @@ class ChargingLaps:
 
 
 class _Chains:
-    """The cheapest chains of sorties that begin with one that meets the first mark.
+    """The cheapest chains of sorties whose first sortie meets the first mark.
 
-    Each lap that meets all marks has a beginning of this kind. A chain may end with flights to
-    another dock that meet nothing.
+    Each lap that meets all marks contains such a sortie, with which it can begin. A chain may end
+    with flights to another dock that meet no mark.
 
     Attributes:
-        laps_ms: (docks,) closed chains of at least one sortie that meet everything.
+        laps_ms: (docks,) closed chains of at least one sortie that meet every mark.
     """
 
     def __init__(self, costs: Costs) -> None:
@@ -152,7 +152,7 @@ class _Chains:
         if sets == 1:
             self.laps_ms = (costs[:, :, 0] + self._between.T).min(axis=1)
             return
-        first = costs[:, :, 1::2]  # with the first mark; the others are those of a set
+        first = costs[:, :, 1::2]  # with the first mark; the others form a set
         self._reached = _product(first, self._between)  # from, to, others
         for met, parts in _parts(sets // 2):
             spent(_LAYER_US + ADDITION_US * _PART_ADDITIONS * parts.size * size**3)
@@ -180,12 +180,13 @@ class _Chains:
         return steps[::-1]
 
     def _last_sortie(self, start: int, end: int, met: int) -> tuple[int, int, int, bool]:
-        """The last sortie that meets something in a chain: from, to, marks, whether the only one.
+        """The last sortie of a chain that meets a mark: from, to, marks, and whether it is the only
+        one.
 
         Args:
-            start: of the chain.
-            end: of it.
-            met: by it, beside the first mark.
+            start: where the chain begins.
+            end: where it ends.
+            met: the marks that it meets, besides the first mark.
         """
         whole = self._costs[start, :, 2 * met + 1] + self._between[:, end]
         last = int(whole.argmin())
@@ -198,7 +199,7 @@ class _Chains:
         return via, last, 2 * int(parts[which]), False
 
     def _transfer(self, start: int, end: int) -> list[tuple[int, int, int]]:
-        """The sorties without marks from a dock to another."""
+        """The sorties without marks from one dock to another."""
         steps, here = [], start
         while here != end:
             direct = self._costs[here, :, 0] + self._between[:, end]
@@ -211,7 +212,7 @@ class _Chains:
 
 @cache
 def _parts(sets: int) -> list[tuple[Numbers, Numbers]]:
-    """Sets by how many marks they have, and the parts of each but the empty one."""
+    """Sets of marks, grouped by size, and the nonempty parts of each."""
     parts: list[Numbers] = [np.array([], np.int64)]
     for met in range(1, sets):
         low = met & -met
@@ -223,7 +224,7 @@ def _parts(sets: int) -> list[tuple[Numbers, Numbers]]:
 
 
 def _closure(costs: Costs) -> Costs:
-    """The cheapest chains of any length, none included."""
+    """The cheapest chains of any length, including none."""
     found = costs.copy()
     np.fill_diagonal(found, 0)
     for via in range(len(found)):
@@ -232,11 +233,11 @@ def _closure(costs: Costs) -> Costs:
 
 
 def _product(chains: Costs, between: Costs) -> Costs:
-    """(from, to, sets) chains of (from, via, sets), each with the cheapest flights after it."""
+    """(from, to, sets) chains from (from, via, sets), each followed by the cheapest flights."""
     found: Costs = (chains[:, :, None] + between[None, :, :, None]).min(axis=1)
     return np.minimum(found, UNREACHABLE_MS)
 
 
 def in_order(sorties: Sequence[ChargedSortie]) -> list[int]:
-    """All stops of a lap in their order, docks included."""
+    """All stops of a lap in their order, including docks."""
     return [stop for sortie in sorties for stop in (sortie.dock, *sortie.targets)]

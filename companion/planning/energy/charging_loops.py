@@ -1,7 +1,7 @@
 """The best loops of a component on a battery: closed chains of sorties between docks.
 
-Docks that reach each other on full charges have one best loop (`charging_laps.py`; beyond a few
-marks and docks `split.py`).
+A group of docks that reach each other on full charges has one best loop (`charging_laps.py`; with
+more than a few marks and docks, `split.py`).
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ from companion.planning.energy.sorties import WayTables, joined
 from companion.planning.energy.split import Splits, improved
 
 MOST_MARKS = 62
-"""They are bits of a number."""
+"""Limit because marks are bits of a 64-bit number."""
 MOST_ADDITIONS = 12_000_000
-"""With so many for all chains of sorties, laps are proved to be the shortest."""
+"""Up to this many additions for all chains of sorties, laps are proved to be the shortest."""
 FEW_TARGETS = 3
-"""Of so few every order is tried anyway."""
+"""With at most this many targets, every order is tried anyway."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChargingLoop:
-    """A loop that charges.
+    """A loop that contains charges.
 
     Attributes:
         edges: numbers of its edges in their order; the first one charges.
         levels: by place in `edges`, the level after a charge; None for other edges.
-        required: by place, what has to be there before the edge.
-        bound_ms: no loop of the component costs less; 0 if nothing is known.
+        required: by place in `edges`, the level required before the edge.
+        bound_ms: a lower bound for the loops of the component; 0 if nothing is known.
     """
 
     edges: tuple[int, ...]
@@ -54,12 +54,12 @@ class ChargingLoop:
 def best_loops(
     graph: EnergyProduct, nodes: NDArray[np.intp], is_proved: bool = False
 ) -> Iterator[ChargingLoop]:
-    """For docks of a component that reach each other, the best loop.
+    """The best loop for each group of docks of a component that reach each other.
 
     Args:
         graph: the product.
-        nodes: of a strong component with a loop that meets every mark.
-        is_proved: whether there is time to look for the shortest, or how far from it one may be.
+        nodes: those of a strong component with a loop that meets every mark.
+        is_proved: whether there is time to search for the shortest lap, or for a bound.
 
     Raises:
         SearchLimit: it has too many marks.
@@ -106,7 +106,7 @@ def best_loops(
 def required_before(
     graph: EnergyProduct, edges: Sequence[int], levels: Sequence[int | None]
 ) -> tuple[int, ...]:
-    """What has to be there before each edge of a loop, whose first one charges."""
+    """The level required before each edge of a loop whose first edge charges."""
     after = max(graph.charger(edges[0]).floor, graph.floors[graph.start(edges[0])])
     found: list[int] = []
     for edge, level in zip(edges[::-1], levels[::-1], strict=True):
@@ -120,13 +120,13 @@ def required_before(
 def _best_round(
     ways: WayTables, chargers: dict[int, Charger], marks: int, is_proved: bool
 ) -> ChargingLap | None:
-    """The shortest lap, or a good one where there are many marks or docks.
+    """The shortest lap, or a good one if there are many marks or docks.
 
     Args:
-        ways: between all stops.
+        ways: the paths between all stops.
         chargers: by stop, of docks that reach each other.
-        marks: how many there are.
-        is_proved: whether there is time to look for the shortest, or how far from it one may be.
+        marks: number of marks.
+        is_proved: whether there is time to search for the shortest lap, or for a bound.
     """
     served = ways.served(chargers)
     own = ways.marks[served]

@@ -1,4 +1,4 @@
-"""A product with what its edges take of the battery, and what must be left at its nodes."""
+"""A product with the energy that its edges take, and the floors at its nodes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from companion.slices import spent
 
 _EDGE_US, _NODE_US = 2.0, 2.0
 NEVER = 1 << 60
-"""A level that is never there: the floor where no safe place can be reached."""
+"""A level that is never reached: the floor where no safe place can be reached."""
 
 
 class EnergyProduct:
@@ -26,19 +26,19 @@ class EnergyProduct:
 
     Attributes:
         product: with all one-shot goals in it.
-        energy: of the problem.
-        sources: (edges,) the node from which each edge leads.
-        actions: (edges,) the action of each.
-        drains: (edges,) what each takes; of no account where it charges.
-        chargers: by edge; None where it does not charge.
-        is_charge: (edges,) whether it does.
+        energy: the energy of the problem.
+        sources: (edges,) the node where each edge begins.
+        actions: (edges,) the action of each edge.
+        drains: (edges,) the energy that each edge takes; meaningless if it charges.
+        chargers: by edge; None if it does not charge.
+        is_charge: (edges,) whether the edge charges.
         places: by node, where the vehicle is.
-        floors: by node, what must be left there in a loop.
-        graph: the same, as the search for a way into a loop sees it.
+        floors: by node, the lowest level allowed there in a loop.
+        graph: the same product, in the form that the search for a path into a loop uses.
 
     Args:
-        problem: with energy.
-        product: of it.
+        problem: a problem with energy.
+        product: the product of the problem.
     """
 
     def __init__(self, problem: Problem, product: Product) -> None:
@@ -62,7 +62,7 @@ class EnergyProduct:
         self.graph = self._graph()
 
     def action(self, edge: int, in_loop: bool = True) -> Action:
-        """The action of an edge, in a loop or on the way into it."""
+        """The action of an edge, in a loop or on the path into it."""
         action = self.actions[edge]
         if action.charger is None or in_loop or not self.energy.is_short:
             return action
@@ -73,28 +73,28 @@ class EnergyProduct:
         return int(self.product.ends[edge])
 
     def start(self, edge: int) -> int:
-        """The node from which it leads."""
+        """The node where an edge begins."""
         return int(self.sources[edge])
 
     def charger(self, edge: int) -> Charger:
-        """Of an edge that charges."""
+        """The charger of an edge that charges."""
         charger = self.chargers[edge]
         assert charger is not None
         return charger
 
     def edge(self, node: int, number: int, is_charge: bool) -> int:
-        """The edge of a leg of the graph, by its number there."""
+        """The edge of a leg or charge of the graph, by its number at a node."""
         return (self._charge_edges if is_charge else self._leg_edges)[node][number]
 
     def inside(self, nodes: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """(edges,) whether each stays within some nodes."""
+        """(edges,) whether each edge stays within some nodes."""
         within = np.zeros(self.product.nodes, np.bool_)
         within[nodes] = True
         inside: NDArray[np.bool_] = within[self.sources] & within[self.product.ends]
         return inside
 
     def paths(self, edges: NDArray[np.bool_], starts: list[int], is_thrifty: bool) -> Paths:
-        """The paths of least time or of least drain from some nodes along some edges."""
+        """The paths of least time, or of least energy, from some nodes along some edges."""
         numbers = np.flatnonzero(edges & ~self.is_charge)
         return Paths(
             self.product.nodes,

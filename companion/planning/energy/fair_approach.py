@@ -1,11 +1,10 @@
-"""Where a loop on a battery is entered in flight, so that no part of it waits for ever.
+"""Chooses where a replan enters a loop on a battery, so that no part of it waits for ever.
 
-Each new plan begins its loop somewhere. Were that always where the loop is reached first, a vehicle
-that runs short again and again would fly between the docks and what lies near them. So of all
-places of the loop the one is taken after which the oldest mark is the youngest, as for plans
-without a battery (`builtin/fair_entry.py`): each mark's age is the time since it was met last, at
-the moment when the plan meets it first, and the largest of these ages is the least. Of equal ones
-the shortest way is taken, and before the first completed skill that alone.
+If each new plan began its loop where it is reached first, a vehicle that runs short again and again
+would only fly between the docks and what lies near them. So the loop is entered where the oldest
+mark is youngest, as in plans without a battery (`builtin/fair_entry.py`): a mark's age is the time
+since it was last met, at the moment when the plan meets it first, and the largest age is minimised.
+Ties go to the shortest path. Before the first completed skill only the shortest path counts.
 """
 
 from __future__ import annotations
@@ -27,11 +26,11 @@ _NODE_US = 5
 
 @dataclass(frozen=True, slots=True)
 class FairEntry:
-    """A way into a loop.
+    """A path into a loop.
 
     Attributes:
-        place: of the edge of the loop with which it begins.
-        rank: the worst age of a mark, and the time of the way; less is better.
+        place: the position in the loop of the edge with which it is entered.
+        rank: the largest age of a mark, and the time of the path; less is better.
     """
 
     place: int
@@ -45,20 +44,20 @@ def fairest(
     ends: Sequence[int],
     ways: Iterable[tuple[int, LoopApproach, Sequence[int]]],
 ) -> FairEntry | None:
-    """The entry with which the worst age of a mark is the least; None if there is no way.
+    """The entry for which the largest age of a mark is the least; None if there is no path.
 
-    Ways that take a lap longer than the quickest one are not looked at.
+    Paths that take a lap longer than the quickest one are ignored.
 
     Args:
-        product: knows since when each mark waits; if none does, the quickest way is taken.
-        costs_ms: of the edges of the loop.
-        ends: the nodes to which they lead.
-        ways: to places of the loop, the quickest one first, with the costs of their steps.
+        product: knows since when each mark waits; if none does, the quickest path is taken.
+        costs_ms: costs of the loop's edges.
+        ends: the nodes where these edges end.
+        ways: paths to places of the loop, the quickest one first, with the costs of their steps.
     """
     entries = _entries(product, costs_ms, ends, ways)
     if not product.waiting_since_ms:
         return next(entries, None)
-    return min(entries, key=lambda entry: entry.rank, default=None)  # the first of equals
+    return min(entries, key=lambda entry: entry.rank, default=None)  # the first of equal ones
 
 
 def _entries(
@@ -85,7 +84,7 @@ def _entries(
 
 
 def _met(product: Product, nodes: Sequence[int], times_ms: Sequence[int]) -> Costs:
-    """When each mark is met first."""
+    """The time at which each mark is met first."""
     met = np.full(product.all_marks.bit_length(), UNREACHABLE_MS)
     for node, time_ms in zip(nodes[::-1], times_ms[::-1], strict=True):
         met[list(indices(product.marks[node]))] = time_ms

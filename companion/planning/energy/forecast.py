@@ -1,6 +1,6 @@
-"""The charge at the positions to come, as a plan reckons with it, for those who watch a flight.
+"""The charge that a plan expects at the coming positions, for people who watch a flight.
 
-Percents are of the charge, as a gauge tells them, and the least that there may be.
+Percents are of the charge, as a gauge shows it, with the lowest level that is possible.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ _DIGITS = 1
 def charge_ahead(
     energy: Energy, reserve: int, facts: frozenset[Fact], lasso: Lasso
 ) -> ChargePlanned:
-    """What a plan reckons with: to the end of its prefix, and of one lap where it does not rest.
+    """The charge that a plan expects, to the end of its prefix and, unless it rests, of one lap.
 
     Args:
-        energy: of the problem that it solves, with what is there now.
+        energy: the energy of the problem, with the present level.
         reserve: units kept for what nobody foresees.
-        facts: at its beginning.
+        facts: the facts at the beginning of the plan.
         lasso: the plan.
     """
 
@@ -32,7 +32,7 @@ def charge_ahead(
     flown = lasso.prefix if lasso.ends_at_rest else (*lasso.prefix, *lasso.loop)
     after = (*required[1:], required[len(lasso.prefix)])
     level, ahead = energy.level, []
-    for action, needed in zip(flown, after, strict=False):  # what rests needs nothing more
+    for action, needed in zip(flown, after, strict=False):  # rest needs nothing more
         level = level_after(energy, level, action)
         planned = PlannedCharge(
             action=action.name,

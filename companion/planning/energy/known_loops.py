@@ -1,14 +1,17 @@
-"""The loops that were found before, for products that have nothing better to offer now.
+"""Caches the loops that were found before, and tells whether a product can offer anything better.
 
-The search for a lap takes nearly all the time of a plan, and in flight most plans differ in where
-they begin alone. So what the loops of a component depend on is kept beside them: its nodes with
-their floors, and its edges with what they cost. A component that has no node, no edge, no cheaper
-cost and no lower floor that one before did not have has no shorter loop; and if the best loop from
-before still stands, edge by edge and level by level, it is the best one now. All else is searched
-anew.
+The search for a lap takes nearly all the time of a plan, and in flight most plans differ only in
+where they begin. So whatever the loops of a component depend on is stored with them: its nodes with
+their floors, and its edges with their costs.
 
-Names of nodes are their facts, automata's states and marks, and those of edges their ends and
-action. Two components in which all of this agrees are the same, whatever their automata mean.
+1. A component has no shorter loop than an earlier one if each of its nodes and edges was in the
+   earlier one, at no higher cost and no higher floor there.
+2. If, in addition, the best earlier loop is still possible, edge by edge and level by level, it is
+   the best one now.
+3. Otherwise the search is made again.
+
+The name of a node is its facts, automaton states and marks; the name of an edge is its ends and
+action. Two components for which all of this agrees are the same, whatever their automata mean.
 """
 
 from __future__ import annotations
@@ -24,15 +27,15 @@ from companion.planning.energy.energy_product import EnergyProduct
 from companion.slices import spent
 
 MOST_KEPT = 8
-"""Components whose loops are kept, the latest ones."""
+"""The most components whose loops are kept; the latest ones."""
 MOST_EDGES = 20_000
-"""Loops of larger components are searched anew each time: to compare them takes longer."""
+"""Loops of larger components are searched again each time: a comparison would take longer."""
 _EDGE_US = 1.5
 
 _Node = tuple[int, tuple[int, ...], int]
 _Edge = tuple[int, int, str]
 _Cost = tuple[int, int, tuple[object, ...]]
-"""Time, drain, and the figures of the charger, if it charges."""
+"""Time, energy, and the figures of the charger, if the edge charges."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +46,8 @@ class _Ground:
         number_of: by name, a node's number here.
         floors: by this number.
         costs: by edge.
-        edges: by the edge's number in the product, its name.
-        all_marks: that a loop has to meet.
+        edges: the edge's name, by its number in the product.
+        all_marks: the marks that a loop has to meet.
     """
 
     number_of: dict[_Node, int]
@@ -56,7 +59,7 @@ class _Ground:
 
 @dataclass(frozen=True, slots=True)
 class _Known:
-    """The loops of a component, the shortest one first, with names of edges for their numbers."""
+    """The loops of a component, the shortest one first, with names of edges instead of numbers."""
 
     ground: _Ground
     loops: tuple[tuple[ChargingLoop, tuple[_Edge, ...]], ...]
@@ -64,10 +67,10 @@ class _Known:
 
 @dataclass(frozen=True, slots=True)
 class LoopsFound:
-    """Loops of a component that are known.
+    """The known loops of a component.
 
     Attributes:
-        is_complete: a search would find no others.
+        is_complete: whether a search would find no others.
     """
 
     loops: tuple[ChargingLoop, ...]
@@ -81,17 +84,17 @@ class KnownLoops:
         self._known: list[_Known] = []
 
     def copied(self) -> KnownLoops:
-        """Others, which know the same."""
+        """An independent copy."""
         others = KnownLoops()
         others._known = self._known
         return others
 
     def of(self, graph: EnergyProduct, nodes: NDArray[np.intp]) -> LoopsFound | None:
-        """The best loops of a component, as far as they are known; None if they are not.
+        """The best loops of a component, as far as known; None if nothing is known.
 
         Args:
             graph: the product.
-            nodes: of the component.
+            nodes: the nodes of the component.
         """
         if not self._known or (ground := _ground(graph, nodes)) is None:
             return None
@@ -114,7 +117,7 @@ class KnownLoops:
     def keep(
         self, graph: EnergyProduct, nodes: NDArray[np.intp], loops: Sequence[ChargingLoop]
     ) -> None:
-        """Keeps all loops that a search has found in a component."""
+        """Stores all loops that a search has found in a component."""
         if not loops or (ground := _ground(graph, nodes)) is None:
             return
         ordered = sorted(loops, key=lambda loop: loop.cost_ms)
@@ -148,7 +151,9 @@ def _ground(graph: EnergyProduct, nodes: NDArray[np.intp]) -> _Ground | None:
 
 
 def _translated(known: _Ground, ground: _Ground) -> list[int] | None:
-    """By node of a component, the one of another with no less to offer; None if it has less."""
+    """For each node of a component, the node of the other with no less to offer; None if there is
+    none.
+    """
     if known.all_marks != ground.all_marks:
         return None
     number = [known.number_of.get(name, -1) for name in ground.number_of]
@@ -165,7 +170,7 @@ def _translated(known: _Ground, ground: _Ground) -> list[int] | None:
 
 
 def _is_alike(known: _Ground, ground: _Ground, number: Sequence[int]) -> bool:
-    """Whether a component is as one before, with as many edges, which has no less to offer."""
+    """Whether a component equals an earlier one that has as many edges and offers no less."""
     is_level = all(
         known.floors[at] == floor for at, floor in zip(number, ground.floors, strict=True)
     )
@@ -182,7 +187,7 @@ def _standing(
     known: _Ground,
     edges: Sequence[_Edge],
 ) -> ChargingLoop | None:
-    """A loop with the numbers that its edges have now; None if it does not stand any more."""
+    """A loop with the present numbers of its edges; None if it is no longer possible."""
     now = [numbers.get(edge) for edge in edges]
     present = [edge for edge in now if edge is not None]
     if len(present) < len(now) or any(

@@ -1,9 +1,9 @@
-"""A cost that no lap on a battery goes below, where laps are not proved to be the shortest.
+"""A lower bound for the cost of laps on a battery, if laps are not proved to be the shortest.
 
-A lap with some number of charges is a tour over its marks and so many docks. No such tour takes
-less time, or less energy, than a 1-tree says; so much energy is charged, and charging is the slower
-the fuller the battery is, so it takes least if each charge gives the same. One charge more makes a
-tour no shorter, and lands once more.
+A lap with a given number of charges is a tour over its marks and that many docks. A 1-tree bounds
+the time and the energy of such a tour from below. That energy has to be charged. A battery charges
+the slower the fuller it is, so charging takes least time if all charges are equal. One more charge
+never makes a tour shorter, and adds a landing.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from companion.planning.energy.charging_laps import ChargedSortie
 from companion.planning.energy.sorties import WayTables
 
 _LOOKS = 3
-"""So often it is asked how many charges it takes: with more of them a tour takes more."""
+"""How often the necessary number of charges is recomputed: with more charges a tour takes more."""
 _MORE_CHARGES = 2
-"""With so many more than it takes, to charge less each time, a lap has landed too often."""
+"""How many charges beyond the necessary number may pay off, by charging less each time."""
 _ROUNDED_MS = 1
-"""By so much a time to charge may be rounded up."""
+"""How much the time of a charge may be rounded up."""
 
 
 def lap_bound_ms(
     ways: WayTables, chargers: Mapping[int, Charger], marks: int, lap: Sequence[ChargedSortie]
 ) -> int:
-    """A cost that no lap goes below.
+    """A lower bound for the cost of all laps.
 
     Args:
-        ways: between all stops.
+        ways: the paths between all stops.
         chargers: by stop.
-        marks: how many there are.
-        lap: that is known.
+        marks: number of marks.
+        lap: a known lap.
     """
     return _LapBound(ways, chargers, marks, lap).least_ms()
 
@@ -72,7 +72,7 @@ class _LapBound:
         )
 
     def least_ms(self) -> int:
-        """What no lap goes below, with any number of charges."""
+        """The lower bound for laps with any number of charges."""
         charges = 1
         for _ in range(_LOOKS):
             charges = max(charges, math.ceil(self._drained(charges) / self._room))
@@ -80,7 +80,7 @@ class _LapBound:
         return min(self._lap_ms, *found, self._linear_ms(charges + _MORE_CHARGES))
 
     def _with(self, charges: int) -> int:
-        """What a lap with so many charges costs at least."""
+        """The least cost of a lap with so many charges."""
         each = self._drained(charges) / charges + self._landed
         level = min(self._begun + math.floor(each), len(self._charging_ms) - 1)
         charge_ms = int(self._charging_ms[level]) - _ROUNDED_MS + self._overhead_ms
@@ -88,7 +88,7 @@ class _LapBound:
         return max(self._linear_ms(charges), flown_ms + charges * charge_ms)
 
     def _linear_ms(self, charges: int) -> int:
-        """The same, if all of the charge came as quickly as it comes anywhere."""
+        """The same, if all energy were charged at the greatest rate anywhere."""
         costs = np.floor(self._times_ms + self._rise_ms * self._drains).astype(np.int64)
         landed_ms = self._overhead_ms + math.floor(self._rise_ms * self._landed) - _ROUNDED_MS
         landings_ms = charges * landed_ms
@@ -98,14 +98,16 @@ class _LapBound:
         return self._tour(self._drains, charges, self._used)
 
     def _tour(self, costs: NDArray[np.int64], docks: int, known: int) -> int:
-        """What a tour over all marks and some docks costs at least; about as much as one does."""
+        """A lower bound for a tour over all marks and some docks, close to the cost of a real
+        one.
+        """
         marks = np.hstack([self._marks, np.repeat(self._is_dock[:, None], docks, axis=1)])
         between = np.where(self._times_ms < UNREACHABLE_MS, costs, UNREACHABLE_MS)
         return lower_bound_ms(between, marks, max(1, known))
 
 
 def _rise_ms(times_ms: NDArray[np.int64], level: int) -> float:
-    """The least time for a unit from a level on, as times are rounded up."""
+    """The least time to charge one unit from a level on, since times are rounded up."""
     if not level:
         return float(times_ms[1] - times_ms[0] - _ROUNDED_MS)
     before = np.arange(level)

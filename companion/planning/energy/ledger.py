@@ -1,7 +1,7 @@
-"""What a plan takes of the battery, step by step, for people.
+"""The energy of a plan, step by step, for people.
 
-The plan is flown on paper from what is there at its beginning, laps until one is as the one before.
-Percents are of the charge, as a gauge tells them.
+The plan is simulated from the present level, laps until one equals the one before. Percents are of
+the charge, as a gauge shows it.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ class PlannedEnergy:
     """The energy of one action of a plan.
 
     Attributes:
-        takes_wh: what it takes; None for a charge, and for rest on the ground.
-        required_percent: what has to be there before it, so that the plan can go on.
-        charge_to_percent: to so much it charges; None for what does not charge.
+        takes_wh: the energy that it takes; None for a charge, and for rest on the ground.
+        required_percent: the charge required before it, so that the plan can go on.
+        charge_to_percent: the charge to which it charges; None if it does not charge.
     """
 
     takes_wh: float | None
@@ -34,7 +34,7 @@ class PlannedEnergy:
     charge_to_percent: int | None
 
     def as_json(self) -> dict[str, object]:
-        """The same for programs."""
+        """The same as JSON data."""
         return {
             "takes_wh": self.takes_wh,
             "required_percent": self.required_percent,
@@ -52,9 +52,9 @@ class Ledger:
     """The energy of a plan.
 
     Attributes:
-        prefix, loop: of each action.
-        lap_wh: what a lap takes, landings and take-offs for charges too; 0 for rest.
-        least_percent: the least charge that there ever is.
+        prefix, loop: the energy of each action.
+        lap_wh: energy of a lap, including landings and take-offs for charges; 0 for rest.
+        least_percent: the lowest charge of the whole plan.
         least_at: where that is, in words.
         reserve_percent: the charge kept for what nobody foresees.
     """
@@ -71,7 +71,7 @@ class Ledger:
         return f"{least}; the reserve is {self.reserve_percent:.1f} %"
 
     def as_json(self) -> dict[str, object]:
-        """The plan as a whole, as `companion plan --json` gives it."""
+        """The plan as a whole, as `companion plan --json` prints it."""
         return {
             "lap_wh": self.lap_wh,
             "least_percent": round(self.least_percent, 1),
@@ -84,7 +84,7 @@ def ledger(problem: Problem, lasso: Lasso, reserve: int) -> Ledger:
     """The energy of a plan.
 
     Args:
-        problem: that it solves, with energy.
+        problem: the problem that it solves, with energy.
         lasso: the plan.
         reserve: units kept for what nobody foresees.
     """
@@ -118,7 +118,7 @@ def _planned(energy: Energy, action: Action, required: int, lasso: Lasso) -> Pla
 
 
 def _charged_to(steps: Sequence[Step]) -> int | None:
-    """The percentage of the first step that charges, in skills that it is made of too."""
+    """The percentage of the first step that charges, including steps of skills that it calls."""
     for step in steps:
         inner = _charged_to(step.steps) if isinstance(step, Refinement) else None
         if inner is not None:
@@ -140,7 +140,7 @@ def _percent(energy: Energy, level: int) -> float:
 def _levels(
     energy: Energy, facts: frozenset[Fact], lasso: Lasso, reserve: int
 ) -> Iterator[tuple[int, str]]:
-    """What is there after each action, and after each landing, with where that is in words."""
+    """The level after each action, and after each landing, with the place in words."""
     level, begun = energy.level, -1
     yield level, "at the beginning"
     for number, action in enumerate(chain(lasso.prefix, cycle(lasso.loop)), -len(lasso.prefix)):

@@ -1,14 +1,16 @@
-"""Prices of marks, by which no lap costs less than all marks together.
+"""Prices of marks: no lap costs less than the prices of all marks together.
 
-Each mark has a price that is not negative, and each dock one of any sign. The reduced cost of a
-sortie is its cost less the prices of the marks that it meets and of the dock where it begins, more
-that of the dock where it ends. Around a lap the docks' prices cancel each other. So where no
-reduced cost is negative, no lap costs less than the prices of all marks; and where the least is
-negative, no less than that once for each sortie that there may be. This holds for any prices, and
-is reckoned in whole milliseconds; so a bound does not rest on how they were found.
+Each mark has a nonnegative price, and each dock a price of any sign. The reduced cost of a sortie
+is its cost, minus the prices of the marks that it meets and of the dock where it begins, plus the
+price of the dock where it ends. Around a lap the prices of docks cancel out.
 
-They are found by column generation: a linear programme over few sorties says what the marks would
-be worth, the sorties that are too cheap for that are added, until there are none.
+1. If no reduced cost is negative, no lap costs less than the prices of all marks.
+2. If the least reduced cost is negative, it is added to this bound once for each sortie of a lap.
+
+This holds for any prices, and is computed in whole milliseconds. So the bound does not depend on
+how the prices were found. They are found by column generation: a linear programme over few sorties
+gives prices for the marks, and sorties that are too cheap for these prices are added, until there
+are none.
 
 Source: Desrosiers and Lübbecke, A primer in column generation, 2005; the bound is Lasdon's, 1970.
 """
@@ -26,24 +28,25 @@ from companion.slices import spent
 
 MOST_ROUNDS = 400
 _ADDED = 100
-"""Sorties that a round adds for each pair of docks, at most."""
+"""The most sorties that a pass adds for each pair of docks."""
 _KEPT = 0.7
-"""Sorties of no lap that is cheaper than the known one are left out where no more are kept."""
+"""Sorties that are in no cheaper lap are removed if at most this share of all is kept."""
 _ROUNDED_MS = 2
-"""Prices are lower than the programme says by so much, or they would be too high, rounded."""
+"""How much the prices are reduced below those of the programme, so that rounding cannot make them
+too high."""
 _NEAR, _NEAR_ROUNDS = 100_000, 3
-"""Of the least reduced costs: among so many sorties those are looked for, so often, that are too
-cheap, before all are looked at again."""
+"""Too cheap sorties are first sought among this many of least reduced cost, in this many passes,
+before all are examined again."""
 _PRICES_US, _SORTIE_US = 5_000.0, 0.02
 
 
 @dataclass(frozen=True, eq=False)
 class MarkPrices:
-    """Whole prices, ms.
+    """Prices in whole ms.
 
     Attributes:
         marks: (marks,), none is negative.
-        docks: (docks,).
+        docks: (docks,), of any sign.
     """
 
     marks: Numbers
@@ -65,9 +68,9 @@ class PricedSorties:
     """The sorties of all laps that cost less than a known one.
 
     Attributes:
-        base_ms: the prices of all marks.
-        reduced: (sorties,) with these prices.
-        bound_ms: no lap costs less.
+        base_ms: the prices of all marks together.
+        reduced: (sorties,) reduced costs with these prices.
+        bound_ms: a lower bound for the cost of all laps.
     """
 
     table: SortieTable
@@ -79,16 +82,16 @@ class PricedSorties:
 def priced(
     table: SortieTable, marks: int, docks: int, known: Sequence[int], known_ms: int
 ) -> PricedSorties:
-    """Prices for a bound that is as high as they can make it.
+    """Prices that make the bound as high as possible.
 
     Args:
         table: all sorties.
-        marks: how many there are.
-        docks: likewise.
-        known: sets of marks of the sorties of a lap that is known.
-        known_ms: what it costs.
+        marks: number of marks.
+        docks: number of docks.
+        known: sets of marks of the sorties of a known lap.
+        known_ms: the cost of that lap.
     """
-    most = max(1, known_ms // max(1, int(table.costs_ms.min())))  # sorties of a lap
+    most = max(1, known_ms // max(1, int(table.costs_ms.min())))  # the most sorties of a lap
     begin = np.isin(table.sets, [0, *known, *(1 << mark for mark in range(marks))])
     programme = _Programme(table.of(begin), marks, docks, known_ms)
     best = PricedSorties(table, 0, table.costs_ms, 0)
@@ -110,7 +113,7 @@ def priced(
 
 
 def _cheapest(table: SortieTable, reduced: Numbers) -> NDArray[np.intp]:
-    """Between each two docks, those sorties of the least reduced cost that are too cheap."""
+    """The too cheap sorties of the least reduced cost between each pair of docks."""
     negative = np.flatnonzero(reduced < 0)
     pairs = table.origins[negative].astype(np.int64) << 8 | table.ends[negative]
     found = [negative[:0]]
@@ -123,13 +126,13 @@ def _cheapest(table: SortieTable, reduced: Numbers) -> NDArray[np.intp]:
 
 
 class _Programme:
-    """The linear programme over some sorties; a mark may be bought for as much as a lap.
+    """The linear programme over some sorties; a mark may be bought at the price of a lap.
 
     Args:
-        columns: the sorties, with those that meet nothing.
-        marks: how many there are.
-        docks: likewise.
-        known_ms: what a lap costs.
+        columns: the sorties, including those that meet no mark.
+        marks: number of marks.
+        docks: number of docks.
+        known_ms: the cost of the known lap.
     """
 
     def __init__(self, columns: SortieTable, marks: int, docks: int, known_ms: int) -> None:
@@ -137,7 +140,7 @@ class _Programme:
         self._known_ms = known_ms
 
     def settle(self, table: SortieTable) -> None:
-        """Adds sorties that are too cheap among some, in a few rounds."""
+        """Adds too cheap sorties from a selection, in a few passes."""
         for _ in range(_NEAR_ROUNDS):
             added = _cheapest(table, self.prices().reduced(table))
             if not len(added):
@@ -145,8 +148,8 @@ class _Programme:
             self._columns = self._columns.with_(table.of(added))
 
     def prices(self) -> MarkPrices:
-        """What the marks are worth."""
-        from scipy.optimize import linprog  # 20 MB, which a companion that waits need not have
+        """The prices of the marks and docks."""
+        from scipy.optimize import linprog  # 20 MB, which a waiting companion does not need
 
         spent(_PRICES_US)
         columns, marks, docks = self._columns, self._marks, self._docks
@@ -167,7 +170,7 @@ class _Programme:
         )
         worth = np.floor(np.maximum(-found.ineqlin.marginals - _ROUNDED_MS, 0)).astype(np.int64)
         at_docks = np.rint(found.eqlin.marginals).astype(np.int64)
-        free = columns.of(columns.sets == 0)  # they have no marks whose lower prices make up for it
+        free = columns.of(columns.sets == 0)  # no marks of theirs could make up for it
         for _ in range(docks):
             np.minimum.at(at_docks, free.origins, free.costs_ms + at_docks[free.ends])
         return MarkPrices(worth, at_docks)

@@ -1,4 +1,4 @@
-"""What the actions of a mission take of its battery, and what must be left at its places."""
+"""The energy that a mission's actions take, and the floors at its places."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ from companion.planning.step_times import waits_s
 
 MOVING_MPS = 0.5
 WAITS_END_S = 5.0
-"""A wait ends so long before the charge is needed for the way to a safe place."""
+"""A wait ends this long before the charge is needed to reach a safe place."""
 
 
 class MissionEnergy:
     """The energy of a mission; fulfils `Drains`.
 
     Args:
-        mission: with a battery.
-        ways: to its places.
-        limits: says how fast it may fly now.
+        mission: a mission with a battery.
+        ways: the routes to its places.
+        limits: tells how fast it may fly now.
 
     Attributes:
-        model: in what is reckoned.
-        here: says where the vehicle is, and how it moves, between places; a flight sets one.
-        charge: says what there is; a full battery until a flight has one of its own.
-        known: what flights have taken so far of what the mission says.
+        model: the figures for computing energy.
+        here: tells where the vehicle is, and how it moves, between places; a flight sets it.
+        charge: tells the present charge; a full battery until a flight sets its own.
+        known: the ratios of energy used to predicted energy, from flights so far.
         percents: by level, the charge of the battery.
     """
 
@@ -66,7 +66,7 @@ class MissionEnergy:
     def of(
         self, skill: Skill, action: Action, flight: tuple[str, str] | None, place: str | None
     ) -> Action:
-        """An action with what it takes; see `Drains`."""
+        """An action with its energy; see `Drains`."""
         drain = math.ceil(skill.energy_wh * UNITS_PER_WH)
         if flight is not None:
             drain += self.flight(*flight) or 0
@@ -80,16 +80,16 @@ class MissionEnergy:
         return replace(action, cost_ms=charger.overhead_ms, charger=charger)
 
     def flight(self, origin: str, goal: str) -> int | None:
-        """What a flight takes; None without a way."""
+        """The energy of a flight; None without a route."""
         departure = self.here() if origin == HERE else at_rest(self._routes.goal(origin))
         return None if departure is None else self._flight(departure, goal)
 
     def left_to(self, goal: str, speed_mps: float) -> int | None:
-        """What is left of a flight to a place that goes on; None without a way.
+        """The energy for the rest of a flight to a place; None without a route.
 
         Args:
-            goal: where it leads to.
-            speed_mps: of the vehicle.
+            goal: where the flight leads.
+            speed_mps: speed of the vehicle.
         """
         if (here := self.here()) is None:
             return None
@@ -105,7 +105,7 @@ class MissionEnergy:
         return self.model.flight(passage, start, self._routes.goal(goal), limits, flight_s)
 
     def _of_speeding_up(self, speed_mps: float) -> int:
-        """What a flight from rest to a speed takes more than one that has it already."""
+        """The energy that a flight from rest takes more than one that already has a speed."""
         limits = self._limits()
         ramp_s = speed_mps / limits.acceleration_mps2 + limits.acceleration_mps2 / limits.jerk_mps3
         return self.model.hovering(ramp_s / 2) if speed_mps > MOVING_MPS else 0
@@ -114,7 +114,7 @@ class MissionEnergy:
         """The energy of a problem.
 
         Args:
-            is_en_route: the vehicle is between places.
+            is_en_route: whether the vehicle is between places.
         """
         names = [*self._mission.places, *([HERE] if is_en_route else [])]
         landings = {name: self._landing(name) for name in self._mission.places}
@@ -129,15 +129,16 @@ class MissionEnergy:
         return Energy(self.charge.least(), floors, rests, rest, self.percents)
 
     def with_reserve(self, energy: Energy, place: str, actions: Iterable[Action]) -> Energy:
-        """The same, where in the air nothing is left above the reserve: that is for the landing.
+        """The energy, if in the air no level is left above the reserve, which is meant for the
+        landing.
 
-        As much of it is lent as it takes to land at the safe place that takes the least, and to
-        charge there if it is a dock, so that a plan leads there and goes on.
+        The plan may use as much of the reserve as the landing at the safe place that takes the
+        least, and charging there if it is a dock. So a plan leads there and goes on.
 
         Args:
-            energy: of a problem.
+            energy: the energy of a problem.
             place: where the vehicle is; "" for between places.
-            actions: of the problem.
+            actions: the actions of the problem.
         """
         floor = energy.floors.get(place := place or HERE)
         if floor is None or not self.charge.is_flown:
@@ -149,10 +150,10 @@ class MissionEnergy:
         return replace(energy, level=energy.level + lent, lent=lent) if is_lent else energy
 
     def _to_land_from(self, place: str, energy: Energy, actions: Iterable[Action]) -> int:
-        """The least level from which an action leads to a safe place, to charge there or to rest.
+        """The lowest level with which an action leads to a safe place, to charge there or to rest.
 
-        It is asked of actions, and not of the way: that was reckoned at another moment, and the
-        vehicle moves.
+        It is taken from the actions, not from the route: the actions were computed at another
+        moment, and the vehicle moves.
         """
         ends = {safe: energy.rests[safe] for safe in self.safe}
         moves: dict[str, int] = {place: 0}
@@ -165,21 +166,21 @@ class MissionEnergy:
         return min((moves[safe] + ends[safe] for safe in ends if safe in moves), default=0)
 
     def recall(self, flying: RatioEstimate, gauge: RatioEstimate) -> None:
-        """Plans reckon with what was learnt before."""
+        """Makes plans use ratios that were learnt before."""
         self.known = KnownRatios(flying, gauge)
         self.model.factor = self.known.to_plan_with
 
     @property
     def safe(self) -> tuple[str, ...]:
-        """Where the vehicle may land: the mission's safe places, or home, and its docks."""
+        """Where the vehicle may land: the mission's safe places or home, and its docks."""
         named = self._mission.safe_places or (self._mission.home.name,)
         return tuple(dict.fromkeys([*named, *self._docks]))
 
     def to_land_at(self, place: str) -> int | None:
-        """What it takes to fly to a place from here, and to land there; None without a way.
+        """The energy to fly to a place from here, and to land there; None without a route.
 
-        It is asked in each tick of a wait, so no route is found: the way is as long as it is, and
-        has the bends of that from the nearest place.
+        It is called in each tick of a wait, so no route is made: the length of the path is used,
+        with the bends of the route from the nearest place.
         """
         if (departure := self.here()) is None:
             return None
@@ -192,7 +193,7 @@ class MissionEnergy:
         return self.model.flight(passage, here, goal, limits, flight_s) + self._landing(place)
 
     def _bends_s(self, here: Ned, place: str, limits: SpeedLimits) -> float:
-        """How much longer the way from the nearest place takes than its length says."""
+        """How much longer the route from the nearest place takes than its length suggests."""
         near = min(map(self._routes.goal, self._mission.places), key=lambda at: math.dist(at, here))
         flown_s = self._ways.flight_s(near, place, limits)
         by_length_s = self._routes.passage(near, place).duration_s(limits)
@@ -200,13 +201,15 @@ class MissionEnergy:
 
     @property
     def is_needed_to_land(self) -> bool:
-        """Whether all charge but the reserve is needed to land at a safe place: no wait goes on."""
+        """Whether landing at a safe place needs all charge except the reserve: then every wait
+        ends.
+        """
         needed = [drain for place in self.safe if (drain := self.to_land_at(place)) is not None]
         margin = self.model.reserve + self.model.hovering(WAITS_END_S)
         return bool(needed) and self.charge.least() < min(needed) + margin
 
     def to_take_off(self) -> int:
-        """What it takes to take off here, to the height of the nearest place."""
+        """The energy to take off here, to the height of the nearest place."""
         if (here := self.here()) is None:
             return 0
         goals, position = map(self._routes.goal, self._mission.places), here.now.position

@@ -1,8 +1,8 @@
-"""What the flights, skills and docks of a mission take, in whole units of usable energy.
+"""Computes the energy of a mission's flights, skills and docks, in whole units of usable energy.
 
-A unit is a hundredth of a watt-hour. What is taken is rounded up, and what is there down. A flight
-takes the power of its speed through the air and of its climb for as long as it lasts; all else the
-power of a hover.
+A unit is a hundredth of a watt-hour. Energy that is taken is rounded up, and available energy is
+rounded down. A flight takes the power of its airspeed and of its climb for its duration. Everything
+else takes the power of a hover.
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ from companion.planning.charger import UNITS_PER_WH, Charger
 
 _J_PER_UNIT = 3600 / UNITS_PER_WH
 FACTOR = 1.05
-"""Gusts, and what a profile does not know: plans reckon with so much more than it says, until a
-flight knows better."""
+"""Until a flight knows better, plans use this much more energy than the profile says: for gusts,
+and for whatever the profile does not contain."""
 LANDING_MPS = 0.7
 """PX4's MPC_LAND_SPEED."""
 TOUCHING_DOWN_S = 3.0
-"""Until the autopilot says that it has landed, and disarms."""
+"""From touchdown until the autopilot reports that it has landed, and disarms."""
 RUNNING_UP_S = 3.0
-"""From arming into the air."""
+"""From arming until the vehicle is in the air."""
 
 
 class EnergyModel:
     """The energy of one mission.
 
     Args:
-        battery: of the mission.
+        battery: the mission's battery.
 
     Attributes:
         full: units of a full battery.
         reserve: units kept for what nobody foresees.
-        factor: plans reckon with so much more than the battery's figures; a flight sets it.
+        factor: how much more plans use than the battery's figures say; a flight sets it.
     """
 
     def __init__(self, battery: MissionBattery) -> None:
@@ -51,28 +51,28 @@ class EnergyModel:
         self.reserve = math.ceil(battery.reserve * battery.profile.capacity_wh * UNITS_PER_WH)
 
     def level(self, charge: float) -> int:
-        """The units that are there at a charge, 0 to 1."""
+        """The level at a charge between 0 and 1."""
         return math.floor(self._profile.energy_wh(charge) * UNITS_PER_WH)
 
     def charge(self, level: int) -> float:
-        """The charge, 0 to 1, at which so many units are there."""
+        """The charge, 0 to 1, at a level."""
         return self._profile.charge(level / UNITS_PER_WH)
 
     def hovering(self, seconds: float) -> int:
-        """What a hover takes."""
+        """The energy of a hover."""
         return self._units(self._profile.power_w(0.0) * seconds)
 
     def flight(
         self, passage: Passage, start: Ned, goal: Ned, limits: SpeedLimits, flight_s: float
     ) -> int:
-        """What a flight takes from rest to rest.
+        """The energy of a flight from rest to rest.
 
         Args:
-            passage: the way.
+            passage: the lengths of its route.
             start: where it begins.
             goal: where it ends.
             limits: how fast it is flown.
-            flight_s: how long that lasts, with the bends of the way.
+            flight_s: how long it takes, including the bends of the route.
         """
         down_m, joules = passage.down_m, 0.0
         if passage.climb_m is not None:
@@ -88,7 +88,7 @@ class EnergyModel:
     def _joules(
         self, over_ground_m: float, down_m: float, start: Ned, goal: Ned, seconds: float
     ) -> float:
-        """Of one part, level, sloped or on the spot."""
+        """The energy of one part: level, sloped, or on the spot."""
         length_m = math.hypot(over_ground_m, down_m)
         if length_m < LEVEL_M or seconds <= 0.0:
             return 0.0
@@ -103,31 +103,31 @@ class EnergyModel:
         return self._profile.power_w(airspeed_mps, climb_mps) * seconds
 
     def landing(self, up_m: float) -> int:
-        """What landing takes from a height above the ground."""
+        """The energy of landing from a height above the ground."""
         return self.hovering(up_m / LANDING_MPS + TOUCHING_DOWN_S)
 
     def landing_s(self, up_m: float) -> float:
-        """How long that lasts."""
+        """The time of landing from a height above the ground."""
         return up_m / LANDING_MPS + TOUCHING_DOWN_S
 
     def take_off_s(self, up_m: float, limits: SpeedLimits) -> float:
-        """How long taking off to a height lasts."""
+        """The time of taking off to a height."""
         return Passage(0.0, -up_m).duration_s(limits) + RUNNING_UP_S
 
     def take_off(self, up_m: float, limits: SpeedLimits) -> int:
-        """What that takes."""
+        """The energy of taking off to a height."""
         climb_s = Passage(0.0, -up_m).duration_s(limits)
         climb_w = self._profile.power_w(0.0, up_m / climb_s if climb_s else 0.0)
         return self._units(climb_w * climb_s) + self.hovering(RUNNING_UP_S)
 
     def charging_ms(self, rate: Sequence[tuple[float, float]]) -> NDArray[np.int64]:
-        """(full + 1,) time from empty to each level; convex.
+        """(full + 1,) time to charge from empty to each level; convex.
 
-        Where a curve makes it bend the other way, as a percent of charge is more energy the fuller
-        the battery is, it is the highest convex function that is nowhere above.
+        A curve may bend the other way, because a percent of charge is more energy the fuller the
+        battery is. Then the result is the highest convex function that is nowhere above the curve.
 
         Args:
-            rate: pairs of the charge and of its rise a second, both as shares; falling.
+            rate: pairs of the charge and its rise per second, both as shares; falling.
         """
         from scipy.optimize import isotonic_regression  # 13 MB, which most missions do not need
 
@@ -145,14 +145,14 @@ class EnergyModel:
         before_ms: int = 0,
         before: int = 0,
     ) -> Charger:
-        """A dock.
+        """A dock and its charger.
 
         Args:
-            up_m: height above the ground from which it is landed on, and to which it is taken off.
+            up_m: height above the ground from which the vehicle lands, and to which it takes off.
             limits: how fast the vehicle climbs.
-            times_ms: time from empty to each level.
-            before_ms: of a flight to there, if that belongs to the skill.
-            before: what this takes.
+            times_ms: time to charge from empty to each level.
+            before_ms: time of a flight to the dock, if the skill includes one.
+            before: energy of that flight.
         """
         landing = before + self.landing(up_m)
         seconds = self.landing_s(up_m) + self.take_off_s(up_m, limits)
@@ -170,13 +170,13 @@ def needs(
     flight: Callable[[str, str], int | None],
     landing: Callable[[str], int],
 ) -> dict[str, int]:
-    """What it takes at least from each place to land at a safe one; none for one without a way.
+    """The least energy to land at a safe place, from each place; no entry if no route leads to one.
 
     Args:
         places: by name.
-        safe: those at which the vehicle can land.
-        flight: what a flight takes from one to another; None without a way.
-        landing: what landing takes at a place.
+        safe: the places at which the vehicle can land.
+        flight: the energy of a flight from one place to another; None without a route.
+        landing: the energy of landing at a place.
     """
     found = {}
     for place in places:

@@ -1,7 +1,7 @@
-"""Paths of least time, or of least drain, along some edges of a graph.
+"""Paths of least time, or of least energy, along some edges of a graph.
 
-Of equal ones the path of least drain, or of least time, is taken: both are one number, of which the
-one that is minimised is the upper part.
+Ties go to the path of least energy, or of least time. Time and energy are packed into one number,
+with the minimised one in the upper bits.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from companion.planning.energy.sorties import Units, WayTable
 from companion.slices import spent
 
 _TIME_BITS, _DRAIN_BITS = 30, 22
-"""A path takes less than 2^30 ms and 2^22 units: together they are exact as a float."""
+"""A path takes less than 2^30 ms and 2^22 units; both together fit exactly into a float."""
 _STEPS_OF_NODE = 30
 
 
@@ -28,11 +28,11 @@ class Paths:
     """The paths from some nodes.
 
     Args:
-        nodes: how many there are.
+        nodes: number of nodes.
         edges: start, end and number of each edge.
-        costs: time and drain of each.
+        costs: time and energy of each edge.
         starts: where paths begin.
-        is_thrifty: the drain is minimised, not the time.
+        is_thrifty: whether to minimise the energy instead of the time.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class Paths:
         }
 
     def table(self, ends: list[int]) -> WayTable:
-        """The ways from each start to some nodes; a node is there without a step."""
+        """The paths from each start to some nodes; the path from a node to itself is empty."""
         costs = self._costs[:, ends]
         is_open = np.isfinite(costs)
         whole = np.where(is_open, costs, 0).astype(np.int64)
@@ -65,7 +65,7 @@ class Paths:
         return WayTable(np.where(is_open, times, UNREACHABLE_MS), drains)
 
     def path(self, start: int, end: int) -> list[int]:
-        """The edges to a node, from a start by its place."""
+        """The edges of the path to a node, from a start given by its index."""
         begin = self._starts[start]
         nodes = [end]
         while nodes[-1] != begin:
@@ -74,7 +74,7 @@ class Paths:
 
 
 def _least(edges: tuple[NDArray[Any], ...]) -> tuple[NDArray[Any], ...]:
-    """Of edges with start, end, number and weight: of each pair the one of least weight."""
+    """From edges with start, end, number and weight: the one of least weight for each pair."""
     begins, ends, _, weights = edges
     order = np.lexsort((weights, ends, begins))
     pairs = np.stack((begins, ends))[:, order]

@@ -1,11 +1,13 @@
-"""Laps over many marks that are proved to be the shortest, before a flight.
+"""Finds laps over many marks that are proved to be the shortest, before a flight.
 
-A good lap (`split.py`) says what a better one has to be below. Which sorties such a lap can have is
-known from what each costs at least (`sortie_table.py`) and what its marks are worth
-(`mark_prices.py`): some hundreds or thousands of millions, so that a search through their chains
-ends (`chain_search.py`). It takes seconds, and is not for a flight. Beyond some twenty marks, where
-there are too many sorties to look at, 1-trees say how far the lap may be from the shortest
-(`lap_bound.py`).
+1. A good lap (`split.py`) gives the cost that a better one has to be below.
+2. The least cost of each sortie (`sortie_table.py`) and the prices of its marks (`mark_prices.py`)
+   tell which sorties such a lap may contain.
+3. These are few enough (hundreds, or thousands of millions) for a search through their chains
+   (`chain_search.py`).
+
+It takes seconds, too long for a flight. With more than about twenty marks there are too many
+sorties; then 1-trees limit how far the lap may be from the shortest (`lap_bound.py`).
 """
 
 from __future__ import annotations
@@ -29,19 +31,19 @@ from companion.planning.energy.sortie_table import SortieTable, sortie_table
 from companion.planning.energy.sorties import WayTable, WayTables
 
 _TOUR_ADDITIONS = 20_000_000
-"""Sorties over some fifteen marks are put in order exactly, by Held and Karp's tables."""
+"""Held and Karp's tables order sorties over up to about fifteen marks exactly."""
 
 
 def proved(
     ways: WayTables, chargers: Mapping[int, Charger], marks: int, lap: ChargingLap
 ) -> ChargingLap:
-    """A lap with a cost that no lap goes below: the shortest, or the one that is known.
+    """A lap with a lower bound for all laps: the shortest lap, or the one that is known.
 
     Args:
-        ways: between all stops.
+        ways: the paths between all stops.
         chargers: by stop.
-        marks: how many there are.
-        lap: that is known.
+        marks: number of marks.
+        lap: a known lap.
     """
     table = sortie_table(ways, chargers, marks)
     if table is None:
@@ -62,7 +64,7 @@ class _Flown:
     """Sorties with their stops in order.
 
     Args:
-        ways: between all stops.
+        ways: the paths between all stops.
         chargers: by stop.
     """
 
@@ -70,7 +72,7 @@ class _Flown:
         self._ways, self._chargers = ways, chargers
 
     def lap(self, sorties: SortieTable) -> ChargingLap:
-        """The lap of some sorties."""
+        """The lap that consists of some sorties."""
         docks = list(self._chargers)
         each = zip(
             sorties.origins.tolist(), sorties.ends.tolist(), sorties.sets.tolist(), strict=True
@@ -82,7 +84,7 @@ class _Flown:
         return ChargingLap(tuple(found), sum(sortie.cost_ms for sortie in found), 0)
 
     def _flown(self, origin: int, end: int, marks: int) -> Iterator[ChargedSortie]:
-        """A sortie along the quickest ways, and along the thriftiest."""
+        """A sortie along the quickest paths, and one along those of least energy."""
         charger, floor = self._chargers[origin], self._chargers[end].floor
         tables = (self._ways.quickest, False), (self._ways.thriftiest, True)
         for table, is_thrifty in tables:
@@ -95,12 +97,12 @@ class _Flown:
             yield ChargedSortie(origin, departure, targets, cost_ms, is_thrifty)
 
     def _in_order(self, table: WayTable, origin: int, end: int, marks: int) -> tuple[int, ...]:
-        """Stops that meet some marks, in a short tour from a dock to another."""
+        """Stops that meet some marks, in a short order from one dock to another."""
         own = self._ways.marks
         stops = [s for s in range(len(own)) if s not in self._ways.docks and own[s] & marks]
         if not stops:
             return ()
-        between = np.full((len(stops) + 1, len(stops) + 1), UNREACHABLE_MS)  # docks are the last
+        between = np.full((len(stops) + 1, len(stops) + 1), UNREACHABLE_MS)  # docks come last
         between[:-1, :-1] = table.times_ms[np.ix_(stops, stops)]
         between[-1, :-1], between[:-1, -1] = (
             table.times_ms[origin, stops],
@@ -113,7 +115,9 @@ class _Flown:
         return tuple(stops[place] for place in order[begin + 1 :] + order[:begin])
 
     def _marks_of(self, stops: list[int]) -> NDArray[np.bool_]:
-        """(stops, marks) of some stops, and of the docks, which are to be passed as well."""
+        """(stops, marks) of some stops, with marks for the docks, which have to be passed as
+        well.
+        """
         bits = sorted({int(bit) for bit in self._ways.marks[stops]})
         met = np.zeros((len(stops) + 1, len(bits) + 1), np.bool_)
         met[:-1, :-1] = self._ways.marks[stops, None] == np.array(bits)

@@ -1,12 +1,13 @@
-"""How much more energy flights take than a mission says, learnt from what they took.
+"""Learns how much more energy flights take than a mission says, from what they have taken.
 
-A Kalman filter with one state, the ratio of used to predicted energy, which drifts a little. Plans
-are made with its mean and two deviations more, 5 % at most. Where more was used than that allows
-for, the filter believes it nearly at once; all else is weighed against what was known.
+A Kalman filter with one state estimates the ratio of used to predicted energy, which drifts slowly.
+Plans use its mean plus two deviations, at most 5 % more. If more is used than that allows for, the
+filter trusts the measurement almost fully; all other measurements are weighed against what was
+known.
 
-Two ratios are known. What flying takes, by voltage and current, of what the mission says; and what
-the gauge counts down of what was taken so, which is more for a pack that has aged. Without a
-current the gauge tells both at once. Plans are made with their product.
+There are two ratios: the energy that flying takes, by voltage and current, relative to what the
+mission says; and what the gauge counts relative to that energy, which is more for an aged battery.
+Without a current, the gauge measures both at once. Plans use the product of the two.
 """
 
 from __future__ import annotations
@@ -15,20 +16,20 @@ import math
 from dataclasses import dataclass
 
 LEAST, MOST = 0.8, 3.0
-"""Less than the least is not relied on. The most is a vehicle that cannot fly as fast as its
-mission says, so that all takes three times as long; beyond that plans are of no use."""
+"""Plans never rely on less than the least. The most is for a vehicle that cannot fly as fast as its
+mission says, so that everything takes three times as long; beyond that plans are useless."""
 DRIFT_PER_S, AGEING_PER_S = 0.01**2 / 60, 0.01**2 / 3600
-"""Variance that comes by a second: winds turn; and batteries age."""
+"""Growth of the variance per second: winds turn, and batteries age."""
 LEAST_DEVIATION = 0.01
 EXPECTED_DEVIATION = 0.05
-"""Of a mission's figures, before anything was flown."""
+"""Standard deviation of a mission's figures before any flight."""
 MOST_MORE = 0.05
-"""Plans are made with so much more than the mean at most."""
+"""The most that plans use above the mean."""
 
 
 @dataclass(frozen=True, slots=True)
 class RatioEstimate:
-    """A ratio, as it is known.
+    """A ratio, as far as it is known.
 
     >>> known = RatioEstimate(1.0, 0.025)
     >>> later = known.after(1.2, deviation=0.03, seconds=60.0)
@@ -38,8 +39,8 @@ class RatioEstimate:
     0.96
 
     Attributes:
-        mean: of what it may be.
-        deviation: standard, of the same.
+        mean: the expected ratio.
+        deviation: its standard deviation.
     """
 
     mean: float
@@ -48,18 +49,18 @@ class RatioEstimate:
     def after(
         self, measured: float, deviation: float, seconds: float, drift_per_s: float = DRIFT_PER_S
     ) -> RatioEstimate:
-        """What is known after one measurement more.
+        """The ratio after one more measurement.
 
         Args:
-            measured: the ratio.
-            deviation: standard, of the measurement.
-            seconds: for how long it was measured.
-            drift_per_s: variance that has come by a second.
+            measured: the measured ratio.
+            deviation: standard deviation of the measurement.
+            seconds: duration of the measurement.
+            drift_per_s: growth of the variance per second.
         """
         variance = self.deviation**2 + drift_per_s * seconds
         more = measured - self.mean
         if more > 2 * math.hypot(math.sqrt(variance), deviation):
-            variance = max(variance, (more / 2) ** 2)  # it has changed, and for the worse
+            variance = max(variance, (more / 2) ** 2)  # it has changed, for the worse
         gain = variance / (variance + deviation**2)
         mean = min(MOST, max(LEAST, self.mean + gain * more))
         left = math.sqrt((1 - gain) * variance)
@@ -68,11 +69,11 @@ class RatioEstimate:
 
 @dataclass(frozen=True, slots=True)
 class KnownRatios:
-    """What is known of the energy of flights.
+    """The known ratios of energy in flights.
 
     Attributes:
-        flying: what they take of what the mission says.
-        gauge: what the gauge counts of that.
+        flying: energy that flights take, relative to what the mission says.
+        gauge: what the gauge counts, relative to that energy.
     """
 
     flying: RatioEstimate = RatioEstimate(1.0, EXPECTED_DEVIATION)
@@ -80,11 +81,11 @@ class KnownRatios:
 
     @property
     def mean(self) -> float:
-        """What the gauge counts of what the mission says."""
+        """What the gauge counts, relative to what the mission says."""
         return self.flying.mean * self.gauge.mean
 
     @property
     def to_plan_with(self) -> float:
-        """The same, as much as it may be: two deviations more, within limits."""
+        """The ratio to plan with: two deviations above the mean, within limits."""
         deviation = math.hypot(self.flying.deviation, self.gauge.deviation)
         return min(MOST, max(LEAST, self.mean + min(2 * deviation, MOST_MORE)))

@@ -1,12 +1,12 @@
-"""What has to be left at each place, so that lines can be ready on a battery.
+"""The levels at each place with which lines can stay ready on a battery.
 
-Wherever the event of a line comes, the step under way is finished, and then the vehicle flies the
-quickest way to the place that the line asks for, and from there to a dock that charges. So each
-place keeps what both ways take; a dock also what it takes to land there and to take off again,
-since a charge ends when the event comes.
+When the event of a line comes, the vehicle finishes the present step, then flies the quickest route
+to the place that the line demands, and on to a dock that charges. So each place keeps the energy
+for both routes. A dock also keeps the energy to land there and to take off again, because a charge
+ends when the event comes.
 
-The search for laps looks at what is left at docks alone. So a dock keeps so much that each place
-before it has what it keeps. Where the quickest way is the thriftiest, too, that is what the dock
+The search for laps only considers the levels at docks. So a dock keeps enough for each place before
+it to keep its level. If the quickest route is also the one of least energy, that is what the dock
 keeps for itself.
 """
 
@@ -26,7 +26,7 @@ _FLIGHT_US = 1.0
 
 
 class FlightBetween(NamedTuple):
-    """A way from one place to another."""
+    """A route from one place to another."""
 
     origin: str
     goal: str
@@ -35,7 +35,9 @@ class FlightBetween(NamedTuple):
 
 
 class Pad(NamedTuple):
-    """A charge: where it begins, which is above the dock if it does not fly there, and the dock."""
+    """A charge: the place where it begins (above the dock, unless it includes a flight), and the
+    dock.
+    """
 
     origin: str
     dock: str
@@ -45,15 +47,15 @@ class Pad(NamedTuple):
 def ready_levels(
     answers: Sequence[str], flights: Sequence[FlightBetween], pads: Sequence[Pad], energy: Energy
 ) -> dict[str, int]:
-    """By place, the level with which it can be flown to each of some places, and on to a dock.
+    """By place, the level with which the vehicle can fly to each of some places, and on to a dock.
 
-    Without a dock on its way the vehicle lands at a safe place after its answer.
+    If no dock is on the route, the vehicle lands at a safe place after its answer.
 
     Args:
-        answers: the places that lines ask for.
-        flights: that are believed in.
-        pads: likewise.
-        energy: has the floors.
+        answers: the places that lines demand.
+        flights: the flights that are believed possible.
+        pads: the charges that are believed possible.
+        energy: contains the floors.
     """
     docks = {pad.origin: pad.charger.floor for pad in pads}
     onward = _levels(docks, flights, energy.floors, by_time=False)
@@ -67,12 +69,12 @@ def ready_levels(
 
 
 def kept_at(pad: Pad, flights: Sequence[FlightBetween], levels: Mapping[str, int]) -> Charger:
-    """A dock that keeps what is needed for lines to be ready.
+    """A dock that keeps what lines need in order to be ready.
 
     Args:
         pad: the dock.
-        flights: all that a plan may have.
-        levels: by place, what it keeps.
+        flights: all flights of a plan.
+        levels: by place, the level that it keeps.
     """
     called = pad.charger.take_off + levels.get(pad.dock, 0)
     charger = replace(pad.charger, called=called)
@@ -83,7 +85,7 @@ def kept_at(pad: Pad, flights: Sequence[FlightBetween], levels: Mapping[str, int
 
 
 def is_cautious(problem: Problem) -> bool:
-    """Whether some dock keeps more than it needs, for the sake of places before it."""
+    """Whether some dock keeps more than it needs itself, because of places before it."""
     return any(
         charger.floor > max(charger.bare.floor, charger.landing + charger.called)
         for charger in (action.charger for action in problem.actions)
@@ -92,7 +94,7 @@ def is_cautious(problem: Problem) -> bool:
 
 
 def without_ready(problem: Problem) -> Problem:
-    """A problem in which no line is ready, as far as the battery has to last for it."""
+    """The problem without ready lines, as far as energy is concerned."""
     assert problem.energy is not None
     actions = (
         a if a.charger is None else replace(a, charger=a.charger.bare or a.charger)
@@ -107,13 +109,13 @@ def _levels(
     floors: Mapping[str, int],
     by_time: bool,
 ) -> dict[str, int]:
-    """By place, the level with which one of some others is reached with what is asked for there.
+    """By place, the level with which some place can be reached with the level required there.
 
     Args:
-        begin: by place, the level that is asked for.
-        flights: ways.
-        floors: by place, what there has to be on the way.
-        by_time: along the quickest ways, not the thriftiest.
+        begin: by place, the level required there.
+        flights: the flights.
+        floors: by place, the lowest level allowed on the way.
+        by_time: whether to use the quickest routes instead of those of least energy.
     """
     spent(_FLIGHT_US * len(flights))
     into: dict[str, list[FlightBetween]] = defaultdict(list)

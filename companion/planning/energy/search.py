@@ -1,10 +1,11 @@
-"""The best lasso that the battery lasts for: shortest lap, then shortest prefix.
+"""The best lasso that the battery lasts for: the shortest lap, then the shortest prefix.
 
-A loop either rests, which is to land, or charges (`charging_loops.py`); one that was found before
-is not searched again while it is the best one (`known_loops.py`). The way into it takes the charge
-that there is, and charges where it needs more (`approach.py`); in flight a loop is entered where no
-part of it waits for ever (`fair_approach.py`). Each position keeps its floor: the reserve, and what
-it takes to land at a safe place; and what lines keep that are ready (`ready_levels.py`).
+1. A loop either rests, which means to land, or charges (`charging_loops.py`). A loop that was found
+   before is not searched again as long as it is the best one (`known_loops.py`).
+2. The path into it uses the present charge, and charges if it needs more (`approach.py`). In flight
+   the loop is entered where no part of it waits for ever (`fair_approach.py`).
+3. Each position keeps its floor: the reserve, and the energy to land at a safe place; and the
+   levels of ready lines (`ready_levels.py`).
 """
 
 from __future__ import annotations
@@ -41,9 +42,9 @@ def energy_solutions(
 
     Args:
         search: knows the mission's actions and automata.
-        problem: with energy.
-        effort: limits of the search.
-        known: loops that were found before, and keeps those that are found now.
+        problem: a problem with energy.
+        effort: the limits of the search.
+        known: loops that were found before; new ones are added.
 
     Raises:
         SearchLimit: the product has too many states.
@@ -57,7 +58,7 @@ def energy_solutions(
 def is_solvable(
     search: Search, problem: Problem, effort: Effort, known: KnownLoops | None = None
 ) -> bool | None:
-    """Whether there is a lasso that the battery lasts for; None if a search reaches its limit."""
+    """Whether the battery lasts for any lasso; None if a search reaches its limit."""
     effort = replace(effort, proves_laps=False)
     try:
         return next(energy_solutions(search, problem, effort, known), None) is not None
@@ -71,7 +72,7 @@ class EnergySearch:
     Args:
         graph: the product.
         known: loops that were found before.
-        proves: whether there is time to look for the shortest laps, and to prove that they are.
+        proves: whether there is time to find the shortest laps, and to prove them.
     """
 
     def __init__(
@@ -81,7 +82,7 @@ class EnergySearch:
         self._known = KnownLoops() if known is None else known
 
     def solutions(self, components: Sequence[NDArray[np.intp]]) -> Iterator[Solution]:
-        """A good lasso, and the best one where it is asked for; none if there is none.
+        """A good lasso, and the best one if that is requested; none if there is none.
 
         Args:
             components: the nodes of each strong component with a loop that meets every mark.
@@ -118,7 +119,7 @@ class EnergySearch:
     # -- rest --------------------------------------------------------------------------------------
 
     def _resting(self) -> Solution | None:
-        """The quickest way to where the vehicle may rest for ever."""
+        """The quickest path to where the vehicle may rest for ever."""
         way = self._approach(self._rests())
         if way is None:
             return None
@@ -126,7 +127,7 @@ class EnergySearch:
         return Solution(lasso, Objective.LAP, WAIT.cost_ms, WAIT.cost_ms, ENGINE)
 
     def _rests(self) -> dict[int, int]:
-        """By node from which rest for ever is accepted: what has to be there to land."""
+        """For each node from which rest for ever is accepted, the level required to land."""
         graph, product = self._graph, self._graph.product
         waits = np.flatnonzero([action is WAIT for action in graph.actions])
         before, after = graph.sources[waits], product.ends[waits]
@@ -148,13 +149,13 @@ class EnergySearch:
             required = graph.energy.rests.get(graph.places[node])
             if node not in found and required is not None:
                 found[node] = required
-                pending += into.get(node, [])  # a step of rest more is the same word
+                pending += into.get(node, [])  # another step of rest makes the same word
         return found
 
     # -- the way into a loop -----------------------------------------------------------------------
 
     def _entered(self, loops: Sequence[ChargingLoop]) -> Solution | None:
-        """The shortest of some loops that is reached, with the best way into it."""
+        """The shortest of some loops that can be reached, with the best path into it."""
         best: tuple[FairEntry, ChargingLoop] | None = None
         for loop in sorted(loops, key=lambda loop: loop.cost_ms):
             if best is not None and loop.cost_ms > best[1].cost_ms:
@@ -168,7 +169,7 @@ class EnergySearch:
         return self._solution(*best, bound_ms // self._graph.product.max_laps)
 
     def _entry(self, loop: ChargingLoop) -> FairEntry | None:
-        """Where a loop is entered; None if it is not reached."""
+        """Where a loop is entered; None if it cannot be reached."""
         graph = self._graph
         goals = [
             ApproachGoal(graph.start(edge), needed if self._may_enter(level) else NEVER)
@@ -184,9 +185,9 @@ class EnergySearch:
         )
 
     def _may_enter(self, level: int | None) -> bool:
-        """Whether a loop may be entered before an edge that charges to a level, if it does.
+        """Whether a loop may be entered before this edge, which may charge to a level.
 
-        A way into it that keeps less would charge at the same dock just before.
+        A path that arrives with less would charge at the same dock just before.
         """
         return level is None or not self._graph.energy.is_short
 
@@ -211,7 +212,7 @@ class EnergySearch:
             level = drained if step.departure is None else step.departure
 
     def _action(self, edge: int, departure: int | None, arrival: int | None = None) -> Action:
-        """The action of an edge, which charges to a level from that on arrival, or the floor."""
+        """The action of an edge that charges to a level, from the arrival level or the floor."""
         action = self._graph.action(edge, in_loop=arrival is None)
         if departure is None:
             return action

@@ -1,4 +1,4 @@
-"""Why the battery does not last for a task that there would be a plan for without it, in words."""
+"""Explains why the battery does not last for a task for which there would be a plan without it."""
 
 from __future__ import annotations
 
@@ -22,16 +22,18 @@ from companion.planning.lasso import Problem
 
 STRANDED = "no way leads from here to a safe place"
 FAR = 100
-"""Batteries that nobody flies with: what they do not last for is no matter of the charge."""
+"""Capacities beyond any real battery: if one of these does not last, the charge is not the
+reason.
+"""
 
 
 def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ...]:
-    """A line for each reason; none where the battery is not the reason.
+    """A line for each reason; none if the battery is not the reason.
 
     Args:
         search: knows the mission's actions and automata.
-        problem: with energy, without a plan.
-        effort: limits of each search.
+        problem: a problem with energy and without a plan.
+        effort: the limits of each search.
     """
     energy = problem.energy
     if energy is None or not search.is_solvable(replace(problem, energy=None), effort):
@@ -56,13 +58,15 @@ def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ..
 
 
 def is_stranded(problem: Problem) -> bool:
-    """Whether no way leads from the vehicle to a safe place, whatever the charge."""
+    """Whether no route leads from the vehicle to a safe place, whatever the charge."""
     energy = problem.energy
     return energy is not None and energy.floor(place_of(problem.facts)) is None
 
 
 def _least(search: Search, full: Problem, level: int, effort: Effort) -> int:
-    """The least level with which there is a plan, between one without and a full battery."""
+    """The lowest level with which there is a plan, between one without a plan and a full
+    battery.
+    """
     assert full.energy is not None
     low, high = max(0, level), full.energy.level
     while high - low > 1:
@@ -73,10 +77,10 @@ def _least(search: Search, full: Problem, level: int, effort: Effort) -> int:
 
 
 def _needed(search: Search, full: Problem, effort: Effort) -> int | None:
-    """The least level above a full battery's with which there is a plan that charges nowhere.
+    """The lowest level, above a full battery's, for which there is a plan without charging.
 
-    None where the loop itself takes more than there is, or the task has docks, on which no battery
-    holds more than a full one.
+    None if the loop itself takes more than there is, or if the task has docks, where no battery can
+    hold more than a full one.
     """
     if full.energy is None or any(action.charger is not None for action in full.actions):
         return None
@@ -88,7 +92,7 @@ def _needed(search: Search, full: Problem, effort: Effort) -> int | None:
 
 
 def _unserved(graph: EnergyProduct, nodes: NDArray[np.intp]) -> Iterator[str]:
-    """What a loop in some nodes has to meet and no battery lasts for."""
+    """What a loop in some nodes has to meet although no battery lasts for it."""
     inside = graph.inside(nodes)
     docks = np.flatnonzero(inside & graph.is_charge).tolist()
     if not docks:

@@ -1,13 +1,13 @@
-"""What every sortie costs at least, over up to twenty marks and more where a battery is small.
+"""The least cost of every sortie, over up to twenty marks, or more if a battery is small.
 
-From each dock, Held and Karp's dynamic programme over sets, all sets of one size at once: once with
-the quickest ways and once with the thriftiest. A set is left out as soon as the battery does not
-last for it, and so are all that contain it. What a sortie costs is reckoned with the least time and
-the least drain for its set, which may belong to two different orders: none costs less.
+For each dock, Held and Karp's dynamic programme over sets is run, for all sets of one size at once:
+once with the quickest paths and once with those of least energy. A set is dropped as soon as the
+battery does not last for it, together with all sets that contain it. The cost of a sortie is
+computed from the least time and the least energy for its set. These may belong to two different
+orders, so it is a lower bound.
 
-A sortie over some marks of a set costs no more than that over the set, as the ways are shortest
-paths: to leave a stop out makes nothing longer. So laps may be looked for in which no mark is met
-twice.
+A sortie over a part of a set costs no more than one over the whole set, because paths are shortest:
+leaving out a stop makes nothing longer. So it is enough to search for laps that meet no mark twice.
 
 Source: Held and Karp, A dynamic programming approach to sequencing problems, 1962.
 """
@@ -29,11 +29,11 @@ from companion.slices import spent
 
 MOST_MARKS = 24
 MOST_SETS = 1_100_000
-"""Of a dock: all sets of twenty marks. With more, no table is made."""
+"""The most sets of a dock, all sets of twenty marks. Beyond it no table is made."""
 _FAR = 1 << 29
-"""No time or drain is as much; the sum of two of them fits into 32 bits."""
+"""More than any time or drain; the sum of two of them fits into 32 bits."""
 _BATCH = 1 << 13
-"""Sets at once, so that a batch stays in the processor's cache."""
+"""Number of sets processed at once, so that a batch fits into the processor's cache."""
 
 Whole = NDArray[np.int32]
 Numbers = NDArray[np.int64]
@@ -41,13 +41,13 @@ Numbers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class SortieTable:
-    """All sorties that a battery lasts for, (sorties,) each.
+    """All sorties that a battery lasts for; each array is (sorties,).
 
     Attributes:
-        origins: docks, by their places.
-        ends: likewise.
+        origins: indices of docks.
+        ends: indices of docks.
         sets: the marks that are met.
-        costs_ms: of charge and flight, at least.
+        costs_ms: lower bounds for the time of charge and flight.
     """
 
     origins: NDArray[np.int8]
@@ -56,13 +56,13 @@ class SortieTable:
     costs_ms: Numbers
 
     def of(self, chosen: NDArray[np.bool_] | NDArray[np.intp] | slice) -> SortieTable:
-        """Some of them."""
+        """A selection of them."""
         return SortieTable(
             self.origins[chosen], self.ends[chosen], self.sets[chosen], self.costs_ms[chosen]
         )
 
     def with_(self, others: SortieTable) -> SortieTable:
-        """These and others."""
+        """These and others together."""
         return SortieTable(
             np.concatenate((self.origins, others.origins)),
             np.concatenate((self.ends, others.ends)),
@@ -77,9 +77,9 @@ def sortie_table(
     """All sorties between some docks; None if there are too many, or a stop meets several marks.
 
     Args:
-        ways: between all stops.
+        ways: the paths between all stops.
         chargers: by stop.
-        marks: how many there are.
+        marks: number of marks.
     """
     own = ways.marks[[s for s in range(len(ways.marks)) if s not in ways.docks]]
     is_simple = all(mark.bit_count() == 1 for mark in own.tolist())
@@ -103,7 +103,7 @@ _Part = tuple[NDArray[np.int8], NDArray[np.int8], Whole, Numbers]
 def _from(
     ways: WayTables, chargers: Mapping[int, Charger], marks: int, origin: int
 ) -> list[_Part] | None:
-    """The sorties from a dock, by the dock to which they lead."""
+    """The sorties from a dock, by the dock where they end."""
     docks, all_ = list(chargers), list(chargers.values())
     i = docks.index(origin)
     is_alike = all(np.array_equal(each.times_ms, all_[0].times_ms) for each in all_)
@@ -129,9 +129,9 @@ def _from(
 def _layers(
     ways: WayTables, chargers: Mapping[int, Charger], marks: int, origin: int
 ) -> Iterator[tuple[Whole, Whole, Whole]]:
-    """Sets of marks of one size after the other, with times and drains to each dock, (docks, sets).
+    """Sets of marks, one size after the other, with times and drains to each dock, (docks, sets).
 
-    Only such as the battery lasts for, to one of the docks.
+    Only sets for which the battery lasts, to at least one dock.
     """
     docks = list(chargers)
     targets = np.array([s for s in range(len(ways.marks)) if s not in ways.docks])
@@ -174,10 +174,10 @@ def _open_drains(ways: WayTables) -> Numbers:
 
 
 class _Legs:
-    """What legs take: of time, or of drain.
+    """The time, or the drain, of legs.
 
     Attributes:
-        direct: (docks,) from the origin.
+        direct: (docks,) legs from the origin.
     """
 
     def __init__(self, table: Whole, origin: int, targets: NDArray[np.intp], docks: list[int]):
@@ -186,7 +186,7 @@ class _Legs:
         self.direct = table[origin, docks]
 
     def begun(self, places: Whole, sets: int) -> Whole:
-        """(targets, sets) paths to each target alone."""
+        """(targets, sets) paths with only one target."""
         best = np.full((len(places), sets), _FAR, np.int32)
         best[np.arange(len(places)), places] = self._begin
         return best

@@ -1,9 +1,9 @@
-"""Sorties: stretches from one charge to the next, over stops that meet marks.
+"""Sorties: the parts of a lap from one charge to the next, over stops that meet marks.
 
-For each dock, each set of marks and each dock there is a sortie of least time and one of least
-drain, by Held and Karp's dynamic programme. They are nearly always one and the same, as time and
-drain belong to the same routes. Where they are not, their least time with their least drain is a
-bound for whatever lies between them.
+For each pair of docks and each set of marks there is a sortie of least time and one of least drain
+(energy), by Held and Karp's dynamic programme. They are nearly always the same, because time and
+drain belong to the same routes. If they are not, the least time and the least drain together are a
+lower bound for everything in between.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ Units = NDArray[np.int64]
 """Whole units of usable energy."""
 _UNREACHABLE = 1 << 60
 _MINOR = 24
-"""Bits below a key's major part, for drains; times are below 2^38 ms."""
+"""Bits below the major part of a key, for drains; times are below 2^38 ms."""
 _MAJOR_DRAIN = 38
 _LAYER_US = 100.0
 
 
 @dataclass(frozen=True, eq=False)
 class WayTable:
-    """Ways between stops, (N, N).
+    """Paths between stops, (N, N).
 
     Attributes:
-        times_ms: UNREACHABLE_MS without a way.
+        times_ms: UNREACHABLE_MS if there is no path.
         drains: in whole units.
     """
 
@@ -43,18 +43,18 @@ class WayTable:
     drains: Units
 
     def keys(self, of_ways: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Keys of the ways by which they are compared; _UNREACHABLE without a way."""
+        """The keys by which paths are compared; _UNREACHABLE if there is no path."""
         return np.where(self.times_ms < UNREACHABLE_MS, of_ways, _UNREACHABLE)
 
 
 @dataclass(frozen=True, eq=False)
 class WayTables:
-    """The ways between stops: targets of the marks, and docks.
+    """The paths between stops: targets of the marks, and docks.
 
     Attributes:
-        quickest: no way takes less time.
-        thriftiest: no way takes less energy; mostly they are the same.
-        marks: (N,) bits that each stop meets; 0 for a dock that meets none.
+        quickest: the paths of least time.
+        thriftiest: the paths of least energy; mostly they are the same.
+        marks: (N,) the marks (bits) that each stop meets; 0 for a dock that meets none.
         docks: stops that are not passed without a charge.
     """
 
@@ -69,9 +69,9 @@ class WayTables:
         return 1 << int(np.bitwise_or.reduce(self.marks, initial=0)).bit_length()
 
     def served(self, chargers: Mapping[int, Charger]) -> list[int]:
-        """The docks, and the stops for which a battery lasts, from one of them to another one."""
-        there = np.full(len(self.marks), -_UNREACHABLE)  # the most that may be left at each stop
-        back = np.full(len(self.marks), _UNREACHABLE)  # the least with which a dock is reached
+        """The docks, and the stops that the battery can serve on a flight from dock to dock."""
+        there = np.full(len(self.marks), -_UNREACHABLE)  # highest possible level at each stop
+        back = np.full(len(self.marks), _UNREACHABLE)  # lowest level for reaching a dock
         for stop, charger in chargers.items():
             drains = np.where(self.thriftiest.times_ms < UNREACHABLE_MS, self.thriftiest.drains, 0)
             is_open = self.thriftiest.times_ms < UNREACHABLE_MS
@@ -85,7 +85,9 @@ class WayTables:
 
 
 def joined(ways: WayTable, chargers: Mapping[int, Charger]) -> list[dict[int, Charger]]:
-    """The docks that reach each other, on full charges at some more of them."""
+    """Groups of docks that reach each other, with full charges, by way of other docks of the
+    group.
+    """
     stops, all_ = list(chargers), list(chargers.values())
     floors = np.array([charger.floor for charger in all_])
     highest = np.array([charger.highest for charger in all_])
@@ -99,17 +101,17 @@ def joined(ways: WayTable, chargers: Mapping[int, Charger]) -> list[dict[int, Ch
 
 
 class _Tables:
-    """From some stops, for each set of marks and each target: the best path that meets the set.
+    """For some starts, the best path for each set of marks and each last target.
 
-    Keys have a major and a minor part that are minimised in this order. Sets with as many marks
-    are dealt with at once, as paths only lead to larger ones.
+    Keys have a major and a minor part, which are minimised in this order. Sets of equal size are
+    processed at once, because paths only lead to larger sets.
 
     Args:
-        keys: (tables, N, N) of the ways between stops.
+        keys: (tables, N, N) keys of the paths between stops.
         starts: (tables,) where the paths of each table begin.
-        marks: (N,) bits that each stop meets.
-        targets: stops that meet marks, and may be passed.
-        sets: the number of sets of marks.
+        marks: (N,) the marks (bits) that each stop meets.
+        targets: stops that meet marks and may be passed.
+        sets: number of sets of marks.
     """
 
     def __init__(
@@ -145,7 +147,9 @@ class _Tables:
                 np.minimum.at(best[table], places, onward[table][fresh])
 
     def to(self, table: int, end: int) -> NDArray[np.int64]:
-        """(sets,) the best path to a stop that meets exactly each set of marks, the stop's too."""
+        """(sets,) the best path to a stop that meets exactly each set of marks, including the
+        stop's.
+        """
         before = self._up_to(table, end)
         own = int(self._marks[end])
         found = np.full(len(before), _UNREACHABLE)
@@ -153,7 +157,7 @@ class _Tables:
         return found
 
     def path(self, table: int, met: int, end: int) -> list[int]:
-        """The targets on the best path to a stop that meets exactly a set, in their order."""
+        """The targets on the best path to a stop that meets exactly this set, in their order."""
         before = self._up_to(table, end)
         own = int(self._marks[end])
         met = min((met & ~own | kept for kept in subsets(met & own)), key=lambda s: int(before[s]))
@@ -167,7 +171,7 @@ class _Tables:
         return path[::-1]
 
     def _up_to(self, table: int, end: int) -> NDArray[np.int64]:
-        """(sets,) the best path to a stop that meets exactly each set of marks before it."""
+        """(sets,) the best path to a stop that meets exactly each set of marks before the stop."""
         to = self._to[table, :, end]
         found = (self._best[table] + to).min(axis=1, initial=_UNREACHABLE)
         found[0] = min(found[0], self._direct[table, end])
@@ -191,14 +195,14 @@ class _Tables:
 
 @cache
 def _layers(sets: int) -> list[NDArray[np.intp]]:
-    """All sets of marks but the empty one and the whole, by how many marks they have."""
+    """All sets of marks except the empty one and the full one, grouped by size."""
     numbers = np.arange(sets)
     sizes = np.bitwise_count(numbers)
     return [np.flatnonzero(sizes == size) for size in range(1, int(sizes.max(initial=0)))]
 
 
 def subsets(marks: int) -> Iterator[int]:
-    """All subsets of a set, itself first."""
+    """All subsets of a set, the set itself first."""
     part = marks
     while part:
         yield part
@@ -210,7 +214,7 @@ def subsets(marks: int) -> Iterator[int]:
 class SortieTimes:
     """(sets,) sorties from one dock to another: one of least time, one of least drain.
 
-    A set that is met may have more marks than the one that is asked for.
+    They may meet more marks than the set for which they are given.
     """
 
     quickest_ms: Costs
@@ -223,8 +227,8 @@ class Sorties:
     """All sorties between some docks.
 
     Args:
-        ways: between the stops.
-        docks: where they begin and end.
+        ways: the paths between the stops.
+        docks: where sorties begin and end.
     """
 
     def __init__(self, ways: WayTables, docks: Sequence[int]) -> None:
@@ -240,7 +244,7 @@ class Sorties:
         self._docks = docks
 
     def between(self, i: int, j: int) -> SortieTimes:
-        """The sorties from a dock to another, by their places, for each set of marks."""
+        """The sorties from one dock to another, given by their indices, for each set of marks."""
         end = self._docks[j]
         quick, thrifty = (
             _at_least(self._tables.to(self._table(i, is_thrifty), end))
@@ -255,7 +259,7 @@ class Sorties:
         )
 
     def path(self, i: int, j: int, marks: int, is_thrifty: bool) -> list[int]:
-        """The targets of a sortie that meets at least some marks, in their order."""
+        """The targets of a sortie that meets at least these marks, in their order."""
         table, end = self._table(i, is_thrifty), self._docks[j]
         exact = self._tables.to(table, end)
         supersets = np.arange(len(exact)) | marks
@@ -267,7 +271,7 @@ class Sorties:
 
 
 def _at_least(exact: NDArray[np.int64]) -> NDArray[np.int64]:
-    """For each set the least over all sets that contain it."""
+    """For each set, the least value over all sets that contain it."""
     found = exact.copy()
     size = 1
     while size < len(found):

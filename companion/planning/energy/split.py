@@ -1,7 +1,7 @@
-"""Good laps over many stops: one order of them all, cut into sorties at best.
+"""Finds good laps over many stops: one order of all stops, cut optimally into sorties.
 
-The order is improved by local search (a part reversed, a short part moved, another beginning), and
-each order is cut by dynamic programming over its places and the docks, many orders at once.
+Local search improves the order (reverse a part, move a short part, begin elsewhere). Dynamic
+programming over positions and docks cuts each order, many orders at once.
 
 Source: Prins, A simple and effective evolutionary algorithm for the vehicle routing problem, 2004.
 """
@@ -23,10 +23,10 @@ from companion.planning.energy.sorties import WayTable
 from companion.slices import spent
 
 Orders = NDArray[np.int64]
-"""(orders, places): stops, each in every row once."""
+"""(orders, places): each row contains every stop once."""
 _MAX_SHIFTED = 3
 _MOST_ENTRIES = 100_000
-"""Sorties that are priced at once, which bounds memory, and fits into a slice."""
+"""Number of sorties whose cost is computed at once; limits memory and fits into a slice."""
 _PRICES_ADDITIONS, _CUT_US, _CHANGE_US = 4, 20.0, 4.0
 
 
@@ -34,8 +34,8 @@ class Splits:
     """The best cuts of orders.
 
     Args:
-        ways: between all stops.
-        chargers: by stop, what charging takes there.
+        ways: the paths between all stops.
+        chargers: by stop, its charger.
     """
 
     def __init__(self, ways: WayTable, chargers: dict[int, Charger]) -> None:
@@ -50,14 +50,14 @@ class Splits:
         self._transfers = transfers
 
     def costs(self, orders: Orders) -> Costs:
-        """(orders,) the cost of the best lap along each order, which begins with a charge."""
+        """(orders,) the cost of the best lap along each order; a lap begins with a charge."""
         places = orders.shape[1]
         batch = max(1, _MOST_ENTRIES // (len(self._docks) ** 2 * places**2))
         parts = [self._reached(orders[i : i + batch]) for i in range(0, len(orders), batch)]
         return np.concatenate([_closed(part) for part in parts])
 
     def sorties(self, order: Sequence[int]) -> list[ChargedSortie]:
-        """The best cut of one order."""
+        """The best cut of an order into sorties."""
         reached = self._reached(np.array([order]))[:, 0]  # (start, place, dock)
         prices = self._prices(np.array([order]))[:, :, 0]  # (from, to, first, last)
         start = int(np.array([reached[a, -1, a] for a in range(len(reached))]).argmin())
@@ -79,7 +79,7 @@ class Splits:
         return found[::-1]
 
     def _onward(self, prices: Costs, place: int, end: int) -> Costs:
-        """(first, from) sorties over the places from some first one up to one."""
+        """(first, from) sorties over the places from each first one up to the last."""
         costs: Costs = prices[:, end, :place, place - 1].T
         return costs
 
@@ -106,7 +106,7 @@ class Splits:
         return costs
 
     def _prices(self, orders: Orders) -> Costs:
-        """(from, to, orders, first, last) what each part of each order costs between docks."""
+        """(from, to, orders, first, last) the cost of each part of each order, between docks."""
         sums = [
             _along(table, orders) for table in (self._ways.times_ms, self._ways.drains)
         ]  # (orders, first, last)
@@ -148,7 +148,7 @@ class Splits:
 
 
 def _along(table: NDArray[np.int64], orders: Orders) -> NDArray[np.int64]:
-    """(orders, first, last) the sum of the legs from a place of an order to a later one."""
+    """(orders, first, last) the sum of the legs from one place of an order to a later one."""
     legs = table[orders[:, :-1], orders[:, 1:]]
     passed = np.concatenate((np.zeros((len(orders), 1), np.int64), legs.cumsum(axis=1)), axis=1)
     sums: NDArray[np.int64] = passed[:, None, :] - passed[:, :, None]
@@ -156,14 +156,14 @@ def _along(table: NDArray[np.int64], orders: Orders) -> NDArray[np.int64]:
 
 
 def _closed(reached: Costs) -> Costs:
-    """(orders,) the best of the starts to which a lap leads back."""
+    """(orders,) the best of the starts to which a lap returns."""
     ends = np.array([reached[start, :, -1, start] for start in range(len(reached))])
     least: Costs = ends.min(axis=0)
     return least
 
 
 def improved(splits: Splits, order: Sequence[int]) -> tuple[list[int], int]:
-    """An order that no single change makes better, from one to begin with, and its cost."""
+    """An order that no single change improves, found from a first one, and its cost."""
     best = np.array(order)
     begin = np.array(
         [np.roll(each, turn) for each in (best, best[::-1]) for turn in range(len(best))]
@@ -184,7 +184,7 @@ def improved(splits: Splits, order: Sequence[int]) -> tuple[list[int], int]:
 
 
 def _changed(order: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
-    """All orders that a single change makes."""
+    """All orders that a single change can make."""
     size = len(order)
     for turn in range(1, size):
         yield np.roll(order, turn)
