@@ -12,10 +12,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from companion.acting.journal import CommandIntended, CommandSettled, JournalEntry
 from companion.mission.steps import Command
+from companion.planning.domain import Action
 from companion.vehicle.port import Vehicle
 
 
@@ -24,16 +25,19 @@ class StepOwner:
     """Identifies a step.
 
     Attributes:
-        action: the skill.
+        action: the skill, with `*` for the place from which it flies: one that is interrupted on
+            its way goes on from `here`, and is the same.
         position: the position of the word at which the skill is done.
         nth: which leaf of the skill's tree, from 0.
         asked: which of the commands that a function asks for, from 1; 0 for the leaf's own step.
+        begun_as: name of the action under way; it identifies nothing.
     """
 
     action: str
     position: int
     nth: int
     asked: int = 0
+    begun_as: str = field(default="", compare=False)
 
 
 @dataclass
@@ -88,7 +92,7 @@ class BegunSteps:
         self._intentions += 1
         self._steps[owner] = step = BegunStep(does, self._intentions, now_s)
         text = does if isinstance(does, str) else does.name
-        self._note(CommandIntended(self._intentions, owner.action, text))
+        self._note(CommandIntended(self._intentions, owner.begun_as, text))
         return step
 
     def since_s(self, action: str, now_s: float) -> float:
@@ -115,9 +119,9 @@ class BegunSteps:
         for owner in [owner for owner in self._steps if owner.nth in leaves]:
             self.drop(owner)
 
-    def end_skill(self, action: str) -> None:
+    def end_skill(self, action: Action) -> None:
         """Ends the steps of a skill that has failed, after all its tries."""
-        for owner in [owner for owner in self._steps if owner.action == action]:
+        for owner in [owner for owner in self._steps if owner.action == action.from_anywhere]:
             self.drop(owner)
 
     def _forget(self, owner: StepOwner) -> BegunStep:

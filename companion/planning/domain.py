@@ -81,6 +81,7 @@ class Action:
         charger: the dock where it charges to the level that the plan says; None if it does not.
             With a charger, `cost_ms` is the cost of landing and taking off, and `drain` is ignored.
         charge_to: the level after charging, in units; None if it does not charge or it is unknown.
+        departure: which of the arguments is the place from which it flies; None if none is.
     """
 
     skill: str
@@ -102,11 +103,26 @@ class Action:
     drain: int = 0
     charger: Charger | None = None
     charge_to: int | None = None
+    departure: int | None = None
     name: str = field(init=False, compare=False)
 
     def __post_init__(self) -> None:
         """Builds the name once, because plans are compared by names a thousand times in flight."""
         object.__setattr__(self, "name", spelled(self.skill, self.arguments))
+
+    @property
+    def from_anywhere(self) -> str:
+        """The name with `*` for the place from which it flies: the same for each such place.
+
+        An action that is interrupted in flight goes on as one that begins at `here`.
+
+        >>> reach("North").name, reach("North").from_anywhere
+        ('reach(here, North)', 'reach(*, North)')
+        """
+        arguments = [*self.arguments]
+        if self.departure is not None:
+            arguments[self.departure] = ANYWHERE
+        return spelled(self.skill, tuple(arguments))
 
     @property
     def destination(self) -> str | None:
@@ -172,6 +188,7 @@ def reach(place: str) -> Action:
         execute=(Fly(place),),
         tries=TRIES,
         timeout_s=None,
+        departure=0,
     )
 
 

@@ -239,10 +239,11 @@ def _look_at(mission: Mission, skill: Skill, binding: dict[str, str]) -> PointOf
 
 def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Instance | None:
     execute = _refined(mission, skill, binding)
-    goal, origin, flight = destination(execute), skill.origin, None
+    goal, origin, flight, departure = destination(execute), skill.origin, None, None
     if goal is not None and origin is not None:
         if binding[origin] == goal:
             return None  # a flight to the present place; resting is `wait`
+        departure = [*binding].index(origin)
         if skill.cost_s is None:
             flight = binding[origin], goal
     requires, forbids = _facts(skill.precondition, binding)
@@ -270,6 +271,7 @@ def _instance(mission: Mission, skill: Skill, binding: dict[str, str]) -> _Insta
         look_at=_look_at(mission, skill, binding),
         is_repeatable=skill.is_repeatable,
         confirmed_by=skill.confirmed_by,
+        departure=departure,
     )
     place = goal or (binding[origin] if origin is not None else None)
     return _Instance(skill, action, flight, place)

@@ -13,7 +13,8 @@ Rules of the word (after Section III-A of the paper):
 5. An interrupted flight leaves the vehicle at no place: `at(here)` holds, and no other `at`.
 6. A new plan keeps what was read (the paper starts again from the automaton's initial states). Only
    an event can make a line that must hold start again (`restarts`).
-7. An action may be barred: nobody knows whether it was done, so no plan does it again.
+7. An action may be barred: nobody knows whether it was done, so no plan does it again, from
+   wherever it would begin.
 8. A line that the present plan drops continues to read. If it was violated, it starts again with
    the plan that takes it up; plans are made as if it had.
 
@@ -53,7 +54,7 @@ class TaskState:
         optional: lines of the task that may be dropped.
         dropped: those optional lines that the present plan does not keep.
         may_take_up: whether a skill was completed since dropped lines were last reconsidered.
-        barred: names of actions that no plan may contain.
+        barred: names of actions that no plan may contain, with `*` for where they would begin.
         on_change: called with each change, after it.
         is_changing: whether a change is under way.
     """
@@ -143,7 +144,7 @@ class TaskState:
             clocks_ms=word.clocks_ms,
         )
         if self.barred:
-            allowed = tuple(a for a in problem.actions if a.name not in self.barred)
+            allowed = tuple(a for a in problem.actions if a.from_anywhere not in self.barred)
             problem = replace(problem, actions=allowed)
         if self.completed:
             problem = replace(problem, waiting_since_ms=word.waiting_since_ms)
@@ -260,7 +261,7 @@ class TaskState:
     @recorded
     def bar(self, action: Action) -> None:
         """No plan does an action again, because it is not known whether it was done."""
-        self.barred |= {action.name}
+        self.barred |= {action.from_anywhere}
 
     @recorded
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:

@@ -38,12 +38,23 @@ def a_mission(task: dict[str, str] | None = None, **fields: Any) -> Mission:
         meadow.DATA
         | {
             "components": {"payload": PAYLOAD},
+            "sets": meadow.DATA["sets"] | {"Site": ["A"]},
             "skills": meadow.DATA["skills"] | {"work": work},
             "events": {"called": {"when": "COMMAND.MAV_CMD_USER_2"}},
             "limits": {"speed_mps": 4, "up_m": [1, 10], "fence": fence},
             "task": task or {"work": "F done", "home": "F G at(Home)"},
         }
     )
+
+
+def flying_to_its_work() -> dict[str, Any]:
+    """Fields of a skill that flies to the payload's place itself."""
+    return {
+        "parameters": {"from": "Place", "to": "Site"},
+        "precondition": "at(from)",
+        "effect": "done & at(to) & !at(from)",
+        "execute": ["fly(to)", "command(payload, MAV_CMD_USER_1)", "wait(1)"],
+    }
 
 
 def fly(mission: Mission, air: Cut | None = None) -> Lockstep:
@@ -116,3 +127,26 @@ def test_killed_after_a_pause_it_is_not_commanded_again() -> None:
     assert flight.one(OutcomeUnknown).action == "work"
     assert len(sent_s(flight)) == 1 and not flight.of(SkillCompleted)
     assert flight.of(PlaceReached)[-1].place == "Home"
+
+
+@pytest.mark.parametrize("interruption", [short_pause, pilot])
+def test_a_skill_that_flies_there_itself_goes_on_from_here_with_its_command(
+    interruption: Interruption,
+) -> None:
+    air = Cut()
+    flight = fly(a_mission(**flying_to_its_work()), air)
+    interruption(flight, air)
+    flight.until_the_end()
+    assert flight.ending == TaskSatisfied()
+    assert flight.one(SkillCompleted).action == "work(here, A)"
+    assert len(sent_s(flight)) == 1 and not flight.of(SkillFailed)
+
+
+def test_killed_a_skill_that_flies_there_itself_is_not_done_again_from_anywhere() -> None:
+    flight = fly(a_mission(**flying_to_its_work()))
+    flight.kill()
+    flight.run(3.0)
+    flight.restart()
+    flight.until_the_end()
+    assert flight.one(OutcomeUnknown).action == "work(Home, A)"
+    assert len(sent_s(flight)) == 1 and not flight.of(SkillCompleted)

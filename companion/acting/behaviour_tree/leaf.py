@@ -43,8 +43,9 @@ class Leaf(Behaviour):
             asked: which of the commands that a function has asked for; 0 for the leaf's own step.
         """
         task = self._flight.task
-        name = task.running.name if task.running is not None else ""
-        return StepOwner(name, task.positions, self.nth, asked)
+        action = task.running
+        name, begun_as = (action.from_anywhere, action.name) if action is not None else ("", "")
+        return StepOwner(name, task.positions, self.nth, asked, begun_as)
 
     def fail(self, reason: str) -> Status:
         """Returns FAILURE, with the reason for people."""

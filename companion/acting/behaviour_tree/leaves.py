@@ -164,7 +164,7 @@ class Withdraw(Leaf):
         flight.report(failed)
         if self._intention.tries.next is not None:
             return Status.SUCCESS
-        flight.steps.end_skill(action.name)
+        flight.steps.end_skill(action)
         after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
         retry_s = None if after_s is None else flight.now_s + after_s
         flight.task.withdraw(action.assumes, retry_s)

@@ -50,6 +50,7 @@ def test_an_action_is_its_skill_with_the_parameters_filled_in() -> None:
         execute=(Fly("A"),),
         tries=5,
         timeout_s=30.0,
+        departure=0,
     )
 
 
