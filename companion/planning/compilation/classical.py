@@ -1,7 +1,7 @@
 """The classical planning problem: propositional fluents, and actions over them with costs.
 
-Encodings make it (`paper.py`, `decomposed.py`), `pddl.py` writes it down, `engines.py` has it
-solved, and `decode.py` reads a plan for it back into a lasso. It knows of no planner.
+Encodings make it (`paper.py`, `decomposed.py`), `pddl.py` writes it, `engines.py` lets a planner
+solve it, and `decode.py` turns a plan for it back into a lasso. This module knows of no planner.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.objective import Encoding
 
 Fluent = str
-"""A fact of the task in its own spelling, or an auxiliary such as "currBA(2)"."""
+"""A fact of the task, in the task's spelling, or an auxiliary fluent such as "currBA(2)"."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class ClassicalAction:
 
     Attributes:
         cost: in the problem's units; 0 for auxiliary actions.
-        stands_for: the action of the task that it performs; None for auxiliary actions.
+        stands_for: the task's action that it performs; None for auxiliary actions.
     """
 
     name: str
@@ -38,7 +38,7 @@ class ClassicalAction:
         return self.requires <= state and not self.forbids & state
 
     def apply(self, state: frozenset[Fluent]) -> frozenset[Fluent]:
-        """The state afterwards; what is both added and deleted is added, as in PDDL."""
+        """The state after the action; what it both adds and deletes is added, as in PDDL."""
         met = [effect for effect in self.conditional if effect.is_met(state)]
         deletes = self.deletes.union(*(effect.deletes for effect in met))
         return (state - deletes).union(self.adds, *(effect.adds for effect in met))
@@ -49,7 +49,7 @@ class ClassicalProblem:
     """A classical planning problem; its goal is a set of fluents that have to hold.
 
     Attributes:
-        loops: the auxiliary actions at which the loop of the lasso begins.
+        loops: the auxiliary actions that begin the loop of the lasso.
     """
 
     encoding: Encoding
@@ -61,5 +61,5 @@ class ClassicalProblem:
 
     @property
     def has_conditional_effects(self) -> bool:
-        """Whether a planner must know conditional effects to solve it."""
+        """Whether a planner must support conditional effects to solve it."""
         return any(action.conditional for action in self.actions)

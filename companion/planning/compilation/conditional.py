@@ -1,8 +1,8 @@
 """Encoding v4: one automaton for each conjunct, with conditional effects.
 
-All deterministic automata move in one action. A state is deleted only where it is left; where a
-letter has no transition the flag deadBA stops everything, for a state that merely stayed would
-accept what the automaton rejects.
+All deterministic automata move in one action. A state is deleted only when it is left. If a letter
+has no transition, the flag deadBA stops everything: otherwise the automaton would stay in its
+state, and so accept what it should reject.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ class ConditionalEncoding(DecomposedEncoding):
 
     @property
     def together(self) -> list[Part]:
-        """The parts that move in one action."""
+        """The parts that move together in one action."""
         return [part for part in self.parts if self.moves_together(part)]
 
     def turns(self) -> tuple[Fluent, ...]:
-        """The turns of all parts; those that move together come first, in one turn."""
+        """The turns of all parts; parts that move together come first, in one turn."""
         return (READ_ALL, *super().turns()) if self.together else super().turns()
 
     def condition(self, action: ClassicalAction) -> ClassicalAction:
@@ -53,7 +53,7 @@ class ConditionalEncoding(DecomposedEncoding):
         return replace(action, forbids=action.forbids | {DEAD})
 
     def reading(self) -> Iterator[ClassicalAction]:
-        """One move of all deterministic automata, and the choices of the others."""
+        """One move of all deterministic automata, and the choices for the others."""
         if self.together:
             effects = tuple(e for part in self.together for e in _moves_of(part))
             move = ClassicalAction("mvBA", requires=frozenset({READ_ALL}), conditional=effects)
@@ -88,7 +88,7 @@ class ConditionalEncoding(DecomposedEncoding):
 
 
 def _moves_of(part: Part) -> Iterator[ConditionalEffect[Fluent]]:
-    """The moves of a deterministic automaton. Only the state that is left is deleted."""
+    """The moves of a deterministic automaton; only a state that is left is deleted."""
     for state, leaving in enumerate(part.automaton.outgoing):
         here = frozenset({part.at(state)})
         for transition in leaving:
@@ -104,7 +104,7 @@ def _moves_of(part: Part) -> Iterator[ConditionalEffect[Fluent]]:
 
 
 def unread(labels: Sequence[Label]) -> list[Label]:
-    """Disjoint labels that match just the letters which none of the given labels matches."""
+    """Disjoint labels that match exactly the letters that no given label matches."""
     found = []
     pending = [(Label(NOTHING, NOTHING), list(labels))]
     while pending:

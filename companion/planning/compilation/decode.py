@@ -1,7 +1,7 @@
-"""The lasso that a plan of a classical problem stands for.
+"""Turns a plan of a classical problem into the lasso that it stands for.
 
-The automata's moves and the book-keeping are stripped. The actions before the loop action are the
-prefix, those after it the loop. `planning/check.py` decides whether the lasso is right.
+The automata's moves and the auxiliary actions are removed. The actions before the loop action are
+the prefix, those after it the loop. `planning/check.py` decides whether the lasso is correct.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ def decode(classical: ClassicalProblem, names: Sequence[str]) -> Lasso:
         names: the actions of the plan, as the classical problem names them.
 
     Raises:
-        CompanionError: the plan has an unknown action, no loop, several, or an empty one.
+        CompanionError: the plan has an unknown action, no loop, several loops, or an empty loop.
     """
     known = {action.name: action for action in classical.actions}
     unknown = next((name for name in names if name not in known), None)

@@ -1,16 +1,16 @@
 """Compilations with one automaton for each conjunct and generalized acceptance (v4, v5).
 
-One automaton for the whole task grows exponentially with the task, and its one acceptance set
-fixes in which order a lap meets its parts. Here each conjunct keeps its own small automaton, and
-a flag for each acceptance set says that the loop has met it, in whatever order.
+A single automaton for the whole task grows exponentially with the task, and its single acceptance
+set fixes the order in which a lap meets the parts of the task. Here each conjunct keeps its own
+small automaton, and a flag for each acceptance set says that the loop has met it, in any order.
 
-They take turns: the vehicle acts, the automata read the facts that hold then, the vehicle acts. Of
-a nondeterministic automaton the planner chooses each transition and with it one run, so no set of
-states has to be tracked, and none to be collapsed where the loop begins. A word without a run
-leaves no transition to choose.
+Vehicle and automata take turns: the vehicle acts, the automata read the facts that hold then, the
+vehicle acts. For a nondeterministic automaton the planner chooses each transition, and thereby one
+run. So no set of states has to be tracked, and none has to be reduced to one state where the loop
+begins. A word without a run leaves no transition to choose.
 
-This module has the part that both encodings share; `conditional.py` makes v4 of it and
-`strips.py` v5.
+This module contains what both encodings share; `conditional.py` completes it to v4 and `strips.py`
+to v5.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ NOTHING: frozenset[Fluent] = frozenset()
 
 @dataclass(frozen=True)
 class Part:
-    """One automaton under the constants.
+    """One automaton, restricted by the constants.
 
     Attributes:
-        number: its place among the parts, for names.
-        states: those it may be in.
+        number: its index among the parts, for names.
+        states: the states that it may be in.
     """
 
     number: int
@@ -46,30 +46,30 @@ class Part:
     states: tuple[int, ...]
 
     def at(self, state: int) -> Fluent:
-        """The fluent: the automaton is in a state."""
+        """The fluent that says: the automaton is in a state."""
         return f"currBA({self.number}, {state})"
 
     def req(self, state: int) -> Fluent:
-        """The fluent: the loop begins in a state."""
+        """The fluent that says: the loop begins in a state."""
         return f"reqLp({self.number}, {state})"
 
     def seen(self, mark: int) -> Fluent:
-        """The fluent: the loop has met a mark."""
+        """The fluent that says: the loop has met a mark."""
         return f"seenBA({self.number}, {mark})"
 
     @property
     def turn(self) -> Fluent:
-        """The fluent: the automaton is to read the facts."""
+        """The fluent that says: the automaton reads the facts next."""
         return f"BAturn({self.number})"
 
     @property
     def start(self) -> Fluent:
-        """The fluent: the first state is to be chosen."""
+        """The fluent that says: its first state is chosen next."""
         return f"BAstart({self.number})"
 
     @property
     def end(self) -> Fluent:
-        """The fluent: the automaton is where the loop began."""
+        """The fluent that says: the automaton is where the loop began."""
         return f"endBA({self.number})"
 
     @property
@@ -84,16 +84,16 @@ class Part:
 
     @property
     def marks(self) -> frozenset[Fluent]:
-        """The fluents: the loop has met all marks."""
+        """The fluents that say: the loop has met all marks."""
         return frozenset(map(self.seen, range(self.automaton.marks)))
 
 
 @dataclass(frozen=True, slots=True)
 class VariableValue:
-    """A value of a variable: that a fluent holds, or that it does not.
+    """A value of a variable: a fluent holds, or it does not.
 
     Attributes:
-        memory: the fluent for it at the beginning of the loop.
+        memory: the fluent that remembers the value at the beginning of the loop.
     """
 
     fluent: Fluent
@@ -102,17 +102,17 @@ class VariableValue:
 
     @property
     def positive(self) -> Fluent:
-        """The fluent that holds with it, where each has its complement."""
+        """The fluent that holds for this value, if each fluent has a complement."""
         return self.fluent if self.holds else complement(self.fluent)
 
 
 def complement(fluent: Fluent) -> Fluent:
-    """The fluent that holds where another one does not."""
+    """The fluent that holds exactly if another one does not."""
     return f"not({fluent})"
 
 
 def parts(problem: Problem, task: ReducedTask) -> Iterator[Part]:
-    """The automata that are left under the constants; those that accept anything are not."""
+    """The automata, restricted by the constants; those that accept everything are left out."""
     found = zip(problem.conjuncts, problem.automaton_states, strict=True)
     for number, (conjunct, whole) in enumerate(found):
         rest = restricted(conjunct.automaton, task.constants(conjunct.automaton.propositions))
@@ -122,7 +122,7 @@ def parts(problem: Problem, task: ReducedTask) -> Iterator[Part]:
 
 
 class DecomposedEncoding(ABC):
-    """The part that v4 and v5 share. Fluents of which one holds at a time say whose turn it is."""
+    """What v4 and v5 share. One of the turn fluents holds at a time, and says whose turn it is."""
 
     encoding: ClassVar[Encoding]
 
@@ -136,7 +136,7 @@ class DecomposedEncoding(ABC):
 
     @abstractmethod
     def moves_together(self, part: Part) -> bool:
-        """Whether a part moves without a choice of the planner, in one action with others."""
+        """Whether a part moves in one action with others, without a choice of the planner."""
 
     def problem(self) -> ClassicalProblem:
         """The whole classical problem."""
@@ -162,13 +162,15 @@ class DecomposedEncoding(ABC):
         )
 
     def all_facts(self, facts: frozenset[Fluent]) -> frozenset[Fluent]:
-        """The fluents that hold exactly if just these facts do."""
+        """The fluents that hold exactly if these facts hold and no others."""
         return facts
 
     def starting(
         self, undecided: list[Part], tokens: tuple[Fluent, ...]
     ) -> Iterator[ClassicalAction]:
-        """Choices of the first state, if the history leaves several; with none there is no plan."""
+        """Choices of the first state, if the history leaves several; if it leaves none, there is no
+        plan.
+        """
         for part, now, after in zip(undecided, tokens, tokens[1:], strict=False):
             for state in part.states:
                 yield ClassicalAction(
@@ -219,7 +221,7 @@ class DecomposedEncoding(ABC):
     def _choice(
         self, part: Part, number: int, transition: Transition, now: Fluent, after: Fluent
     ) -> Iterator[ClassicalAction]:
-        """The actions for a transition; in the loop its marks are noted."""
+        """The actions for a transition; in the loop they note its marks."""
         source, target = part.at(transition.source), part.at(transition.target)
         move = self.condition(
             ClassicalAction(
@@ -245,17 +247,17 @@ class DecomposedEncoding(ABC):
         )
 
     def condition(self, action: ClassicalAction) -> ClassicalAction:
-        """An action with the precondition and effects that the encoding gives it."""
+        """An action, with the precondition and effects that the encoding adds."""
         return action
 
     @abstractmethod
     def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
-        """The goal, and the actions that remember where the loop begins and compare at its end."""
+        """The goal, and the actions that store where the loop begins and compare at its end."""
 
     def remembered(self) -> Iterator[tuple[Fluent, tuple[VariableValue, ...]]]:
-        """The variables that a loop restores: a name, and the values.
+        """The variables that a loop has to restore: a name, and the values.
 
-        A fact that is alone either holds or not.
+        A fact that is in no group has two values: it holds or not.
         """
         for facts in self.task.variables:
             values = [VariableValue(fact, True, f"req({fact})") for fact in facts]

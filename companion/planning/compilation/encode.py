@@ -1,8 +1,8 @@
 """The encodings of a task as a classical planning problem, by name.
 
-A plan of least cost is the best lasso, by the sum of prefix and one lap (each action at its own
-cost), or by the lap first and then the prefix (in the loop actions cost so much more that no
-prefix outweighs a shorter lap).
+A plan of least cost is the best lasso. The objective is the sum of prefix and one lap (each action
+at its own cost), or first the lap and then the prefix (then actions in the loop cost so much more
+that no prefix outweighs a shorter lap).
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ def encode(
     """A problem as a classical planning problem.
 
     Args:
-        problem: for v1 with one state-based automaton, as `monolithic` makes it.
-        encoding: its name.
+        problem: a problem; for v1, with one state-based automaton, as `monolithic` makes it.
+        encoding: name of the encoding.
         objective: `LAP` or `SUM`.
 
     Raises:
-        RequestError: the encoding cannot express the objective or an action, or a fact or an
-            action has the name of an auxiliary one.
+        RequestError: the encoding cannot express the objective or an action, or a fact or an action
+            has the name of an auxiliary one.
     """
     if objective is Objective.BOTTLENECK:
         raise RequestError(

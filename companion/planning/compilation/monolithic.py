@@ -1,8 +1,8 @@
-"""One automaton for a whole task, as the paper's compilation takes it.
+"""Makes one automaton for a whole task, as the paper's compilation needs it.
 
-The paper translates the whole formula. That needs one history: where an event has restarted some
-conjuncts but not others, the automata of the conjuncts are multiplied instead, which accepts the
-same words. What cannot change is taken out of the automaton before its marks go to states.
+The paper translates the whole formula. That requires a single history. If an event has restarted
+some conjuncts but not others, the product of the conjuncts' automata is used instead, which accepts
+the same words. What cannot change is removed from the automaton before its marks move to states.
 """
 
 from __future__ import annotations
@@ -28,11 +28,12 @@ def monolithic(
     histories: Sequence[Sequence[Letter]],
     translation: Callable[[Formula], BuchiAutomaton] = translate,
 ) -> Problem:
-    """The same problem with one state-based automaton, good while its constants keep their values.
+    """The problem with one state-based automaton, valid while its constants keep their values.
 
     Args:
-        problem: with the automata of its conjuncts.
-        histories: per conjunct, the letters that it has read, the present position's included.
+        problem: a problem with the automata of its conjuncts.
+        histories: for each conjunct, the letters that it has read, including that of the present
+            position.
         translation: makes the automaton of the whole formula.
 
     Raises:
@@ -64,13 +65,15 @@ def monolithic(
 
 
 def _rest(task: ReducedTask, automaton: BuchiAutomaton, states: frozenset[int]) -> BuchiAutomaton:
-    """The automaton under the constants; its initial states are those it may be in now."""
+    """The automaton under the constants; its initial states are those that it may be in now."""
     rest = restricted(automaton, task.constants(automaton.propositions))
     return replace(rest.automaton, initial=frozenset(rest.states(states)))
 
 
 def _product(left: BuchiAutomaton, right: BuchiAutomaton) -> BuchiAutomaton:
-    """Accepts what both accept; the marks of the right one are numbered after the left one's."""
+    """An automaton that accepts what both accept; the right one's marks come after the left
+    one's.
+    """
     pending = [(a, b) for a in sorted(left.initial) for b in sorted(right.initial)]
     number_of = {pair: number for number, pair in enumerate(pending)}
     initial = frozenset(number_of.values())

@@ -2,21 +2,23 @@
 
 Figs. 2-4 of the paper in its own names: fluents currBA, nxtBA, reqLp, req, nreq, end, mv1Done,
 BAturn, LpS, inLp, endBA, endDone; actions mvBA1 and mvBA2 (Fig. 2), actLoop and actEnd (Fig. 3),
-and the actions of the task (Fig. 4). The vehicle and the automaton take turns. All states that
-the automaton may be in are tracked at once; actLoop(z) keeps one accepting state z alone and
-remembers it with the facts, and actEnd compares. The plan between them is the loop.
+and the actions of the task (Fig. 4). The vehicle and the automaton take turns. All states that the
+automaton may be in are tracked at once; actLoop(z) keeps only one accepting state z and remembers
+it together with the facts, and actEnd compares. The part of the plan between them is the loop.
 
-Where the figures are left, and what goes wrong otherwise:
+Deviations from the figures, and what would go wrong otherwise:
 
-- mvBA1 needs *not* mv1Done (Fig. 2 has it positive): nothing could ever be done.
-- mvBA1 adds the successors of a state, not the state itself: the automaton would never move.
-- only the states after the history are current at first (Fig. 2 has all): words would be accepted
-  that the formula rejects. The history includes the present position, so the vehicle has the turn.
-- actLoop(z) deletes the other states (Fig. 3 adds them): a run that does not pass z could close.
-  It exists for accepting states alone, which makes acptBA superfluous.
-- req, nreq and end are over every fact that can change, not over the formula's propositions: the
-  loop would close at another place with the same label.
-- actNop (Fig. 4), once and at the end of a plan alone, cannot express a task whose loop is rest:
+- mvBA1 needs *not* mv1Done (Fig. 2 has it positive): otherwise no action could ever be applied.
+- mvBA1 adds the successors of a state, not the state itself: otherwise the automaton would never
+  move.
+- Only the states after the history are current at first (Fig. 2 has all): otherwise words would be
+  accepted that the formula rejects. The history includes the present position, so the vehicle has
+  the turn.
+- actLoop(z) deletes the other states (Fig. 3 adds them): otherwise a run that does not pass z could
+  close. It exists only for accepting states, so acptBA is not needed.
+- req, nreq and end are over every fact that can change, not over the formula's propositions:
+  otherwise the loop could close at another place with the same label.
+- actNop (Fig. 4), only once and at the end of a plan, cannot express a task whose loop is rest:
   `wait` is an ordinary action, and nopDone is gone.
 """
 
@@ -48,7 +50,7 @@ def curr_ba(z: int) -> Fluent:
 
 
 def nxt_ba(z: int) -> Fluent:
-    """Half-way through a move of the automaton: it will be in state z."""
+    """In the middle of a move of the automaton: it will be in state z."""
     return f"nxtBA({z})"
 
 
@@ -61,7 +63,7 @@ def encode_paper(problem: Problem, objective: Objective) -> ClassicalProblem:
     """The paper's encoding of a problem with one state-based automaton.
 
     Raises:
-        ValueError: the problem has several automata or another kind; `monolithic` makes one.
+        ValueError: the problem has several automata or one of another kind; `monolithic` makes one.
     """
     if len(problem.conjuncts) != 1 or not is_state_based(problem.conjuncts[0]):
         raise ValueError("encoding v1 takes one state-based automaton; monolithic() makes it")
@@ -95,7 +97,7 @@ def encode_paper(problem: Problem, objective: Objective) -> ClassicalProblem:
 
 
 def _mv_ba1(task: ReducedTask, automaton: BuchiAutomaton) -> ClassicalAction:
-    """Fig. 2: the automaton reads the facts; where it may go is put aside."""
+    """Fig. 2: the automaton reads the facts; the states where it may go are stored."""
     return ClassicalAction(
         "mvBA1",
         requires=frozenset({BA_TURN}),
@@ -116,7 +118,7 @@ def _mv_ba1(task: ReducedTask, automaton: BuchiAutomaton) -> ClassicalAction:
 
 
 def _possible(task: ReducedTask, label: Label) -> Label | None:
-    """The part of a label about facts that change; None if constants contradict it."""
+    """The part of a label about facts that change; None if constants contradict the label."""
     constants = task.constants(label.positive | label.negative)
     if not all(value == (p in label.positive) for p, value in constants.items()):
         return None
@@ -125,7 +127,7 @@ def _possible(task: ReducedTask, label: Label) -> Label | None:
 
 
 def _mv_ba2(states: range) -> ClassicalAction:
-    """Fig. 2: the automaton is where it went, and the vehicle has the turn."""
+    """Fig. 2: the automaton enters the stored states, and the vehicle has the turn."""
     return ClassicalAction(
         "mvBA2",
         requires=frozenset({MV1_DONE}),
@@ -180,7 +182,9 @@ def _act_end(task: ReducedTask, accepting: list[int]) -> ClassicalAction:
 def _performing(
     task: ReducedTask, automaton: BuchiAutomaton, objective: Objective
 ) -> Iterator[ClassicalAction]:
-    """Fig. 4: the actions of the task. To put the lap first each has a dearer copy for the loop."""
+    """Fig. 4: the actions of the task. To put the lap first, each has a costlier copy for the
+    loop.
+    """
     weight = task.lap_weight([automaton])
     for action, origin in zip(task.actions, task.origins, strict=True):
         plain = ClassicalAction(

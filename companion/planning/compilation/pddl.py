@@ -1,8 +1,8 @@
-"""A classical problem as PDDL text, the two files that any planner reads.
+"""Writes a classical problem as PDDL text, the two files that any planner reads.
 
-All predicates and actions are without parameters. Names become identifiers that every reader of
-PDDL takes: letters, digits, `-` and `_`; none is a word of the language, and none differs from
-another in case alone. Above each action stands its own name in a comment.
+No predicate or action has parameters. Names become identifiers that every reader of PDDL accepts:
+letters, digits, `-` and `_`. None is a keyword, and no two differ only in case. A comment above
+each action gives its original name.
 
 Source: McDermott et al., PDDL, 1998; `:action-costs` as in PDDL 3.1.
 """
@@ -25,7 +25,7 @@ RESERVED = frozenset(
 
 
 def identifiers(names: Iterable[str]) -> list[str]:
-    """An identifier for each name; no two are the same, whatever the case of letters.
+    """An identifier for each name; all are different, even if case is ignored.
 
     >>> identifiers(["at(A)", "at(a)", "end", "7"])
     ['at-A', 'at-a-2', 'end-2', 'x7']
@@ -46,7 +46,7 @@ def identifiers(names: Iterable[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Naming:
-    """Identifiers of fluents and of actions; no two of them are the same."""
+    """The identifiers of fluents and of actions; all are different."""
 
     fluents: Mapping[Fluent, str]
     actions: Mapping[str, str]

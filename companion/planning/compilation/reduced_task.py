@@ -1,9 +1,8 @@
-"""A task reduced to what can change: without constants, and without actions out of reach.
+"""A task reduced to what can change: without constants, and without unreachable actions.
 
 Actions that can never be applied are left out, and so is each fact that keeps its value: events,
-beliefs, places that cannot be reached. The facts that change are grouped into variables: the
-places of one vehicle are one variable with as many values, for exactly one of them holds at a
-time.
+beliefs, places that cannot be reached. The facts that change are grouped into variables: the places
+of one vehicle are one variable with as many values, because exactly one of them holds at a time.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from companion.planning.domain import Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Problem
 
 LARGEST_COST = 2**31 - 1
-"""Fast Downward adds up costs in 32 bits."""
+"""Limit because Fast Downward adds up costs in 32 bits."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +28,8 @@ class ReducedTask:
     """The part of a problem that can change.
 
     Attributes:
-        actions: those that may ever be applicable, without constants; parallel to `origins`.
-        origins: the same actions as in the problem.
+        actions: those that may ever become applicable, without constants; parallel to `origins`.
+        origins: the same actions, as in the problem.
         changing: the facts that may change, sorted.
         init: those of them that hold now.
         always: the facts that always hold; all others never do.
@@ -63,7 +62,9 @@ class ReducedTask:
 
     @cached_property
     def variables(self) -> tuple[tuple[Fact, ...], ...]:
-        """Groups of facts of which exactly one holds at a time; other facts are groups of one."""
+        """Groups of facts of which exactly one holds at a time; every other fact is its own
+        group.
+        """
         groups: dict[str, list[Fact]] = {}
         for fact in self.changing:
             groups.setdefault(fact.predicate, []).append(fact)
@@ -74,7 +75,9 @@ class ReducedTask:
         )
 
     def _is_variable(self, facts: list[Fact]) -> bool:
-        """Whether exactly one holds now and each action that adds one replaces the one it needs."""
+        """Whether exactly one holds now, and each action that adds one replaces the one that it
+        needs.
+        """
         group = frozenset(facts)
         return len(group & self.init) == 1 and all(
             (
@@ -90,10 +93,11 @@ class ReducedTask:
         )
 
     def lap_weight(self, automata: Iterable[BuchiAutomaton]) -> int:
-        """The factor by which actions cost more in the loop, which puts the lap first.
+        """The factor by which actions cost more in the loop, so that the lap comes first.
 
-        A shortest prefix passes no state of the product twice, which bounds it. Where a weight
-        above that bound would make costs too large a lesser one is taken, and the prefix counts.
+        A shortest prefix passes no state of the product twice, which limits its cost. If a weight
+        above that limit would make costs too large, a smaller one is used, and then the prefix also
+        counts.
         """
         states = math.prod(max(2, len(values)) for values in self.variables)
         states *= math.prod(max(1, automaton.states) for automaton in automata)
@@ -104,7 +108,9 @@ class ReducedTask:
 
 
 def reduced_task(problem: Problem) -> ReducedTask:
-    """The part of a problem that can change, by relaxed reachability (`transition_system.py`)."""
+    """The part of a problem that can change, found by relaxed reachability
+    (`transition_system.py`).
+    """
     system = TransitionSystem(problem.actions, problem.facts, KnownActions())
     possible = [problem.actions[number] for number in system.possible]
     named = problem.facts.union(*(a.adds | a.deletes | _conditionally(a) for a in possible))
@@ -146,10 +152,10 @@ def _without_constants(
 
 
 def accepting_states(automaton: BuchiAutomaton) -> frozenset[int]:
-    """The accepting states of an automaton that is state-based with one acceptance set."""
+    """The accepting states of a state-based automaton with one acceptance set."""
     return frozenset(t.source for t in automaton.transitions if t.marks)
 
 
 def is_state_based(conjunct: Conjunct) -> bool:
-    """Whether the paper's encoding can take a conjunct's automaton."""
+    """Whether the paper's encoding can use a conjunct's automaton."""
     return conjunct.automaton.marks == 1 and conjunct.automaton.has_state_acceptance

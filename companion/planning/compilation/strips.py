@@ -1,8 +1,8 @@
 """Encoding v5: one automaton for each conjunct, in plain STRIPS.
 
-The planner chooses each transition of every automaton. Where the loop begins is written down, and
-compared at its end, one variable at a time. Beside a fact p stands not(p), so that no condition is
-negative. Every classical planner reads this.
+The planner chooses each transition of every automaton. The beginning of the loop is stored, and
+compared at its end, one variable at a time. Each fact p has a complement not(p), so that no
+condition is negative. Every classical planner can read this.
 """
 
 from __future__ import annotations
@@ -50,15 +50,15 @@ class StripsEncoding(DecomposedEncoding):
         )
 
     def moves_together(self, part: Part) -> bool:
-        """No automaton does: the planner chooses each transition."""
+        """Never: the planner chooses each transition."""
         return False
 
     def all_facts(self, facts: frozenset[Fluent]) -> frozenset[Fluent]:
-        """Facts with the complements of those that do not hold."""
+        """The facts, with the complements of those that do not hold."""
         return facts | frozenset(map(complement, self.complemented - facts))
 
     def condition(self, action: ClassicalAction) -> ClassicalAction:
-        """The action with complements in place of negations, and with effects that keep them."""
+        """The action with complements instead of negations, and effects that maintain them."""
         gone, come = self.complemented & action.deletes, self.complemented & action.adds
         return replace(
             action,
@@ -69,7 +69,7 @@ class StripsEncoding(DecomposedEncoding):
         )
 
     def closing(self) -> tuple[frozenset[Fluent], list[ClassicalAction]]:
-        """For each value an action that remembers it, and one that compares it."""
+        """For each value, an action that remembers it and one that compares it."""
         remembered = list(self.remembered())
         keeping = [f"keepLp({name})" for name, _ in remembered]
         matching = [f"matchLp({name})" for name, _ in remembered]

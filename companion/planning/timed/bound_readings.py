@@ -1,4 +1,4 @@
-"""What the positions of a product do with the clocks of bounds."""
+"""Tells what each position of a product does with the clocks of time bounds."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class BoundReading(IntEnum):
 
 
 def reading_of(bound: TimeBound, is_true: Callable[[Formula], bool]) -> BoundReading:
-    """What a position does with the clock of a bound, by what holds there."""
+    """What a position does with the clock of a bound, given what holds there."""
     if is_true(bound.goal):
         return BoundReading.GOAL
     is_begun = isinstance(bound, Response) and is_true(bound.trigger)
@@ -37,7 +37,7 @@ def reading_of(bound: TimeBound, is_true: Callable[[Formula], bool]) -> BoundRea
 
 
 def may_any_run(problem: Problem) -> bool:
-    """Whether a clock of some problem may ever run; it does not where no action begins any."""
+    """Whether any clock of a problem may ever run; it may not if no action starts one."""
     waiting: list[Response] = []
     for conjunct, elapsed_ms in zip(problem.conjuncts, problem.clocks_ms, strict=True):
         if elapsed_ms is not None or isinstance(conjunct.bound, Revisit):
@@ -63,7 +63,7 @@ def _changed(action: Action) -> frozenset[Fact]:
 
 
 class Letters:
-    """The letters of a product's nodes, as formulas without temporal operators read them."""
+    """The letters of a product's nodes, as read by formulas without temporal operators."""
 
     def __init__(self, product: Product) -> None:
         self._product = product

@@ -1,9 +1,9 @@
-"""The charge as one more label: what is missing to a full battery.
+"""The charge as one more label of the search: the energy missing from a full battery.
 
-It is as a clock is: smaller is better, flights make it larger, a charge sets it. Each position
-keeps the reserve and the way to a safe place. Of all levels to charge to there are but a few, and
-a step that charges takes as long as from the lowest level that it is for: what is found is right,
-and there may be plans that are not found.
+It behaves like a clock: smaller is better, flights make it larger, a charge sets it. Each position
+keeps the reserve and the energy to reach a safe place. Only a few levels to charge to are tried. A
+step that charges is given the time from the lowest level for which it is meant. So all plans that
+are found are correct, but some plans are not found.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from companion.planning.lasso import Energy
 from companion.planning.timed.timed_step import TimedStep
 
 LEVELS = 5
-"""So many parts of what a battery has above the floor of a dock."""
+"""The number of steps into which the levels above the floor of a dock are divided."""
 _NEVER = -1
 
 
 class ChargeLevels:
-    """What steps make of the charge.
+    """How steps change the charge.
 
     Attributes:
         full: the highest level.
-        missing: to it, now.
+        missing: what is missing from it now.
 
     Args:
-        energy: of the problem.
-        product: of it.
-        in_loop: in loops, not on the way into one.
-        more: levels to charge to besides.
+        energy: the energy of the problem.
+        product: the product of the problem.
+        in_loop: whether this is for loops, not for the path into one.
+        more: additional levels to charge to.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class ChargeLevels:
         self._most: dict[int, int] = {}
 
     def after(self, missing: int, step: TimedStep) -> int | None:
-        """What is missing after a step; None if it takes too much."""
+        """What is missing after a step; None if the step takes too much."""
         if step.charge is not None:
             needs, leaves = step.charge
             if self.full - missing < needs:
@@ -62,7 +62,7 @@ class ChargeLevels:
         return missing if missing <= self.most_missing(step.end) else None
 
     def most_missing(self, state: int) -> int:
-        """What may be missing at a state; less than nothing where no safe place can be reached."""
+        """The most that may be missing at a state; negative if no safe place can be reached."""
         found = self._most.get(state)
         if found is None:
             place = self.place(state)
@@ -71,7 +71,7 @@ class ChargeLevels:
         return found
 
     def most_missing_at_rest(self, state: int) -> int:
-        """The same where the vehicle rests for ever, which is to land."""
+        """The most that may be missing where the vehicle rests for ever, which means to land."""
         needed = self._energy.rests.get(self.place(state))
         return _NEVER if needed is None else self.full - needed
 
@@ -81,24 +81,26 @@ class ChargeLevels:
         return next((place for place, bit in self._bits.items() if held & bit), "")
 
     def most_before(self, missing: int, step: TimedStep) -> int:
-        """What may be missing before a step, given what may be after it."""
+        """The most that may be missing before a step, given the most after it."""
         if step.charge is not None:
             return self.full - step.charge[0]
         return min(missing, self.most_missing(step.end)) - step.drain
 
     def needed(self, missing: int, step: TimedStep) -> int:
-        """The level that there has to be at some beginning, as far as a step asks for it.
+        """The level that a beginning needs for a step.
 
         Args:
-            missing: what has been taken since the beginning.
-            step: from there.
+            missing: the energy taken since the beginning.
+            step: the step after that.
         """
         if step.charge is not None:
             return missing + step.charge[0]
         return missing + step.drain + self.full - self.most_missing(step.end)
 
     def steps(self, step: TimedStep, action: Action) -> Iterator[TimedStep]:
-        """A step as it is on a battery: what it takes, or each way in which it may charge."""
+        """The forms of a step on a battery: with the energy it takes, or one for each way to
+        charge.
+        """
         charger = action.charger
         if charger is None:
             yield step._replace(drain=self._energy.rest if action is WAIT else action.drain)
@@ -109,12 +111,12 @@ class ChargeLevels:
             yield step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
 
     def _charger(self, charger: Charger) -> Charger:
-        """A dock with what it keeps here."""
+        """A dock, with the level that it keeps here."""
         is_bare = self._energy.is_short and not self._in_loop
         return charger.bare or charger if is_bare else charger
 
     def from_least(self, step: TimedStep, action: Action) -> TimedStep:
-        """A step, which may begin with the least that its dock asks for if it charges."""
+        """The step; if it charges, it may begin with the lowest level that its dock allows."""
         if step.charge is None or action.charger is None:
             return step
         return step._replace(charge=(action.charger.floor, step.charge[1]))
@@ -122,13 +124,13 @@ class ChargeLevels:
     def trimmed(
         self, steps: Sequence[TimedStep], latest: Sequence[int], actions: Sequence[Action]
     ) -> list[TimedStep]:
-        """A lap that charges no further than it has to.
+        """The lap, with no charge higher than necessary.
 
         Args:
-            steps: of the lap.
-            latest: by step, what may be missing at most before it, if each charge may begin with
-                the least that its dock asks for.
-            actions: of the problem.
+            steps: the steps of the lap.
+            latest: by step, the most that may be missing before it, if each charge may begin with
+                the lowest level that its dock allows.
+            actions: the actions of the problem.
         """
         leaves = {
             place: self.full - min(latest[(place + 1) % len(steps)], self.most_missing(step.end))
@@ -136,7 +138,7 @@ class ChargeLevels:
             if step.charge is not None
         }
         level, found = 0, list(steps)
-        for place, step in [*enumerate(steps), *enumerate(steps)]:  # the first lap for the level
+        for place, step in [*enumerate(steps), *enumerate(steps)]:  # the first for the level
             if place not in leaves:
                 level -= step.drain
                 continue
@@ -150,12 +152,12 @@ class ChargeLevels:
     def trimmed_way(
         self, steps: Sequence[TimedStep], latest: int, actions: Sequence[Action]
     ) -> list[TimedStep]:
-        """A way into a lap that charges no further than it has to.
+        """The path into a lap, with no charge higher than necessary.
 
         Args:
-            steps: of the way.
-            latest: what may be missing at most where it ends.
-            actions: of the problem.
+            steps: the steps of the path.
+            latest: the most that may be missing where it ends.
+            actions: the actions of the problem.
         """
         leaves: dict[int, int] = {}
         for place, step in reversed([*enumerate(steps)]):
@@ -178,7 +180,7 @@ class ChargeLevels:
 
 
 def charging(step: TimedStep, charger: Charger, needs: int, leaves: int) -> TimedStep:
-    """A step that charges from one level at least to another one."""
+    """The step, if it charges from one level or more to another level."""
     took_ms = charger.service_ms(needs, leaves)
     return step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
 

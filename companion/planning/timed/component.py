@@ -1,4 +1,4 @@
-"""A strong component of a product, where its laps are looked for."""
+"""A strong component of a product, in which laps are searched."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _STEP_US = 1.0
 
 
 class TimedComponent:
-    """The states of a component, the steps that stay in it, and the marks that a lap has to meet.
+    """The states of a component, the steps within it, and the marks that a lap has to meet.
 
     Attributes:
-        nodes: of the product.
+        nodes: its nodes in the product.
         states: its states, as `TimedStep.end` numbers them.
         targets_of: by mark, the nodes at which it is met.
         all: the marks, as bits.
@@ -59,16 +59,16 @@ class TimedComponent:
         self.states = list(self._steps)
 
     def steps(self, state: int) -> Sequence[tuple[TimedStep, int]]:
-        """The steps that lead on from a state, and the marks (bits) that each meets."""
+        """The steps that leave a state, and the marks (bits) that each meets."""
         return self._steps.get(state, ())
 
     def with_marks(self, marks: Sequence[int]) -> TimedComponent:
-        """The same, where a lap has to meet some of the marks alone, which are numbered anew."""
+        """The component, if a lap only has to meet some of the marks, which are renumbered."""
         return TimedComponent(self._graph, self.nodes, [self.targets_of[mark] for mark in marks])
 
     @property
     def free(self) -> int:
-        """The marks (bits) that are met by what clocks ask for anyway."""
+        """The marks (bits) that are always met by what clocks demand."""
         graph = self._graph
         goals = [
             graph.goals(clock) for clock, b in enumerate(graph.bounds) if isinstance(b, Revisit)
@@ -79,7 +79,7 @@ class TimedComponent:
 
     @cached_property
     def by_action(self) -> dict[int, dict[int, list[tuple[TimedStep, int]]]]:
-        """By state and action, the same."""
+        """The steps and their marks, by state and action."""
         found: dict[int, dict[int, list[tuple[TimedStep, int]]]] = {}
         for state, steps in self._steps.items():
             own = found[state] = {}
@@ -88,9 +88,9 @@ class TimedComponent:
         return found
 
     def anchors(self) -> list[int]:
-        """States of which every lap passes one: the fewest that are known.
+        """States of which every lap passes one; the smallest known set.
 
-        Among as many, those where a clock begins anew that has the least limit.
+        Among sets of equal size, the states where the clock with the least limit starts again.
         """
         graph = self._graph
         best = (len(self.states), 0, self.states)
@@ -104,7 +104,7 @@ class TimedComponent:
         return best[2]
 
     def is_never_met(self) -> bool:
-        """Whether a mark cannot be met between two goals of a clock that runs for ever."""
+        """Whether a mark cannot be met between two goals of a clock that always runs."""
         graph = self._graph
         for clock, bound in enumerate(graph.bounds):
             if isinstance(bound, Revisit):

@@ -1,8 +1,8 @@
-"""Laps that were found before: in flight they are tried first, and mostly nothing else is.
+"""Laps that were found before. In flight they are tried first, and mostly nothing else is tried.
 
-A plan made anew, at another place and with other clocks, mostly needs but a way into the lap that
-was flown. Where costs have changed since, another lap may be better: then the known one is what is
-left if no other is found.
+A replan, at another place and with other clocks, mostly needs only a path into the lap that was
+flown. If costs have changed since, another lap may be better; then the known lap is used if no
+other is found.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ MOST_KNOWN = 8
 
 _Charge = tuple[int, int] | None
 _KnownLap = tuple[tuple[str, _Charge], ...]
-"""Names of actions, and how they charge."""
+"""Names of actions, and how each charges."""
 _ByAction = dict[int, dict[int, list[tuple[TimedStep, int]]]]
 
 
 class _Way(NamedTuple):
-    """A step, and those before it."""
+    """A step, and the steps before it."""
 
     last: TimedStep
     before: _Way | None
 
     @property
     def steps(self) -> list[TimedStep]:
-        """From the first one on."""
+        """The steps from the first one on."""
         found, here = list[TimedStep](), self
         while True:
             found.append(here.last)
@@ -44,10 +44,10 @@ class _Way(NamedTuple):
 
 
 class KnownLaps:
-    """The laps of one mission.
+    """The known laps of one mission.
 
     Attributes:
-        are_best: whether they were found with the costs as they are.
+        are_best: whether they were found with the present costs.
     """
 
     def __init__(self) -> None:
@@ -55,17 +55,19 @@ class KnownLaps:
         self.are_best = True
 
     def copied(self) -> KnownLaps:
-        """Others, the same."""
+        """An independent copy."""
         others = KnownLaps()
         others._known, others.are_best = [*self._known], self.are_best
         return others
 
     def keep(self, problem: Problem, lap: TimedLap) -> None:
-        """A lap in a product of a problem is known."""
+        """Adds a lap in the product of a problem."""
         self._keep(tuple((problem.actions[s.action].name, s.charge) for s in lap.steps))
 
     def keep_loop(self, loop: Sequence[Action]) -> None:
-        """The loop of a plan for the battery alone is known, which charges from floors on."""
+        """Adds the loop of a plan that was made for the battery only, which charges from floors
+        on.
+        """
         self._keep(tuple((action.name, _charge_of(action)) for action in loop))
 
     def _keep(self, steps: _KnownLap) -> None:
@@ -75,7 +77,7 @@ class KnownLaps:
     def within(
         self, problem: Problem, graph: TimedProduct, parts: Sequence[TimedComponent]
     ) -> list[TimedLap]:
-        """Those that are laps in some components, the shortest one first."""
+        """The known laps that exist in some components, the shortest first."""
         if not self._known:
             return []
         numbers = {action.name: number for number, action in enumerate(problem.actions)}
@@ -94,9 +96,9 @@ def elsewhere(
     graph: TimedProduct,
     parts: Sequence[TimedComponent],
 ) -> Iterator[TimedLap]:
-    """The laps in every component where the same actions are one.
+    """The laps in every component in which the same actions form a lap.
 
-    Components differ by what is done once and for all, often by what no line asks for.
+    Components differ by what is done once and for all, often by something that no line demands.
     """
     known = [[(step.action, step.charge) for step in lap.steps] for lap in laps]
     return _found_in(parts, graph, problem.actions, known)
@@ -126,14 +128,15 @@ def _found_again(
     known: Sequence[tuple[int, _Charge]],
     every_mark: int,
 ) -> Iterator[TimedLap]:
-    """A loop of actions as a lap in a component; nothing if it is none there.
+    """A loop of actions as a lap in a component; nothing if it is no lap there.
 
     Args:
         graph: the product.
-        inside: by state of the component and action, the steps within it and the marks they meet.
-        actions: of the problem.
+        inside: by state of the component and action, the steps within it and the marks that they
+            meet.
+        actions: the actions of the problem.
         known: the numbers of the actions, and how far they charge.
-        every_mark: that a lap has to meet.
+        every_mark: the marks that a lap has to meet.
     """
     for start in inside:
         steps = _round(inside, actions, known, start, every_mark)
@@ -150,9 +153,10 @@ def _round(
     start: int,
     every_mark: int,
 ) -> list[TimedStep] | None:
-    """One round of some actions that leads back to a state and meets every mark; None without one.
+    """The steps of some actions from a state back to it that meet every mark; None if there are
+    none.
 
-    All runs of the automata are followed, as one action may lead to several states.
+    All runs of the automata are followed, because one action may lead to several states.
     """
     reached: dict[int, dict[int, _Way | None]] = {start: {0: None}}  # by state and marks met
     for number, charge in known:

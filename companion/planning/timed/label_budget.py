@@ -1,4 +1,4 @@
-"""How many labels a search may make: counted, not timed, so that equal flights plan alike."""
+"""The number of labels a search may make; counted, not timed, so equal flights give equal plans."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ LABEL_US = 6.0
 _COMPARISON_US = 0.05
 ADVICE = "none was found, which is no proof; allow more time somewhere"
 COMPARISONS = 100
-"""So many are counted as a label."""
+"""This many comparisons count as one label."""
 
 
 class LabelBudget:
-    """Labels that are left to a search.
+    """The labels that a search may still make.
 
     Attributes:
-        most: how many there were.
-        left: how many there are.
+        most: the number at the beginning.
+        left: the number that is left.
     """
 
     def __init__(self, labels: int) -> None:
         self.most = self.left = labels
 
     def take(self, labels: int, comparisons: int = 0) -> None:
-        """Labels are made, and others are compared with one.
+        """Counts new labels, and comparisons with others.
 
         Raises:
-            SearchLimit: there are not so many left.
+            SearchLimit: too few labels are left.
         """
         spent(LABEL_US * labels + _COMPARISON_US * comparisons)
         self.left -= labels + comparisons // COMPARISONS
@@ -36,5 +36,5 @@ class LabelBudget:
             raise SearchLimit(limit, ADVICE)
 
     def share(self, part: int) -> LabelBudget:
-        """A budget of its own: one part of what is left."""
+        """A separate budget: a part of what is left."""
         return LabelBudget(max(0, self.left) // part)

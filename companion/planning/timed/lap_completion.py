@@ -1,4 +1,4 @@
-"""What is missing at least to complete a lap, its clocks left out: what label setting is led by."""
+"""Lower bounds for completing a lap, ignoring its clocks; they guide the label setting."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from companion.slices import spent
 _SORTING_US = 0.2
 
 Missing = Callable[[int, int], int]
-"""By state and marks (bits) that were met, the least cost of what is missing."""
+"""By state and marks (bits) already met, the least cost of completing the lap."""
 
 
 def completion(
@@ -27,10 +27,11 @@ def completion(
     """The least cost of the rest of a lap.
 
     Args:
-        component: of the lap.
+        component: the component of the lap.
         anchor: the state where it ends.
         barred: states that it avoids.
-        most_edges: between pairs of a state and the marks that were met, up to which it is exact.
+        most_edges: edges between pairs of a state and marks already met; with more, it is only a
+            bound.
     """
     numbers, edges = _edges(component, barred)
     sets = component.all + 1
@@ -48,7 +49,9 @@ def completion(
 
 
 def completion_in_order(component: TimedComponent, anchor: int, barred: frozenset[int]) -> Missing:
-    """The least cost of the rest of a lap that meets the marks in their order. Args: as above."""
+    """The least cost of the rest of a lap that meets the marks in order. Args: as in
+    `completion`.
+    """
     numbers, edges = _edges(component, barred)
     starts, ends, costs, marks = np.array(edges, np.int64).reshape(-1, 4).T
     forward, backward = _both_ways(starts, ends, costs, len(numbers))
@@ -82,7 +85,7 @@ def _both_ways(starts: Costs, ends: Costs, costs: Costs, size: int) -> tuple[csr
 
 
 def _last(starts: Costs, ends: Costs, costs: Costs, meets: Costs, after: Costs) -> Costs:
-    """By state, the least cost of a step that meets a mark, and of what comes after it."""
+    """By state, the least cost of a step that meets a mark, including what comes after it."""
     steps = meets.astype(bool)
     last = np.full(len(after), UNREACHABLE_MS)
     np.minimum.at(last, starts[steps], costs[steps] + after[ends[steps]])
@@ -92,7 +95,7 @@ def _last(starts: Costs, ends: Costs, costs: Costs, meets: Costs, after: Costs) 
 def _by_farthest_mark(
     component: TimedComponent, numbers: dict[int, int], edges: _Edges, anchor: int
 ) -> Missing:
-    """By the mark that is farthest away: there and then to the anchor."""
+    """A lower bound: the path to the mark that is farthest away, and from there to the anchor."""
     starts, ends, costs, marks = np.array(edges, np.int64).reshape(-1, 4).T
     forward, backward = _both_ways(starts, ends, costs, len(numbers))
     count = len(component.targets_of)
@@ -113,7 +116,7 @@ def _by_farthest_mark(
 
 
 def _through(forward: csr_array, last: Costs) -> Costs:
-    """By state, the least cost of a way to some state and what is added there."""
+    """By state, the least cost of a path to another state plus the value there."""
     size = forward.shape[0]
     begins, ends = forward.nonzero()
     at = np.flatnonzero(last < UNREACHABLE_MS)

@@ -1,8 +1,8 @@
-"""The quickest way into a lap with the clocks as they are now, by label setting.
+"""Finds the quickest path into a lap, with the clocks as they are now, by label setting.
 
-Labels are ways from the start, taken in the order of their cost. One is of no use if an earlier one
-leads to the same state and none of its clocks shows more. A way may end where a lap admits its
-clocks. The search goes on from where it stopped, as the next lap is asked for.
+Labels are paths from the start, taken in the order of their cost. A label is dropped if an earlier
+one leads to the same state and none of its clocks shows more. A path may end where a lap admits its
+clocks. For the next lap, the search continues from where it stopped.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _STEP_US = 2.0
 
 
 class _WayLabel(NamedTuple):
-    """A way from the start."""
+    """A path from the start."""
 
     cost_ms: int
     state: int
@@ -38,7 +38,7 @@ class _WayLabel(NamedTuple):
 
     @property
     def steps(self) -> list[TimedStep]:
-        """From the start on."""
+        """The steps from the start on."""
         found: list[TimedStep] = []
         here: _WayLabel | None = self
         while here is not None and here.step is not None:
@@ -48,7 +48,7 @@ class _WayLabel(NamedTuple):
 
 
 class LapEntry(NamedTuple):
-    """A way into a lap, and the place of its first step there."""
+    """A path into a lap, and the place in the lap of the first step after it."""
 
     prefix: list[TimedStep]
     prefix_ms: int
@@ -57,17 +57,18 @@ class LapEntry(NamedTuple):
 
     @property
     def round(self) -> tuple[TimedStep, ...]:
-        """The lap from that place on."""
+        """The steps of the lap, from that place on."""
         return self.lap.steps[self.place :] + self.lap.steps[: self.place]
 
 
 class WaysIn:
-    """The ways that keep all bounds, from the start of a problem.
+    """The paths from the start of a problem that keep all bounds.
 
     Args:
         graph: the product.
-        has_unread: whether a plan has to begin with a step: its first letter has what no other has.
-        budget: of labels.
+        has_unread: whether a plan has to begin with a step, because its first letter contains what
+            no other contains.
+        budget: the budget of labels.
     """
 
     def __init__(self, graph: TimedProduct, has_unread: bool, budget: LabelBudget) -> None:
@@ -83,17 +84,17 @@ class WaysIn:
 
     @property
     def can_begin(self) -> bool:
-        """Whether no bound is broken already, or bound to be."""
+        """Whether no bound is broken, or certain to be broken."""
         return bool(self._pending or self._taken)
 
     def into(self, laps: list[TimedLap]) -> LapEntry | None:
-        """The best way into one of some laps; None if there is none.
+        """The best path into one of some laps; None if there is none.
 
-        It is the quickest one; in flight the one with which the worst age of a mark is the least,
-        of those that take no lap longer (as in `builtin/fair_entry.py`).
+        It is the quickest one. In flight it is the one for which the largest age of a mark is the
+        least, among those that take at most a lap longer (as in `builtin/fair_entry.py`).
 
         Raises:
-            SearchLimit: the budget does not suffice.
+            SearchLimit: the budget is not sufficient.
         """
         ways = self.all_into(laps)
         best = next(ways, None)
@@ -110,7 +111,7 @@ class WaysIn:
         return best
 
     def trimmed(self, entry: LapEntry) -> list[TimedStep]:
-        """The way into a lap, on which nothing is charged further than it has to be."""
+        """The path into a lap, with no charge higher than necessary."""
         charges = self._graph.charges
         if charges is None:
             return entry.prefix
@@ -118,7 +119,7 @@ class WaysIn:
         return charges.trimmed_way(entry.prefix, latest, self._graph.all_actions)
 
     def _worst_age_ms(self, way: LapEntry) -> int:
-        """The age of a mark when a plan meets it first, of the one where that is the longest."""
+        """The largest age of a mark at the moment when a plan meets it first."""
         product = self._graph.product
         steps = (*way.prefix, *way.round)
         spent(_STEP_US * len(steps))
@@ -130,7 +131,7 @@ class WaysIn:
         return max(met_ms[mark] - since for mark, since in since_ms)
 
     def all_into(self, laps: list[TimedLap]) -> Iterator[LapEntry]:
-        """Every way into one of some laps that has no better one, the quickest first."""
+        """Every undominated path into one of some laps, the quickest first."""
         entries = LapEntries(laps)
         for label in self._labels():
             if self._has_unread and label.before is None:
@@ -139,14 +140,14 @@ class WaysIn:
                 yield LapEntry(label.steps, label.cost_ms, lap, place)
 
     def _labels(self) -> Iterator[_WayLabel]:
-        """All labels, the quickest ones first."""
+        """All labels, the quickest first."""
         number = 0
         while number < len(self._taken) or self._advance():
             yield self._taken[number]
             number += 1
 
     def _advance(self) -> bool:
-        """Takes the next label; whether there was one."""
+        """Takes the next label; returns whether there was one."""
         while self._pending:
             _, _, label = heapq.heappop(self._pending)
             is_first = label.before is None and self._has_unread

@@ -1,11 +1,12 @@
-"""Good laps over many sites that keep bounds: stops are moved, turned round, put in and left out.
+"""Finds good laps over many sites that keep bounds, by changing the stops of a lap.
 
-A lap is a closed list of stops, which are nodes that meet a mark or begin a clock anew, with the
-quickest way from each to the next. A change is kept if it makes the lap shorter, or less late, or
-now and then if it does not (simulated annealing); lateness costs the more the longer none in time
-was found. Chance has a seed, so that equal problems have equal laps.
+A lap is a closed list of stops, which are nodes that meet a mark or restart a clock, with the
+quickest path from each to the next. A change moves, reverses, inserts or removes stops. It is kept
+if it makes the lap shorter or less late, and now and then if it does not (simulated annealing). The
+price of lateness rises as long as no lap in time is found. The random numbers have a seed, so equal
+problems have equal laps.
 
-What is found is no proof of anything: `laps.py` says whether it is a lap.
+The result proves nothing: `laps.py` decides whether it is a lap.
 
 Source: Kirkpatrick, Gelatt and Vecchi, Optimization by simulated annealing, 1983; penalties as in
 Cordeau, Laporte and Mercier, A unified tabu search heuristic for vehicle routing, 2001.
@@ -33,18 +34,18 @@ MOST_STOPS = 80
 MOST_NODES = 2000
 _MOST_MOVED = 3
 ROUNDS = 8
-"""Each begins with the best lap of the one before, warm again."""
+"""Each round begins with the best lap of the one before, at a high temperature again."""
 _WARM, _WARM_IN_TIME, _COLD = 0.3, 0.05, 0.002
-"""Shares of a lap by which a change may make it worse, at first and in the end."""
+"""Shares of a lap by which a change may make it worse, at first and at the end."""
 _REVIEWED = 100
-"""Changes after which it is asked whether lateness costs enough."""
+"""Number of changes after which the price of lateness is reviewed."""
 _DEARER, _LEAST_PRICE, _MOST_PRICE = 1.3, 0.1, 5.0
 _DRAWN = 1000
 _STOP_US, _CHANGE_US = 0.4, 4.0
 
 
 class _Lap(NamedTuple):
-    """Stops, what it takes to fly along them, and by how much clocks run over, all together."""
+    """The stops, the time to fly along them, and the total lateness of all clocks."""
 
     stops: list[int]
     cost_ms: int
@@ -52,10 +53,10 @@ class _Lap(NamedTuple):
 
 
 class LapImprovement:
-    """The stops of one component and the ways between them.
+    """The stops of one component, and the paths between them.
 
     Attributes:
-        is_possible: whether it has few enough of them, that reach each other.
+        is_possible: whether the stops are few enough and reach each other.
 
     Args:
         graph: the product.
@@ -92,7 +93,7 @@ class LapImprovement:
             self.is_possible = bool((self._between < UNREACHABLE_MS).all())
 
     def _find_ways(self) -> None:
-        """The quickest ways between all stops."""
+        """Finds the quickest paths between all stops."""
         nodes = self._part.nodes.tolist()
         self._number = number = {node: i for i, node in enumerate(nodes)}
         self._steps: dict[tuple[int, int], TimedStep] = {}
@@ -111,12 +112,12 @@ class LapImprovement:
         self._ways = self._between.tolist()
 
     def best(self, begin: Sequence[int], changes: int) -> list[TimedStep] | None:
-        """The steps of the shortest lap that is found in time; None if none is.
+        """The steps of the shortest lap in time that is found; None if none is.
 
         Args:
-            begin: nodes in the order in which they are passed; those that are no stops are left
-                out.
-            changes: that are tried.
+            begin: nodes in the order in which they are passed; nodes that are not stops are
+                ignored.
+            changes: number of changes to try.
         """
         chance, number = _shares(), {node: i for i, node in enumerate(self.stops)}
         stops = [number[node] for node in begin if node in number]
@@ -136,7 +137,7 @@ class LapImprovement:
     def _cooled(
         self, best: _Lap, price: float, changes: int, chance: Iterator[float]
     ) -> tuple[_Lap, float]:
-        """The best lap of one round that begins with one, and what lateness costs then."""
+        """The best lap of one round, and the price of lateness at its end."""
         now, in_time = best, 0
         warm = _WARM if best.late_ms else _WARM_IN_TIME
         for change in range(changes):
@@ -156,7 +157,7 @@ class LapImprovement:
         return best, price
 
     def _changed(self, stops: list[int], chance: Iterator[float]) -> list[int] | None:
-        """A lap with one change; None where that is none."""
+        """A lap with one change; None if the change is impossible."""
         size = len(stops)
         kind = int(8 * next(chance))
         first = int(size * next(chance))
@@ -184,7 +185,7 @@ class LapImprovement:
         return None if is_same or len(other) < 2 else other
 
     def _flown(self, stops: list[int]) -> tuple[int, int]:
-        """What a lap takes, and by how much its clocks run over, all together."""
+        """The time of a lap, and the total lateness of its clocks."""
         ways, clocks, limits_ms = self._ways, self._clocks, self._limits_ms
         first: list[int | None] = [None] * len(limits_ms)
         last = [0] * len(limits_ms)
@@ -220,7 +221,7 @@ class LapImprovement:
 
 
 def _shares() -> Iterator[float]:
-    """Numbers from 0 to 1 at random, always the same ones."""
+    """Random numbers from 0 to 1, the same ones each time."""
     chance = np.random.default_rng(0)
     while True:
         yield from chance.random(_DRAWN).tolist()

@@ -1,13 +1,13 @@
-"""The shortest laps through a state that keep all bounds for ever, by label setting.
+"""Finds the shortest laps through a state that keep all bounds for ever, by label setting.
 
-A label is a way from a state, the anchor, to another one: its cost, the marks that it has met, and
-its clocks. What a clock shows at the anchor is known only at the end of the lap. So each begins
-with the least that it may show, and a label remembers when the goal of each was first met: at the
-end, what a clock shows then and that time together have to be within the limit.
+A label is a path from a state, the anchor, to another one: its cost, the marks that it has met, and
+its clocks. What a clock shows at the anchor is only known at the end of the lap. So each clock
+begins with the least that it may show, and a label remembers when the goal of each clock was first
+met. At the end, that time plus what the clock shows then has to be within the limit.
 
 One label dominates another at the same state with the same marks if it costs no more, no clock
-shows more, and no goal was first met later. Labels are taken in the order of their cost and of what
-is missing at least to end the lap (`lap_completion.py`), so laps are found in the order of theirs.
+shows more, and no goal was first met later. Labels are taken in the order of their cost plus the
+least cost of ending the lap (`lap_completion.py`), so laps are found in the order of their cost.
 
 Source: Irnich and Desaulniers, Shortest path problems with resource constraints, 2005.
 """
@@ -28,16 +28,16 @@ from companion.planning.timed.timed_product import STANDS, Clocks, TimedProduct
 from companion.planning.timed.timed_step import TimedStep
 
 _OPEN = 1
-"""The goal of a clock was not met yet."""
+"""Marks a clock whose goal has not been met yet."""
 
 
 class _LapLabel(NamedTuple):
-    """A way from the anchor.
+    """A path from the anchor.
 
     Attributes:
         met: the marks, as bits.
-        first_met: by clock, when its goal was first met; what has passed, if it was not. On a
-            battery the last one is the level that is needed up to the first charge.
+        first_met: by clock, when its goal was first met; the time passed, if it has not been met.
+            On a battery the last entry is the level that is needed up to the first charge.
         is_met: the clocks whose goal was met, as bits.
     """
 
@@ -53,29 +53,28 @@ class _LapLabel(NamedTuple):
 
     @property
     def weight(self) -> tuple[int, ...]:
-        """What makes it worse than others."""
+        """The values by which labels are compared; less is better."""
         is_open = (_OPEN if not self.is_met >> c & 1 else 0 for c in range(len(self.clocks)))
         return (self.cost_ms, *self.clocks, *self.first_met, *is_open)
 
 
 MOST_ALIKE = 20
-"""Labels that are kept at a state with the same marks, where marks are met in order."""
+"""The most labels kept for a state and marks, if marks are met in order."""
 
 
 class LapSearch:
-    """Laps through an anchor.
+    """Laps through one anchor.
 
     Attributes:
-        bound_ms: no lap that is still to come costs less.
+        bound_ms: a lower bound for the laps that are still to come.
 
     Args:
         graph: the product.
-        component: of it, in which laps stay.
+        component: the component in which laps stay.
         anchor: the state.
-        budget: of labels.
-        barred: states that laps avoid: those through them are known.
-        is_in_order: whether laps meet the marks in their order: not all of them are found, but some
-            soon.
+        budget: the budget of labels.
+        barred: states that laps avoid, because the laps through them are known.
+        is_in_order: whether laps meet the marks in order; then not all are found, but some quickly.
     """
 
     def __init__(
@@ -98,17 +97,17 @@ class LapSearch:
         self._begun = sum(1 << clock for clock, is_goal in enumerate(at_anchor) if is_goal)
 
     def laps(self, below_ms: int = UNREACHABLE_MS) -> Iterator[list[TimedStep]]:
-        """Laps that cost less than some cost, the shortest ones first.
+        """Laps that cost less than `below_ms`, the shortest first.
 
         Raises:
-            SearchLimit: the budget does not suffice.
+            SearchLimit: the budget is not sufficient.
         """
         pending: list[tuple[int, int, _LapLabel, TimedStep, int]] = []
         count = 0
         known: dict[tuple[int, int], ParetoSet] = defaultdict(ParetoSet)
 
         def lead_on(label: _LapLabel) -> None:
-            """Leaves the labels themselves for later: most of them are never looked at."""
+            """Notes the successors, but makes their labels later: most of them are never needed."""
             nonlocal count
             steps = self._component.steps(label.state)
             self._budget.take(len(steps))
@@ -141,17 +140,17 @@ class LapSearch:
         return label
 
     def _met(self, met: int, marks: int) -> int:
-        """The marks that are met after a step that meets some."""
+        """The marks that have been met after a step that meets some."""
         return _in_order(met, marks) if self._is_in_order else met | marks
 
     def _is_new(self, label: _LapLabel, alike: ParetoSet) -> bool:
-        """Whether no label that is known dominates one; then it is known."""
+        """Whether no known label dominates this one; if so, it becomes known."""
         self._budget.take(0, len(alike))
         is_full = self._is_in_order and len(alike) >= MOST_ALIKE
         return not is_full and alike.add(label.weight)
 
     def _after(self, label: _LapLabel, step: TimedStep, met: int) -> _LapLabel | None:
-        """A way that leads on by a step; None where a clock has run out."""
+        """The path with one more step; None if a clock has run out."""
         graph = self._graph
         clocks = graph.after(label.clocks, step)
         if clocks is None:
@@ -173,7 +172,7 @@ class LapSearch:
         return _LapLabel(cost_ms, elapsed_ms, step.end, met, clocks, first_met, is_met, label, step)
 
     def _closes(self, label: _LapLabel) -> bool:
-        """Whether a way back to the anchor can be flown for ever."""
+        """Whether a path back to the anchor can be flown for ever."""
         return all(
             now == STANDS or (label.is_met >> clock & 1 and now + first_ms <= limit_ms)
             for clock, (now, first_ms, limit_ms) in enumerate(
@@ -183,7 +182,7 @@ class LapSearch:
 
 
 def _in_order(met: int, marks: int) -> int:
-    """The marks that count as met, of those that are met now the next ones alone."""
+    """The marks that count as met: of those met now, only the next ones in order."""
     while marks & (met + 1):
         met = met << 1 | 1
     return met

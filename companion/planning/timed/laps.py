@@ -1,12 +1,11 @@
-"""Loops that keep all bounds for ever, and what their clocks may show where they are entered.
+"""Laps that keep all bounds for ever, and what their clocks may show where they are entered.
 
-A clock that is set by its goal somewhere on a lap shows the same at the end of every lap, whatever
-it showed before the first one. So a lap can be flown for ever if it can be flown once with what it
-leaves its clocks at: for a revisit, what passes from the last visit of a lap to its end and from
-its beginning to the first one is within the limit.
-
-A plan may enter it wherever its clocks leave enough time for the next goal of each. Where a lap
-meets no goal of a clock, that clock has to stand still.
+1. If the goal of a clock is met somewhere on a lap, the clock shows the same at the end of every
+   lap, whatever it showed before the first one. So a lap can be flown for ever if it can be flown
+   once with the clocks as it leaves them. For a revisit, this means: the time from the last visit
+   of a lap to its end, plus the time from its beginning to the first visit, is within the limit.
+2. If a lap meets no goal of a clock, that clock has to stand still.
+3. A plan may enter a lap wherever each clock leaves enough time until its next goal.
 """
 
 from __future__ import annotations
@@ -24,12 +23,12 @@ _STEP_US = 5.0
 
 @dataclass(frozen=True, slots=True)
 class TimedLap:
-    """A loop that keeps all bounds for ever.
+    """A lap that keeps all bounds for ever.
 
     Attributes:
-        steps: from its beginning on, which is where the last one ends.
-        cost_ms: of all of them.
-        latest: by place in `steps`, what each clock may show at most before the step.
+        steps: from its beginning, which is also where the last step ends.
+        cost_ms: the cost of all steps.
+        latest: by place in `steps`, the most that each clock may show before the step.
         is_rest: whether it is a step of rest, for which the vehicle lands.
     """
 
@@ -39,16 +38,16 @@ class TimedLap:
     is_rest: bool = False
 
     def state(self, place: int) -> int:
-        """Where a step begins."""
+        """The state where a step begins."""
         return self.steps[place - 1].end
 
     def admits(self, place: int, clocks: Clocks) -> bool:
-        """Whether it can be entered before a step with some clocks."""
+        """Whether the lap can be entered before a step with these clocks."""
         return all(now <= last for now, last in zip(clocks, self.latest[place], strict=True))
 
 
 def lap_of(graph: TimedProduct, steps: Sequence[TimedStep]) -> TimedLap | None:
-    """Some steps that lead back to their beginning as a lap; None if they break a bound."""
+    """Some steps back to their beginning as a lap; None if they break a bound."""
     spent(_STEP_US * len(steps) * len(graph.bounds))
     first = _flown(graph, graph.least, steps)
     if first is None:
@@ -84,11 +83,11 @@ def _flown(graph: TimedProduct, clocks: Clocks, steps: Sequence[TimedStep]) -> C
 
 
 def latest_clocks(graph: TimedProduct, steps: Sequence[TimedStep]) -> tuple[Clocks, ...]:
-    """By step of a lap, what each clock may show at most before it."""
+    """For each step of a lap, the most that each clock may show before it."""
     found: list[Clocks] = []
     latest = [STANDS] * len(graph.bounds)
     charges, missing = graph.charges, graph.limits_ms[-1]
-    for step in (*steps, *steps)[::-1]:  # what is met early on the next lap
+    for step in (*steps, *steps)[::-1]:  # for goals that are met early in the next lap
         for clock, limit_ms in enumerate(graph.limits_ms[: len(latest)]):
             if graph.is_goal(clock, step.end):
                 latest[clock] = limit_ms
@@ -109,7 +108,7 @@ class LapEntries:
                 self._by_state.setdefault(lap.state(place), []).append((lap, place))
 
     def at(self, state: int, clocks: Clocks) -> Iterator[tuple[TimedLap, int]]:
-        """The laps that can be entered at a state with some clocks, and the places."""
+        """The laps that can be entered at a state with these clocks, and the places."""
         for lap, place in self._by_state.get(state, ()):
             if lap.admits(place, clocks):
                 yield lap, place

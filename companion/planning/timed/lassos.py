@@ -1,13 +1,14 @@
 """The lassos of one problem that keep all bounds, each better than the one before.
 
-Rest, where it is accepted with all clocks still or set by it, is the shortest loop. Else laps are
-looked for through few states of which each lap passes one, the shortest first (`lap_search.py`),
-until one can be entered with the clocks as they are (`lap_entry.py`). What is looked for first:
+If rest is accepted, and all clocks stand still or are reset by it, it is the shortest loop.
+Otherwise laps are searched through a few states of which each lap passes one, the shortest laps
+first (`lap_search.py`), until one can be entered with the present clocks (`lap_entry.py`). The
+order of the search:
 
-- a lap that is known: in flight nothing else is looked for if it still does;
-- then the tour without bounds, with more visits to what has bounds, changed until it is in time
-  (`lap_improvement.py`), or with visits put in where they are due;
-- then all laps. What is found first bounds what is looked for.
+1. A known lap. In flight, if it is still possible, nothing else is searched.
+2. The tour without bounds, with more visits to what has bounds, changed until it is in time
+   (`lap_improvement.py`), or with visits inserted where they are due.
+3. All laps. What was found before limits this search.
 """
 
 from __future__ import annotations
@@ -40,23 +41,23 @@ from companion.planning.timed.timed_step import TimedStep
 
 ENGINE = "built-in, time bounds"
 SHARES = 4
-"""A search in a given order has this part of the budget."""
+"""The budget is divided by this for a search in a given order."""
 LABELS_A_CHANGE = 10
-"""To try a change takes as long as so many labels."""
+"""Trying a change counts as this many labels."""
 FEW_MARKS = 3
-"""Of so few that are not bounded every order is tried anyway."""
+"""With at most this many marks without a bound, every order is tried anyway."""
 
 
 class TimedLassos:
-    """Looks for the lassos of one problem.
+    """Searches the lassos of one problem.
 
     Args:
-        problem: with bounds.
+        problem: a problem with time bounds.
         graph: its product.
         parts: the strong components with a loop that meets every mark.
-        effort: limits of the search.
-        known: laps that were found before, and keeps those that are found now.
-        into: the product for ways into loops.
+        effort: the limits of the search.
+        known: laps that were found before; new ones are added.
+        into: the product for paths into loops.
     """
 
     def __init__(
@@ -76,7 +77,7 @@ class TimedLassos:
         self._ways = WaysIn(into, bool(problem.unread), LabelBudget(effort.time_labels))
 
     def solutions(self) -> Iterator[Solution]:
-        """Each better than the one before.
+        """Lassos, each better than the one before.
 
         Raises:
             SearchLimit: none was found within the budget.
@@ -116,7 +117,7 @@ class TimedLassos:
             raise limit
 
     def _can_be_served(self, part: TimedComponent) -> bool:
-        """Whether for each mark some lap meets it; False is a proof that none meets all."""
+        """Whether each mark is met by some lap; False proves that no lap meets all of them."""
         budget = self._budget.share(SHARES)
         for mark in range(len(part.targets_of)):
             is_free = part.free >> mark & 1
@@ -125,7 +126,7 @@ class TimedLassos:
         return True
 
     def _has_lap(self, part: TimedComponent, budget: LabelBudget) -> bool | None:
-        """Whether there is a lap in a component; None if the search reaches its limit."""
+        """Whether a component has a lap; None if the search reaches its limit."""
         barred = frozenset[int]()
         for anchor in part.anchors():
             try:
@@ -137,7 +138,7 @@ class TimedLassos:
         return False
 
     def _lap_searches(self) -> Iterator[LapSearch]:
-        """Searches that find every lap, one after the other."""
+        """Searches that together find every lap."""
         for part in self._parts:
             barred = frozenset[int]()
             for anchor in part.anchors():
@@ -145,10 +146,10 @@ class TimedLassos:
                 barred |= {anchor}
 
     def _first_entered(self, search: LapSearch, below_ms: int) -> LapEntry | None:
-        """The shortest lap that can be entered, with the way into it; None if there is none.
+        """The shortest lap that can be entered, with the path into it; None if there is none.
 
         Raises:
-            SearchLimit: the budget does not suffice.
+            SearchLimit: the budget is not sufficient.
         """
         for steps in search.laps(below_ms):
             found = self._entered(steps)
@@ -157,7 +158,7 @@ class TimedLassos:
         return None
 
     def _entered(self, steps: Sequence[TimedStep]) -> LapEntry | None:
-        """A lap, in the direction in which it is entered better; None if it cannot be."""
+        """A lap, in the direction that is better to enter; None if it cannot be entered."""
         ways = [self._trimmed(steps), self._backwards(steps)]
         laps = [lap for lap in ways if lap is not None]
         others = [part for part in self._parts if laps and steps[0].end not in part.states]
@@ -165,7 +166,7 @@ class TimedLassos:
         return self._ways.into(laps) if laps else None
 
     def _trimmed(self, steps: Sequence[TimedStep]) -> TimedLap | None:
-        """A lap that charges no further than it has to, if it keeps its bounds then."""
+        """A lap with no charge higher than necessary; None if it then breaks a bound."""
         graph, actions = self._graph, self._problem.actions
         if graph.charges is None:
             return lap_of(graph, steps)
@@ -174,7 +175,7 @@ class TimedLassos:
         return lap_of(graph, graph.charges.trimmed(steps, latest, actions)) or lap_of(graph, steps)
 
     def _backwards(self, steps: Sequence[TimedStep]) -> TimedLap | None:
-        """A lap in the other direction, if there is one that costs as much."""
+        """The lap in the other direction, if it exists and costs the same."""
         if any(step.charge is not None for step in steps):
             return None
         states = [step.end for step in steps[::-1]]
@@ -195,7 +196,7 @@ class TimedLassos:
     # -- laps that are looked for first ------------------------------------------------------------
 
     def _rests(self) -> list[TimedLap]:
-        """Where the vehicle may rest for ever."""
+        """The laps on which the vehicle rests for ever."""
         graph, found = self._graph, []
         for part in self._parts:
             for state in part.states:
@@ -206,7 +207,7 @@ class TimedLassos:
         return found
 
     def _good_laps(self) -> Iterator[LapEntry]:
-        """Laps that are likely to be good, with ways into them."""
+        """Laps that are likely to be good, with paths into them."""
         for part in self._parts:
             if (improved := self._improved(part)) is not None:
                 yield improved
@@ -220,7 +221,7 @@ class TimedLassos:
                     yield found
 
     def _improved(self, part: TimedComponent) -> LapEntry | None:
-        """The best lap that changes of the tour without bounds lead to."""
+        """The best lap found by changing the tour without bounds."""
         if self._graph.charges is not None or part.all.bit_count() <= FEW_MARKS:
             return None
         improvement = LapImprovement(self._graph, part)
@@ -231,14 +232,16 @@ class TimedLassos:
         return None if steps is None or not self._is_accepted(steps) else self._entered(steps)
 
     def _known_entry(self) -> LapEntry | None:
-        """The way into the shortest lap that is known and can be entered; None if none can be."""
+        """The path into the shortest known lap that can be entered; None if none can."""
         known = self._known.within(self._problem, self._graph, self._parts)
         alike = (list(laps) for _, laps in groupby(known, key=lambda lap: lap.cost_ms))
         ways = map(self._ways.into, alike)
         return next((way for way in ways if way is not None), None)
 
     def _ordered(self, part: TimedComponent) -> Iterator[LapSearch]:
-        """Searches for laps that meet most marks in the order of the shortest tour, both ways."""
+        """Searches for laps that meet most marks in the order of the shortest tour, in both
+        directions.
+        """
         marks = [mark for mark in range(len(part.targets_of)) if not part.free >> mark & 1]
         if len(marks) <= FEW_MARKS:
             return
@@ -253,7 +256,7 @@ class TimedLassos:
             yield LapSearch(graph, ordered, anchor, budget, is_in_order=True)
 
     def _tours_of(self, part: TimedComponent) -> Loops:
-        """The loops of a component without bounds."""
+        """The loops of a component, ignoring bounds."""
         found = self._tours.get(id(part))
         if found is None:
             paths = ShortestPaths(self._graph.product)
@@ -269,7 +272,7 @@ class TimedLassos:
         prefix = [self._action(step, in_loop=False) for step in self._ways.trimmed(found)]
         loop = tuple(map(self._action, found.round))
         if loop == (WAIT,):
-            while prefix and prefix[-1] is WAIT:  # a step of rest less is the same word
+            while prefix and prefix[-1] is WAIT:  # without its last rest the word is the same
                 prefix.pop()
         bound_ms = least_lap_ms(self._graph.product, bound_ms)
         lasso = Lasso(tuple(prefix), loop)

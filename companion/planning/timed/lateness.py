@@ -1,7 +1,7 @@
-"""Which bounds cannot be kept, and from which limit on they could be, in words.
+"""Explains which bounds cannot be kept, and from which limit on they could be kept.
 
-A bound is relaxed until there is a plan, with all others as they are. The least limit is found by
-searches between one without a plan and what a plan with a longer limit takes.
+Each bound is relaxed until there is a plan, with all other bounds unchanged. Searches between a
+limit without a plan and what a plan with a longer limit takes find the least limit.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ from companion.planning.timed.search import TimedSearch
 NO_LIMIT_MS = 1_000_000_000
 MOST_STOPS = 8
 SHARES = 10
-"""Each of the searches, a dozen for a bound, has this part of the effort."""
+"""The effort is divided by this for each search; a bound needs about a dozen searches."""
 
 
 def late_bounds(search: TimedSearch, problem: Problem, effort: Effort) -> tuple[str, ...]:
-    """A line for each bound that would have to be relaxed; none where that would not help.
+    """A line for each bound that would have to be relaxed; none if that would not help.
 
     Args:
         search: knows the mission's actions and automata.
-        problem: without a plan.
-        effort: limits of each search.
+        problem: a problem without a plan.
+        effort: the limits of each search.
     """
     effort = replace(effort, time_labels=effort.time_labels // SHARES)
     bounded = [n for n, each in enumerate(problem.conjuncts) if each.bound is not None]
@@ -65,10 +65,10 @@ def _relaxed(search: TimedSearch, problem: Problem, number: int, effort: Effort)
 def _waiting(
     search: TimedSearch, problem: Problem, number: int, limit_ms: int, effort: Effort
 ) -> LongestWait | None:
-    """The longest wait of a bound in a plan with another limit of it; None without a plan.
+    """The longest wait for a bound in a plan, if the bound had another limit; None without a plan.
 
     Raises:
-        SearchLimit: it is not known whether there is a plan.
+        SearchLimit: it is unknown whether there is a plan.
     """
     asked = with_limit(problem, number, limit_ms)
     other = asked.conjuncts[number]
@@ -80,7 +80,7 @@ def _waiting(
 
 
 def with_limit(problem: Problem, number: int, limit_ms: int) -> Problem:
-    """A problem with another limit of the bound of one of its conjuncts."""
+    """The problem with another limit for the bound of one conjunct."""
     conjunct = problem.conjuncts[number]
     assert conjunct.bound is not None
     other = replace(conjunct, bound=replace(conjunct.bound, limit_ms=limit_ms))
@@ -89,7 +89,7 @@ def with_limit(problem: Problem, number: int, limit_ms: int) -> Problem:
 
 
 def _limit_ms(planned_ms: int) -> int:
-    """The least limit with which so much is planned."""
+    """The least limit for which plans keep this limit."""
     percent = 100 - MARGIN_PERCENT
     return max(planned_ms + MARGIN_MS, -(-planned_ms * 100 // percent))
 

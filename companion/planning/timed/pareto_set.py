@@ -1,4 +1,4 @@
-"""Sets of labels of which none dominates another that came later."""
+"""Sets of labels that are not dominated by earlier ones."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from operator import le
 import numpy as np
 
 FEW = 24
-"""Of so few they are compared one by one."""
+"""Up to this many labels are compared one by one."""
 
 
 class ParetoSet:
-    """Vectors of which the smaller one is better in each component.
+    """Vectors; in each component, smaller is better.
 
     >>> best = ParetoSet()
     >>> best.add((1, 5)), best.add((2, 4)), best.add((2, 6)), len(best)
@@ -28,7 +28,9 @@ class ParetoSet:
         return self._count
 
     def add(self, vector: Sequence[int]) -> bool:
-        """Adds a vector unless one is as good in all components; whether it did."""
+        """Adds a vector unless a known one is as good in all components; returns whether it was
+        added.
+        """
         if self._count < FEW:
             for other in self._few:
                 if all(map(le, other, vector)):

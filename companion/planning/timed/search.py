@@ -1,16 +1,14 @@
-"""The best lasso that keeps the bounds in time of a task: shortest lap, then shortest prefix.
+"""The best lasso that keeps the time bounds of a task: shortest lap, then shortest prefix.
 
-A bounded line is read by an automaton, without its bound, and by a clock (`timed_product.py`). The
-search is exact, by generalized acceptance and with clocks as labels (`lassos.py`). It may take
-long, so there is a budget of labels.
+1. An automaton reads a bounded line without its bound, and a clock reads the bound
+   (`timed_product.py`). The search is exact, with generalized acceptance and with clocks as labels
+   (`lassos.py`). It may take long, so there is a budget of labels.
+2. On a battery, the best plan without bounds is used if it keeps them. Otherwise the charge is one
+   more label, with a few levels to charge to (`charge_levels.py`), including those of that plan.
+3. If the budget ends before a lap is found, it is unknown whether there is one. If it ends later,
+   it is unknown how far that lap is from the shortest.
 
-On a battery the best plan without bounds is taken if it keeps them. Else the charge is one more
-label, with a few levels to charge to (`charge_levels.py`), those of that plan among them.
-
-Where the budget ends before a lap is found it is not known whether there is one, and where it ends
-after, how far from the shortest it may be.
-
-Whether deadlines of this kind can be kept for ever is PSPACE-complete for one vehicle: Ho and
+Whether deadlines of this kind can be kept for ever is PSPACE-complete even for one vehicle: Ho and
 Ouaknine, The cyclic-routing UAV problem is PSPACE-complete, FoSSaCS 2015.
 """
 
@@ -38,11 +36,11 @@ from companion.planning.timed.timed_product import TimedProduct
 
 
 class TimedSearch:
-    """Plans that keep bounds, from any state of one mission.
+    """Plans that keep time bounds, from any state of one mission.
 
     Args:
         search: knows the mission's actions and automata.
-        loops: on a battery, that were found without bounds.
+        loops: on a battery, loops that were found without bounds.
 
     Attributes:
         known: laps that were found before.
@@ -54,7 +52,7 @@ class TimedSearch:
         self.known = KnownLaps()
 
     def costs_have_changed(self) -> None:
-        """What was found before may not be the best any more."""
+        """Notes that costs have changed: what was found before may no longer be the best."""
         self.known.are_best = False
 
     def is_solvable(self, problem: Problem, effort: Effort) -> bool | None:
@@ -67,7 +65,7 @@ class TimedSearch:
     def solutions(self, problem: Problem, effort: Effort) -> Iterator[Solution]:
         """Lassos, each better than the one before; none if there is none.
 
-        Where a flight is late, what plans keep in hand may be used up.
+        If a flight is late, it may use up the margin that plans keep.
 
         Raises:
             SearchLimit: the product has too many states, or the budget ended before any was found.
@@ -81,10 +79,10 @@ class TimedSearch:
             yield from self._on_a_battery(problem, effort)
 
     def _on_a_battery(self, problem: Problem, effort: Effort) -> Iterator[Solution]:
-        """The best plan for the battery, if it keeps the bounds as it is; else one of few levels.
+        """The best plan for the battery, if it keeps the bounds; otherwise one with few levels.
 
         Raises:
-            SearchLimit: as above, or there may be a plan with other levels of charge.
+            SearchLimit: as in `solutions`, or a plan with other levels of charge may exist.
         """
         conjuncts = tuple(replace(each, bound=None) for each in problem.conjuncts)
         unbounded = replace(problem, conjuncts=conjuncts, clocks_ms=())
@@ -95,7 +93,7 @@ class TimedSearch:
             yield best
             return
         has_found = False
-        self.known.keep_loop(best.lasso.loop)  # its levels are none of the few
+        self.known.keep_loop(best.lasso.loop)  # its levels are not among the few
         actions = (*best.lasso.prefix, *best.lasso.loop)
         levels = frozenset(a.charge_to for a in actions if a.charge_to is not None)
         for solution in self._searched(problem, effort, levels):
@@ -107,12 +105,12 @@ class TimedSearch:
     def _searched(
         self, problem: Problem, effort: Effort, levels: frozenset[int] = frozenset()
     ) -> Iterator[Solution]:
-        """By label setting.
+        """Searches by label setting.
 
         Args:
-            problem: with bounds.
-            effort: limits of the search.
-            levels: to charge to, besides a few.
+            problem: a problem with time bounds.
+            effort: the limits of the search.
+            levels: levels to charge to, in addition to a few.
         """
         product = self._search.product(problem, effort, min_goals=sys.maxsize)
         components = accepting_components(product)
@@ -147,7 +145,7 @@ class TimedSearch:
 
 
 def _as_planned(problem: Problem) -> Problem:
-    """A problem with the limits that plans keep."""
+    """The problem with the limits that plans keep."""
     conjuncts = (
         each
         if each.bound is None

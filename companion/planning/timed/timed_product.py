@@ -1,11 +1,11 @@
-"""A product with the clocks of the lines that have a bound in time.
+"""A product with the clocks of the lines that have a time bound.
 
-A clock is a label beside the states: smaller is better, and best is one that stands still. What a
-step makes of clocks is monotone: from smaller ones it leads to smaller ones, so of two ways to the
-same state one is as good as the other if none of its clocks shows more.
+A clock is a label in addition to the states: smaller is better, and best is a clock that stands
+still. The effect of a step on clocks is monotone: smaller clocks lead to smaller ones. So of two
+paths to the same state, one is at least as good as the other if none of its clocks shows more.
 
-A position that is reached with a clock above its limit is cut, and so is one from which the least
-way to the clock's goal takes longer than what is left.
+A position is cut if it is reached with a clock above its limit, or if the shortest path from it to
+the clock's goal takes longer than the time left.
 
 Source: Irnich and Desaulniers, Shortest path problems with resource constraints, 2005.
 """
@@ -35,7 +35,7 @@ from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
 STANDS = -1
-"""What a clock shows that does not run."""
+"""What a clock that does not run shows."""
 
 Clocks = tuple[int, ...]
 """What each clock shows, in milliseconds."""
@@ -48,17 +48,18 @@ class TimedProduct:
 
     Attributes:
         product: with all one-shot goals in it.
-        bounds: of the clocks that may ever run.
-        limits_ms: that plans keep, by clock.
-        start: what the clocks show now. On a battery the last one is what is missing to a full one.
-        least: the least that each of them ever shows.
+        bounds: the bounds of the clocks that may ever run.
+        limits_ms: the limits that plans keep, by clock.
+        start: what the clocks show now. On a battery the last one is what is missing from a full
+            one.
+        least: the least that each clock ever shows.
 
     Args:
-        problem: with bounds.
-        product: of it.
-        is_late: whether a clock that runs now may use up what plans keep in hand.
-        in_loop: for loops, not for the way into one.
-        levels: to charge to, besides a few.
+        problem: a problem with time bounds.
+        product: the product of the problem.
+        is_late: whether a clock that runs now may use up the margin that plans keep.
+        in_loop: whether it is for loops, not for the path into one.
+        levels: levels to charge to, in addition to a few.
     """
 
     def __init__(
@@ -114,11 +115,11 @@ class TimedProduct:
     # -- clocks ------------------------------------------------------------------------------------
 
     def after(self, clocks: Clocks, step: TimedStep, is_first: bool = False) -> Clocks | None:
-        """The clocks after a step; None if one of them is late, or is bound to be.
+        """The clocks after a step; None if one of them is late, or certain to become late.
 
         Args:
-            clocks: before it.
-            step: which leads to a state.
+            clocks: the clocks before the step.
+            step: the step, which leads to a state.
             is_first: whether its end is the first position of a plan.
         """
         state, took_ms = step.end, step.duration_ms
@@ -148,11 +149,11 @@ class TimedProduct:
 
     @property
     def all_actions(self) -> Sequence[Action]:
-        """Those of the problem."""
+        """The actions of the problem."""
         return self._problem.actions
 
     def can_begin(self, state: int) -> bool:
-        """Whether no clock is late, or bound to be, where a plan begins."""
+        """Whether no clock is late, or certain to become late, where a plan begins."""
         latest = self._latest_ms[state]
         is_kept = self.charges is None or self.start[-1] <= self.charges.most_missing(state)
         return is_kept and all(
@@ -165,7 +166,7 @@ class TimedProduct:
         return bool(self._kinds[state][clock] == BoundReading.GOAL)
 
     def is_met(self, clock: int, step: TimedStep) -> bool:
-        """Whether a step leads to the goal of a clock; of a battery: whether it charges."""
+        """Whether a step leads to the goal of a clock; for the battery, whether it charges."""
         if clock == len(self.bounds):
             return step.charge is not None
         return self.is_goal(clock, step.end)
@@ -177,7 +178,7 @@ class TimedProduct:
     # -- steps and ways ----------------------------------------------------------------------------
 
     def steps(self, state: int) -> list[TimedStep]:
-        """What leads on from a state."""
+        """The steps that leave a state."""
         found = self._steps.get(state)
         if found is None:
             product = self.product
@@ -202,11 +203,11 @@ class TimedProduct:
         return found
 
     def durations_from(self, nodes: Sequence[int] | NDArray[np.intp]) -> Costs:
-        """(nodes,) the least time from one of some nodes to each."""
+        """(nodes,) the least time to each node from any of the given nodes."""
         return self._least_times(self._forward, nodes)
 
     def durations_to(self, nodes: Sequence[int] | NDArray[np.intp]) -> Costs:
-        """(nodes,) the least time from each to one of some nodes."""
+        """(nodes,) the least time from each node to any of the given nodes."""
         return self._least_times(self._backward, nodes)
 
     def _least_times(self, matrix: csr_array, nodes: Sequence[int] | NDArray[np.intp]) -> Costs:
@@ -220,7 +221,7 @@ class TimedProduct:
         return self._forward.T.tocsr()
 
     def _latest(self, clock: int) -> NDArray[np.int64]:
-        """(nodes,) what the clock may show at most once a node was read."""
+        """(nodes,) the most that the clock may show after a node is read."""
         product = self.product
         to_goal = self.durations_to(self._goals[clock])
         least = np.full(product.nodes, UNREACHABLE_MS)
@@ -231,7 +232,7 @@ class TimedProduct:
     # -- readings ----------------------------------------------------------------------------------
 
     def _read(self, bound: TimeBound) -> NDArray[np.int8]:
-        """(nodes,) what each does with the clock of a bound."""
+        """(nodes,) what each node does with the clock of a bound."""
         kinds = np.full(self.product.nodes, BoundReading.NOTHING, np.int8)
         if isinstance(bound, Response):
             kinds[self._letters.where(bound.trigger)] = BoundReading.TRIGGER
@@ -246,7 +247,7 @@ class TimedProduct:
         return bool(unread) or bool((kinds == BoundReading.TRIGGER).any())
 
     def _first(self, state: int) -> list[int]:
-        """What a state does with each clock as the first position of a plan."""
+        """What a state does with each clock, as the first position of a plan."""
         found = self._first_kinds.get(state)
         if found is None:
             letter = self._letters.of(state) | self._problem.unread

@@ -1,4 +1,4 @@
-"""A step between two states of a product, with what it takes."""
+"""A step between two states of a product, with its cost, time and energy."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ class TimedStep(NamedTuple):
     """An edge of a product between two of its states.
 
     Attributes:
-        action: its number.
-        cost_ms: in the objective.
-        duration_ms: what it takes; rest costs less than that.
-        end: the state, as the number of its first node.
+        action: number of its action.
+        cost_ms: its cost in the objective.
+        duration_ms: its duration; for rest that is more than its cost.
+        end: the state where it ends, as the number of the state's first node.
         node: the node where it ends.
-        drain: what it takes of the battery, where plans know of one.
-        charge: from which level at least to which one it charges; None where it does not.
+        drain: the energy that it takes, if plans consider energy.
+        charge: the least level from which, and the level to which, it charges; None if it does not.
     """
 
     action: int
