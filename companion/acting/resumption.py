@@ -34,7 +34,7 @@ UNSEEN_S = 3.0
 """Time in which it may have moved since it was seen: a second to the next entry of the journal, one
 to the autopilot's failsafe, and one to stop."""
 
-TWO_KEYS = "hold, then continue, gives it back"
+TWO_KEYS = "hold, then continue, to give control back"
 STREAMED = (Phase.TASK, Phase.PAUSED, Phase.RETURNING, Phase.LANDING)
 """Phases in which setpoints are streamed, so that the autopilot notices their loss: also where a
 vehicle is held before it lands."""
@@ -119,7 +119,11 @@ class Resumption:
     def found(self, state: VehicleState, resumes: bool) -> FlightFoundAgain:
         """What is told when the flight is found still going on."""
         asked = self.why_asked(state) or _why_it_keeps(state)
-        key = "its own hold gives it back" if resumes and asked is None else TWO_KEYS
+        key = (
+            "it continues when the autopilot holds by itself"
+            if resumes and asked is None
+            else TWO_KEYS
+        )
         about = f"{asked}: {key}" if asked is not None else key
         return FlightFoundAgain(round(self.journalled.away_s, 1), self.journalled.phase, about)
 
@@ -168,7 +172,9 @@ def restore(
     for shot in journalled.shots:
         flight.vehicle.cameras.recall(shot)
         if shot.position == task.positions:
-            flight.report(OutcomeUnknown(shot.action, "the camera is asked how many it has made"))
+            flight.report(
+                OutcomeUnknown(shot.action, "the camera is asked how many photos it has taken")
+            )
     for each in journalled.unsettled:
         _give_up(replay, each.action, flight)
         journal.note(flight.now_s, CommandSettled(each.number))
@@ -182,7 +188,7 @@ def _give_up(replay: TaskReplay, name: str, flight: Flight) -> None:
     if action.is_repeatable:
         flight.report(OutcomeUnknown(name, "it may be repeated"))
         return
-    flight.report(OutcomeUnknown(name, "it is taken for failed, and not done again"))
+    flight.report(OutcomeUnknown(name, "it counts as failed, and is not done again"))
     flight.task.withdraw(action.assumes, None)
     flight.task.bar(action)
     for belief in sorted(action.assumes):

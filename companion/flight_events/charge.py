@@ -40,7 +40,7 @@ class ChargePlanned(FlightEvent):
     """The charge that the plan expects until its next lap is done, in missions with a battery."""
 
     kind = "charge"
-    template = "at least {percent:.1f} % are there, {required_percent:.1f} % are required"
+    template = "at least {percent:.1f} % are expected, {required_percent:.1f} % are required"
     is_told = False
 
     percent: Annotated[float, Doc("the least charge that is expected")]

@@ -15,8 +15,8 @@ class EnergyUsed(FlightEvent):
 
     kind = "energy"
     template = (
-        "flown {seconds:.0f} s on {used_wh:.2f} Wh, {expected_wh:.2f} Wh were expected; "
-        "flights take {factor:.2f} times what the mission says"
+        "{used_wh:.2f} Wh used in {seconds:.0f} s, {expected_wh:.2f} Wh expected; flights take "
+        "{factor:.2f} times the energy that the mission says"
     )
 
     seconds: Annotated[float, Doc("of flights and other skills")]
@@ -34,7 +34,7 @@ class ReserveUsed(FlightEvent):
     """Only the reserve is left: it is used for the landing that takes the least energy."""
 
     kind = "energy"
-    template = "{reserve_wh:.2f} Wh of the reserve are used on the way to the next landing"
+    template = "the way to the next landing uses {reserve_wh:.2f} Wh of the reserve"
 
     reserve_wh: Annotated[float, Doc("how much of the reserve the landing will use")]
 
@@ -45,8 +45,8 @@ class GaugeJumped(FlightEvent):
 
     kind = "energy"
     template = (
-        "the battery's gauge jumps from {before_percent} % to {now_percent} %: "
-        "{believed_percent} % are believed"
+        "the battery's gauge jumped from {before_percent} % to {now_percent} %: "
+        "{believed_percent} % is assumed"
     )
 
     before_percent: Annotated[int, Doc("the charge that was believed before")]

@@ -65,7 +65,7 @@ class PlacesCutOff(FlightEvent):
     """Beliefs were withdrawn, since the sensed map has no route for their moves."""
 
     kind = "map"
-    template = "no way on the map as seen: {summary} withdrawn"
+    template = "no route on the map as sensed: {summary} withdrawn"
 
     summary: InText[str]
     withdrawn: BeliefsWithdrawn
@@ -77,7 +77,7 @@ class PlacesConnected(FlightEvent):
     """Beliefs were restored, since the sensed map has a route for their moves again."""
 
     kind = "map"
-    template = "a way again: {summary} restored"
+    template = "there is a route again: {summary} restored"
 
     summary: InText[str]
     withdrawn: BeliefsWithdrawn = field(default=(), init=False)

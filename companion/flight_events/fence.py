@@ -18,7 +18,7 @@ class FenceWritten(FlightEvent):
     """The autopilot has the mission's fence, and it is in force."""
 
     kind = "fence"
-    template = "the autopilot has the mission's fence ({fence}), also after the flight"
+    template = "the autopilot has the mission's fence ({fence}), and keeps it after the flight"
 
     fence: InText[FenceWords]
 
@@ -71,8 +71,8 @@ class FenceNear(FlightEvent):
 
     kind = "fence"
     template = (
-        "the fence is nearer than what the position may be off by, {error_m:.1f} m: "
-        "the autopilot may end the flight in the climb"
+        "the fence is nearer than the possible error of the position, {error_m:.1f} m: the "
+        "autopilot may end the flight during the climb"
     )
 
     error_m: Annotated[float, Doc("the possible error of the position, rounded to 0.1 m")]

@@ -14,8 +14,9 @@ class FrameLocated(FlightEvent):
 
     kind = "frame"
     template = (
-        "{home} is {away_m} m from the origin {latitude_deg}, {longitude_deg} of the autopilot, "
-        "and {amsl_m} m above the sea; its positions agree to {residual_m} m"
+        "{home} is {away_m} m from the autopilot's origin {latitude_deg}, {longitude_deg}, and "
+        "{amsl_m} m above sea level; the autopilot's local and global positions agree to "
+        "{residual_m} m"
     )
 
     home: InText[str]
@@ -32,8 +33,8 @@ class HomeMeasured(FlightEvent):
 
     kind = "frame"
     template = (
-        "measuring for {for_s:.0f} s where {home} is: "
-        "the vehicle's position is good for {accuracy_m} m"
+        "measuring for {for_s:.0f} s where {home} is: the vehicle's position is accurate to "
+        "{accuracy_m} m"
     )
 
     home: InText[str]
@@ -46,10 +47,7 @@ class HomeRecalled(FlightEvent):
     """A mission in metres has its origin where earlier flights on this autopilot had it."""
 
     kind = "frame"
-    template = (
-        "{home} and the map lie where they lay in an earlier flight, "
-        "{gap_m} m from where the vehicle stands"
-    )
+    template = "{home} and the map are where an earlier flight had them, {gap_m} m from the vehicle"
 
     home: InText[str]
     gap_m: InText[float]
@@ -60,7 +58,9 @@ class OriginMoved(FlightEvent):
     """The autopilot's local frame got another origin; the mission keeps its place on the earth."""
 
     kind = "frame"
-    template = "the autopilot's origin has moved by {moved_m} m; flying on in its new frame"
+    template = (
+        "the autopilot's origin has moved by {moved_m} m; the flight continues in the new frame"
+    )
 
     moved_m: InText[float]
 
@@ -70,7 +70,7 @@ class FrameTrusted(FlightEvent):
     """The autopilot's statements about its position agree again."""
 
     kind = "frame"
-    template = "the position is certain again; going on"
+    template = "the position is certain again; the flight continues"
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,7 +59,7 @@ class MissionUnreadable(UploadNews):
 class RunNotBegun(UploadNews):
     """A run that an operator has asked for does not begin."""
 
-    template = "nothing is flown: {reason}"
+    template = "the flight does not begin: {reason}"
     is_recorded = False
 
     reason: InText[str]
@@ -71,7 +71,7 @@ class TerminalHungUp(FlightEvent):
     """The terminal hung up (SIGHUP); the flight continues."""
 
     kind = "signal"
-    template = "the terminal has hung up (SIGHUP); the flight goes on"
+    template = "the terminal has hung up (SIGHUP); the flight continues"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +89,7 @@ class PortLost(FlightEvent):
     """A serial port or a TCP connection was lost; the companion tries to open it each second."""
 
     kind = "port lost"
-    template = "{port} is not there, and is tried again each second: {reason}"
+    template = "{port} is lost; trying to open it each second: {reason}"
 
     port: InText[str]
     reason: InText[str]
@@ -100,7 +100,7 @@ class PortRestored(FlightEvent):
     """Bytes arrive again by a serial port or a TCP connection."""
 
     kind = "port restored"
-    template = "{port} is there again"
+    template = "{port} works again"
 
     port: InText[str]
 
@@ -123,8 +123,8 @@ class ClockFollowed(FlightEvent):
 
     kind = "clock"
     template = (
-        "the autopilot's clock runs {speed:g} times as fast as this computer's, as a simulator's "
-        "does: the flight goes by it"
+        "the autopilot's clock runs {speed:g} times as fast as this computer's, like a "
+        "simulator's: the flight follows it"
     )
 
     speed: Annotated[float, Doc("seconds of the flight for each second of this computer")]
@@ -135,7 +135,7 @@ class RecordingFailed(FlightEvent):
     """The run folder cannot be written any more; the flight goes on."""
 
     kind = "record"
-    template = "the run folder cannot be written, the flight goes on: {reason}"
+    template = "the run folder cannot be written; the flight continues: {reason}"
     is_recorded = False
 
     reason: InText[str]

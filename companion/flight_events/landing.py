@@ -16,7 +16,7 @@ class MarkerSeen(FlightEvent):
     """The marker to land on is seen; the vehicle descends over it."""
 
     kind = "marker"
-    template = "the marker of {place} is seen, {off_m:.1f} m from its place"
+    template = "the marker of {place} is seen, {off_m:.1f} m from the middle of the place"
 
     place: PlaceName
     off_m: Annotated[float, Doc("horizontal distance from the middle of its place")]
@@ -27,7 +27,7 @@ class MarkerLost(FlightEvent):
     """The marker to land on is not seen any more."""
 
     kind = "marker"
-    template = "the marker of {place} is lost, {up_m:.1f} m above it"
+    template = "the marker of {place} is not seen any more; the vehicle is {up_m:.1f} m above it"
 
     place: PlaceName
     up_m: Annotated[float, Doc("of the vehicle above the marker")]
@@ -38,7 +38,7 @@ class SightingsRefused(FlightEvent):
     """Sightings of a marker cannot be used; reported whenever their number has doubled."""
 
     kind = "marker"
-    template = "sightings for {place} refused: {number}; the last one: {reason}"
+    template = "sightings of the marker of {place} refused: {number}; the last one: {reason}"
 
     place: PlaceName
     number: Annotated[int, Doc("sightings refused since the landing began")]
@@ -73,8 +73,8 @@ class DockMayBeMissed(FlightEvent):
 
     kind = "dock"
     template = (
-        "by its position it may land {beside_m:.1f} m beside a dock: "
-        "that has to be as wide, or have a marker (land_on)"
+        "the vehicle may land {beside_m:.1f} m beside a dock, as its position is not exact: the "
+        "dock has to be that wide, or have a marker (land_on)"
     )
 
     beside_m: Annotated[float, Doc("rounded to 0.1 m; 1 of 20 landings may be farther away")]

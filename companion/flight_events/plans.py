@@ -76,7 +76,7 @@ class WrittenTreeAdopted(FlightEvent):
     """The mission brings its own tree, and nothing is planned."""
 
     kind = "plan"
-    template = "the mission's own tree"
+    template = "flying the mission's own tree"
 
     number: PlanNumber = field(default=0, init=False)
     task: Task
@@ -140,7 +140,7 @@ class EngineFailed(FlightEvent):
     """The external engine made no plan, so the built-in search plans."""
 
     kind = "engine failed"
-    template = "{reason}; the built-in search plans"
+    template = "{reason}; the built-in search plans instead"
 
     reason: Annotated[str, Doc("why it made none")]
 

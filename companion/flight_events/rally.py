@@ -47,7 +47,7 @@ class RallyRemoved(FlightEvent):
     """The autopilot has no rally points any more: home is the mission's only safe place."""
 
     kind = "rally"
-    template = "{before} taken away: the autopilot's Return goes home"
+    template = "{before} removed: the autopilot's Return goes home"
 
     before: InText[RallyWords]
 

@@ -17,7 +17,7 @@ class SignalSilent(FlightEvent):
     """The signal of an event was not heard for a time; the event keeps its value."""
 
     kind = "silent"
-    template = "{event} is not known any more: {signal} is silent"
+    template = "{event} keeps its last value: {signal} is silent"
 
     event: EventName
     signal: SignalName
@@ -28,7 +28,7 @@ class SignalHeard(FlightEvent):
     """The signal of an event is heard again."""
 
     kind = "heard"
-    template = "{event} is known again: {signal} is heard"
+    template = "{event} is up to date again: {signal} is heard"
 
     event: EventName
     signal: SignalName
@@ -50,7 +50,7 @@ class ReportUnknown(FlightEvent):
     """Another program reports a name that the mission does not use; told once for each name."""
 
     kind = "report"
-    template = "{name} is reported, which the mission does not ask for; it asks for {known}"
+    template = "a program reports {name}, which the mission does not use; it uses {known}"
 
     name: InText[str]
     known: InText[str]
@@ -61,7 +61,7 @@ class SignalOfAnother(FlightEvent):
     """The signal of an event came from another system than the vehicle; told once for each."""
 
     kind = "report"
-    template = "{signal} of system {system} is passed over: the vehicle is system {vehicle}"
+    template = "{signal} of system {system} is ignored: the vehicle is system {vehicle}"
 
     signal: SignalName
     system: Annotated[int, Doc("the system id of the sender")]

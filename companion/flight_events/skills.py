@@ -76,7 +76,7 @@ class SkillProgressed(FlightEvent):
     def far(self) -> str:
         """How far it has come, in words."""
         share = "" if self.percent is None else f"{self.percent} %"
-        return ", ".join(filter(None, (share, self.words))) or "goes on"
+        return ", ".join(filter(None, (share, self.words))) or "under way"
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class FunctionsAwaited(FlightEvent):
     """The flight waits until the functions that its mission calls are loaded."""
 
     kind = "loading"
-    template = "waits until these functions are loaded: {names}"
+    template = "waiting until these functions are loaded: {names}"
 
     names: InText[str]
 
@@ -94,7 +94,7 @@ class PlaceFunctionFailed(FlightEvent):
     """A suggester or a test of a place failed: it proposes nothing, or passes nothing."""
 
     kind = "function"
-    template = "{function}, asked about {place}: {reason}"
+    template = "{function} failed for {place}: {reason}"
 
     place: Annotated[str, Doc("that it was asked about")]
     function: Annotated[str, Doc("the name of the suggester or test")]
@@ -106,7 +106,7 @@ class OutcomeUnknown(FlightEvent):
     """The companion was cut off while a skill commanded a payload, or called a function."""
 
     kind = "unknown"
-    template = "{action}: whether it was done is not known; {consequence}"
+    template = "{action}: it is unknown whether this was done; {consequence}"
 
     action: ActionName
     consequence: InText[str]
@@ -135,7 +135,7 @@ class RouteBlocked(FlightEvent):
     """The flight to a place was rerouted or stopped because of what the lidar saw."""
 
     kind = "route"
-    template = "the way to {place} is not clear: {response}"
+    template = "the route to {place} is not clear: {response}"
 
     place: Annotated[str, Doc("where the flight leads")]
     response: InText[RouteResponse]
@@ -147,8 +147,8 @@ class WallNear(FlightEvent):
 
     kind = "wall"
     template = (
-        "{free_m:.2f} m beside the vehicle to an obstacle, off its route: "
-        "its setpoint is moved away from there"
+        "the vehicle is off its route, {free_m:.2f} m from an obstacle: its setpoint is moved "
+        "away from it"
     )
 
     free_m: Annotated[float, Doc("between the vehicle's rotors and the obstacle, by its position")]
@@ -160,8 +160,8 @@ class GroundNear(FlightEvent):
 
     kind = "ground"
     template = (
-        "{below_m:.2f} m above what is below the vehicle, by its range finder, and {up_m:.2f} m up "
-        "by its altitude: it is sent up, as far as limits.up_m allows"
+        "the vehicle is {below_m:.2f} m above what is below it by its range finder, and "
+        "{up_m:.2f} m up by its altitude: it climbs, as far as limits.up_m allows"
     )
 
     below_m: Annotated[float, Doc("from the vehicle down to what is below it, by a range finder")]
@@ -174,8 +174,8 @@ class SpeedLimitedBySight(FlightEvent):
 
     kind = "speed"
     template = (
-        "no faster than {speed_mps:.2f} m/s, where the mission allows {asked_mps:.2f}: what no map "
-        "shows is seen {sight_m:.1f} m ahead (limits.beyond_sight)"
+        "speed limited to {speed_mps:.2f} m/s instead of {asked_mps:.2f}: obstacles that no map "
+        "shows are seen only {sight_m:.1f} m ahead (limits.beyond_sight)"
     )
 
     speed_mps: Annotated[float, Doc("the speed from which the vehicle can stop within sight")]
@@ -192,8 +192,8 @@ class ClearanceChanged(FlightEvent):
 
     kind = "clearance"
     template = (
-        "routes keep {clearance_m:.1f} m from obstacles where there is room: "
-        "the position is good for {accuracy_m:.2f} m, the vehicle up to {off_m:.2f} m off its way"
+        "routes keep {clearance_m:.1f} m from obstacles where there is room: the position is "
+        "accurate to {accuracy_m:.2f} m, the vehicle is up to {off_m:.2f} m off its route"
     )
 
     clearance_m: Annotated[float, Doc("that routes keep from obstacles, where there is room")]
@@ -207,8 +207,8 @@ class LowPlacesFlown(FlightEvent):
 
     kind = "height"
     template = (
-        "heights may be off by {error_m:g} m, as the position is not exact; write {least_m:g} m "
-        "or more above what is below for {listed}"
+        "heights may be wrong by {error_m:g} m, as the position is not exact; in the mission, "
+        "put these places {least_m:g} m or more above what is below them: {listed}"
     )
 
     places: Annotated[tuple[str, ...], Doc("a list of the places that are so low")]

@@ -65,7 +65,7 @@ class WeakFailsafeAccepted(FlightEvent):
     """The vehicle is armed although a failsafe of its autopilot is weak."""
 
     kind = "phase"
-    template = "accepted: {weakness}"
+    template = "weak failsafe accepted: {weakness}"
 
     weakness: InText[str]
 
@@ -75,7 +75,7 @@ class ControlYielded(FlightEvent):
     """Somebody else has control, and may give it back."""
 
     kind = "phase"
-    template = "{loss}; hold, then continue, gives it back"
+    template = "{loss}; hold, then continue, to give control back"
 
     loss: InText[str]
 
@@ -93,7 +93,7 @@ class ControlTakenBack(FlightEvent):
     """The autopilot held because it no longer heard the companion; the flight continues."""
 
     kind = "phase"
-    template = "the autopilot held because it no longer heard us; going on"
+    template = "the autopilot held because it no longer heard the companion; the flight continues"
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +101,7 @@ class LinkSilent(FlightEvent):
     """A vehicle in the air is not heard: the companion sends nothing and waits."""
 
     kind = "phase"
-    template = "nothing is heard of the vehicle; waiting for it"
+    template = "the vehicle is not heard; waiting for it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +109,7 @@ class LinkBack(FlightEvent):
     """The vehicle is heard again, and nobody took control in between."""
 
     kind = "phase"
-    template = "the vehicle is heard again; going on"
+    template = "the vehicle is heard again; the flight continues"
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +176,7 @@ class BatteryLow(FlightEvent):
     """The autopilot reports a low charge, and the mission has no rule for it."""
 
     kind = "phase"
-    template = "the battery is low, and the mission does not say what then: returning to {place}"
+    template = "the battery is low, and the mission has no rule for this: returning to {place}"
 
     place: InText[str]
 
@@ -186,7 +186,7 @@ class VehicleLanded(FlightEvent):
     """The vehicle landed as planned, and the plan continues."""
 
     kind = "phase"
-    template = "landed on the way"
+    template = "landed as planned"
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,8 +213,8 @@ class ChargeAwaited(FlightEvent):
 
     kind = "phase"
     template = (
-        "the battery does not charge, it is at {percent} %: the vehicle waits on the ground, "
-        "for {patience_s} s at most"
+        "the battery does not charge, it is at {percent} %: the vehicle waits on the ground for "
+        "up to {patience_s} s"
     )
 
     percent: InText[int]
@@ -226,7 +226,7 @@ class ChargeCutShort(FlightEvent):
     """An event came that a `ready` line answers, so the vehicle takes off again."""
 
     kind = "phase"
-    template = "charging ends at {percent} %, for an event that is answered"
+    template = "charging ends at {percent} %, to answer an event"
 
     percent: InText[int]
 
@@ -236,7 +236,7 @@ class ChargeSufficient(FlightEvent):
     """The charge is enough for the rest of the plan, so the vehicle does not land to charge."""
 
     kind = "phase"
-    template = "not landed to charge: the battery has {percent} %, {enough} % are enough"
+    template = "no landing to charge: the battery has {percent} %, and {enough} % are enough"
 
     percent: InText[int]
     enough: InText[int]

@@ -73,7 +73,7 @@ class ViolatedBefore(FlightEvent):
     """A resumed flight had violated its task before the companion was away."""
 
     kind = "violated before"
-    template = "violated before: {listed}"
+    template = "violated before the interruption: {listed}"
 
     lines: Annotated[
         tuple[str, ...], Doc("a list of the lines of the task that no continuation can satisfy")

@@ -67,8 +67,7 @@ class EventEntry(DrawnModel):
             gt=0,
             le=DAY_S,
             description="If the message is not heard for so many seconds, the fact keeps its "
-            "value, the companion reports that it is not known any more, and `is "
-            "silent` is true.",
+            "value, the companion reports this, and `is silent` is true.",
         ),
     ] = None
     restarts: Annotated[

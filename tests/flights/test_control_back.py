@@ -192,7 +192,7 @@ def test_killed_in_a_take_off_by_the_plan_it_is_told_that_an_operator_is_waited_
     restarted(flight, 1.0)
     flight.until_reported(FlightFoundAgain).run(10.0)
     key = flight.one(FlightFoundAgain).key
-    assert key.endswith("is flown: hold, then continue, gives it back")
+    assert key.endswith("is flown: hold, then continue, to give control back")
     assert flight.simulation.mode == HOLD
     operator_says_continue(flight)
     assert flight.until_the_end().exit_code == 0

@@ -165,7 +165,7 @@ def test_killed_in_mid_photo_another_process_asks_the_camera(
     flight.run(away_s)
     flight.restart()
     flown(flight)
-    unknown = "the camera is asked how many it has made"
+    unknown = "the camera is asked how many photos it has taken"
     assert [e.action for e in flight.of(OutcomeUnknown, consequence=unknown)] == ["photo(A)"]
     assert is_whole(flight, "A")
     assert flight.sequences == ([1] if is_made else [1, 2])

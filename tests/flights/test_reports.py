@@ -112,6 +112,6 @@ def test_the_script_of_the_docs_is_a_detector(run: Run, tmp_path: Path) -> None:
     with subprocess.Popen([sys.executable, detector], cwd=tmp_path) as program:
         flown.until_printed("target found", ANSWER_S)
         program.kill()
-    flown.until_printed("targetFound is not known any more: EVENT[persons] is silent", ANSWER_S)
+    flown.until_printed("targetFound keeps its last value: EVENT[persons] is silent", ANSWER_S)
     assert flown.exit_code(ANSWER_S) == 0, flown.printed
     assert not address.exists()

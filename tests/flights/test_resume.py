@@ -200,7 +200,7 @@ def test_what_was_violated_before_is_told_as_that_and_is_in_the_record_once() ->
     assert flight.one(ViolatedBefore) == ViolatedBefore(("quick", "calm"))
     texts = [s.message.text for s in flight.heard[heard:] if hasattr(s.message, "text")]
     told = [text for text in texts if "violated at" in text or "violated before" in text]
-    assert told == ["violated before: quick, calm"]
+    assert told == ["violated before the interruption: quick, calm"]
     found = audit(record_of(flight.recorded))
     assert not found.differs and flight.exit_code == NoPlanError.exit_code
 

@@ -71,7 +71,7 @@ def test_without_a_waypoint_that_passes_the_flight_does_not_begin() -> None:
     assert run(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "no waypoint of A can be flown to"
     told = {str(stamped.event.text) for stamped in rig.flight.collect_reports()}
-    assert told == {"dry, asked about A: no sensor"}
+    assert told == {"dry failed for A: no sensor"}
 
 
 @pytest.mark.parametrize("up_m", [None, 2.0, 40.0])

@@ -153,7 +153,7 @@ LOST = "the pilot has control, in POSCTL"
 
 TEXTS: list[tuple[FlightEvent, str]] = [
     (PlanMade({"visit": "F at(A)"}, LASSO), "plan: move(Home, A), (wait)^w"),
-    (WrittenTreeAdopted({}), "the mission's own tree"),
+    (WrittenTreeAdopted({}), "flying the mission's own tree"),
     (TaskRecalled({}), "the task as it is flown; the beginning of this record was lost"),
     (
         PlanReplaced(2, "target found", PlannedLasso((), (MOVE, WAIT), 0.0, 5.9)),
@@ -169,7 +169,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     ),
     (
         EngineFailed("the engine lpg did not answer in 10 s"),
-        "the engine lpg did not answer in 10 s; the built-in search plans",
+        "the engine lpg did not answer in 10 s; the built-in search plans instead",
     ),
     (LapCompleted(1), "lap 1 done"),
     (PlaceReached("A", "move(Home, A)"), "at A"),
@@ -177,43 +177,42 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (SkillFailed("upload(r1)", "denied"), "upload(r1) failed: denied"),
     (PhotoTaken(13, "camera", "A", 12, (1.0, 2.0, -3.0)), "photo 13 of camera at A"),
     (SkillProgressed("weigh(A)", 40, "settling"), "weigh(A): 40 %, settling"),
-    (SkillProgressed("weigh(A)", None, ""), "weigh(A): goes on"),
+    (SkillProgressed("weigh(A)", None, ""), "weigh(A): under way"),
     (
-        OutcomeUnknown("upload(r1)", "it is taken for failed"),
-        "upload(r1): whether it was done is not known; it is taken for failed",
+        OutcomeUnknown("upload(r1)", "it counts as failed"),
+        "upload(r1): it is unknown whether this was done; it counts as failed",
     ),
     (
         WrittenTreeFailed("upload(r1) failed: denied"),
         "the tree has failed: upload(r1) failed: denied",
     ),
-    (FunctionsAwaited("weigh"), "waits until these functions are loaded: weigh"),
-    (PlaceFunctionFailed("A", "near", "no answer"), "near, asked about A: no answer"),
-    (RouteBlocked("A", RouteResponse.ANOTHER_ROUTE), "the way to A is not clear: another route"),
-    (RouteBlocked("A", RouteResponse.STOPPING), "the way to A is not clear: stopping"),
-    (RouteBlocked("A", RouteResponse.NO_ROUTE), "the way to A is not clear: no route"),
+    (FunctionsAwaited("weigh"), "waiting until these functions are loaded: weigh"),
+    (PlaceFunctionFailed("A", "near", "no answer"), "near failed for A: no answer"),
+    (RouteBlocked("A", RouteResponse.ANOTHER_ROUTE), "the route to A is not clear: another route"),
+    (RouteBlocked("A", RouteResponse.STOPPING), "the route to A is not clear: stopping"),
+    (RouteBlocked("A", RouteResponse.NO_ROUTE), "the route to A is not clear: no route"),
     (
         WallNear(0.05),
-        "0.05 m beside the vehicle to an obstacle, off its route: "
-        "its setpoint is moved away from there",
+        "the vehicle is off its route, 0.05 m from an obstacle: its setpoint is moved away from it",
     ),
     (
         GroundNear(0.31, 2.0),
-        "0.31 m above what is below the vehicle, by its range finder, and 2.00 m up by its "
-        "altitude: it is sent up, as far as limits.up_m allows",
+        "the vehicle is 0.31 m above what is below it by its range finder, and 2.00 m up by its "
+        "altitude: it climbs, as far as limits.up_m allows",
     ),
     (
         ClearanceChanged(1.2, 0.254, 0.31),
-        "routes keep 1.2 m from obstacles where there is room: the position is good for 0.25 m, "
-        "the vehicle up to 0.31 m off its way",
+        "routes keep 1.2 m from obstacles where there is room: the position is accurate to 0.25 "
+        "m, the vehicle is up to 0.31 m off its route",
     ),
     (
         LowPlacesFlown(("A", "Pond"), 1.5, 1.4),
-        "heights may be off by 1.4 m, as the position is not exact; write 1.5 m or more above what "
-        "is below for A, Pond",
+        "heights may be wrong by 1.4 m, as the position is not exact; in the mission, put these "
+        "places 1.5 m or more above what is below them: A, Pond",
     ),
     (
         SpeedLimitedBySight(4.57, 8.0, 8.0),
-        "no faster than 4.57 m/s, where the mission allows 8.00: what no map shows is seen "
+        "speed limited to 4.57 m/s instead of 8.00: obstacles that no map shows are seen only "
         "8.0 m ahead (limits.beyond_sight)",
     ),
     (
@@ -229,11 +228,11 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (BeliefRestored("canUpload(r1)"), "belief canUpload(r1) restored"),
     (
         PlacesCutOff("trans_ok(*, B)", ("trans_ok(A, B)",)),
-        "no way on the map as seen: trans_ok(*, B) withdrawn",
+        "no route on the map as sensed: trans_ok(*, B) withdrawn",
     ),
     (
         PlacesConnected("trans_ok(*, B)", ("trans_ok(A, B)",)),
-        "a way again: trans_ok(*, B) restored",
+        "there is a route again: trans_ok(*, B) restored",
     ),
     (
         PositionLeft(4, ("at(A)", "low"), ("low",), 0.0, (), (), for_ever=False),
@@ -243,12 +242,12 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         ConjunctViolated("calm", "G !low", position=4, facts=("at(A)", "low")),
         "calm violated at position 4: G !low",
     ),
-    (ViolatedBefore(("calm", "quick")), "violated before: calm, quick"),
+    (ViolatedBefore(("calm", "quick")), "violated before the interruption: calm, quick"),
     *((PhaseEntered(phase), phase.value) for phase in Phase),
-    (WeakFailsafeAccepted("COM_LOW_BAT_ACT is 0"), "accepted: COM_LOW_BAT_ACT is 0"),
+    (WeakFailsafeAccepted("COM_LOW_BAT_ACT is 0"), "weak failsafe accepted: COM_LOW_BAT_ACT is 0"),
     (
         FenceWritten("4 points, 1 area"),
-        "the autopilot has the mission's fence (4 points, 1 area), also after the flight",
+        "the autopilot has the mission's fence (4 points, 1 area), and keeps it after the flight",
     ),
     (
         FenceReplaced("4 points, 1 area", "9 points, 2 areas"),
@@ -258,8 +257,8 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (FenceMissing("it tells no position"), "no fence in the autopilot: it tells no position"),
     (
         FenceNear(0.8),
-        "the fence is nearer than what the position may be off by, 0.8 m: "
-        "the autopilot may end the flight in the climb",
+        "the fence is nearer than the possible error of the position, 0.8 m: the autopilot may "
+        "end the flight during the climb",
     ),
     (
         RallyWritten("East, North"),
@@ -270,10 +269,7 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         "the autopilot's Return may land at East from now on, no longer at 2 rally points",
     ),
     (RallyKept("2 rally points"), "the autopilot keeps 2 rally points"),
-    (
-        RallyRemoved("1 rally point"),
-        "1 rally point taken away: the autopilot's Return goes home",
-    ),
+    (RallyRemoved("1 rally point"), "1 rally point removed: the autopilot's Return goes home"),
     (
         RallyMissing("it tells no position"),
         "no rally points for the autopilot: it tells no position",
@@ -282,87 +278,89 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         RallyUnused("East", "RTL_TYPE is 2"),
         "the autopilot's Return does not land at East: RTL_TYPE is 2",
     ),
-    (ControlYielded(LOST), f"{LOST}; hold, then continue, gives it back"),
+    (ControlYielded(LOST), f"{LOST}; hold, then continue, to give control back"),
     (ControlRegained(), "control given back by the operator"),
     (
         ControlTakenBack(),
-        "the autopilot held because it no longer heard us; going on",
+        "the autopilot held because it no longer heard the companion; the flight continues",
     ),
-    (LinkSilent(), "nothing is heard of the vehicle; waiting for it"),
-    (LinkBack(), "the vehicle is heard again; going on"),
+    (LinkSilent(), "the vehicle is not heard; waiting for it"),
+    (LinkBack(), "the vehicle is heard again; the flight continues"),
     (
-        FlightFoundAgain(12.5, Phase.TASK, "hold, then continue, gives it back"),
+        FlightFoundAgain(12.5, Phase.TASK, "hold, then continue, to give control back"),
         "the companion was away for 12.5 s, while flying the task; "
-        "hold, then continue, gives it back",
+        "hold, then continue, to give control back",
     ),
     (
         FrameLocated("Home", 47.41, 8.53, 1984.94, 488.0, 0.005),
-        "Home is 1984.94 m from the origin 47.41, 8.53 of the autopilot, and 488.0 m above the "
-        "sea; its positions agree to 0.005 m",
+        "Home is 1984.94 m from the autopilot's origin 47.41, 8.53, and 488.0 m above sea level; "
+        "the autopilot's local and global positions agree to 0.005 m",
     ),
     (
         HomeMeasured("Home", 10.0, 0.28),
-        "measuring for 10 s where Home is: the vehicle's position is good for 0.28 m",
+        "measuring for 10 s where Home is: the vehicle's position is accurate to 0.28 m",
     ),
     (
         HomeRecalled("Home", 0.9),
-        "Home and the map lie where they lay in an earlier flight, "
-        "0.9 m from where the vehicle stands",
+        "Home and the map are where an earlier flight had them, 0.9 m from the vehicle",
     ),
     (
         OriginMoved(2581.09),
-        "the autopilot's origin has moved by 2581.09 m; flying on in its new frame",
+        "the autopilot's origin has moved by 2581.09 m; the flight continues in the new frame",
     ),
-    (FrameTrusted(), "the position is certain again; going on"),
+    (FrameTrusted(), "the position is certain again; the flight continues"),
     (FrameDoubted("two positions"), "waiting: two positions"),
     (StopRequested(), "stopping as asked"),
     (
         BatteryLow("North"),
-        "the battery is low, and the mission does not say what then: returning to North",
+        "the battery is low, and the mission has no rule for this: returning to North",
     ),
     (FlightLimitReached("3 laps"), "3 laps flown: returning"),
     (PauseEnded(), "the pause is over: the charge is needed to land at a safe place"),
     (ReturnBegun("Home"), "returning to Home"),
     (ReturnFailed("Home", "no clear route"), "cannot return to Home: no clear route"),
-    (MarkerSeen("Roof", 0.42), "the marker of Roof is seen, 0.4 m from its place"),
-    (MarkerLost("Roof", 3.14), "the marker of Roof is lost, 3.1 m above it"),
+    (MarkerSeen("Roof", 0.42), "the marker of Roof is seen, 0.4 m from the middle of the place"),
+    (
+        MarkerLost("Roof", 3.14),
+        "the marker of Roof is not seen any more; the vehicle is 3.1 m above it",
+    ),
     (
         SightingsRefused("Roof", 4, "it moves"),
-        "sightings for Roof refused: 4; the last one: it moves",
+        "sightings of the marker of Roof refused: 4; the last one: it moves",
     ),
     (MarkerAbandoned("Roof", "it moves"), "no landing on the marker of Roof: it moves"),
     (LandedOnMarker("Roof", 0.086), "landed 0.09 m from the marker of Roof"),
     (
         DockMayBeMissed(1.2),
-        "by its position it may land 1.2 m beside a dock: "
-        "that has to be as wide, or have a marker (land_on)",
+        "the vehicle may land 1.2 m beside a dock, as its position is not exact: the dock has to "
+        "be that wide, or have a marker (land_on)",
     ),
-    (VehicleLanded(), "landed on the way"),
+    (VehicleLanded(), "landed as planned"),
     (VehicleAirborne(), "in the air again"),
     (BatteryCharged(90), "charged to 90 %"),
     (
         ChargeAwaited(22, patience_s=900),
-        "the battery does not charge, it is at 22 %: the vehicle waits on the ground, "
-        "for 900 s at most",
+        "the battery does not charge, it is at 22 %: the vehicle waits on the ground for up to "
+        "900 s",
     ),
-    (ChargeCutShort(41), "charging ends at 41 %, for an event that is answered"),
+    (ChargeCutShort(41), "charging ends at 41 %, to answer an event"),
     (
         ChargeSufficient(88, enough=85),
-        "not landed to charge: the battery has 88 %, 85 % are enough",
+        "no landing to charge: the battery has 88 %, and 85 % are enough",
     ),
     (ChargeMeasured(62), "the battery is at 62 %"),
     (ChargeMeasured(None), "the battery is at an unknown charge"),
     (
         ChargePlanned(61.5, 40.0, 20.0, (PlannedCharge("move(A, B)", 9.5, 58.0, 37.0),)),
-        "at least 61.5 % are there, 40.0 % are required",
+        "at least 61.5 % are expected, 40.0 % are required",
     ),
     (
         EnergyUsed(61.0, 3.214, 3.1, 1.037),
-        "flown 61 s on 3.21 Wh, 3.10 Wh were expected; "
-        "flights take 1.04 times what the mission says",
+        "3.21 Wh used in 61 s, 3.10 Wh expected; flights take 1.04 times the energy that the "
+        "mission says",
     ),
-    (ReserveUsed(0.4), "0.40 Wh of the reserve are used on the way to the next landing"),
-    (GaugeJumped(50, 90, 50), "the battery's gauge jumps from 50 % to 90 %: 50 % are believed"),
+    (ReserveUsed(0.4), "the way to the next landing uses 0.40 Wh of the reserve"),
+    (GaugeJumped(50, 90, 50), "the battery's gauge jumped from 50 % to 90 %: 50 % is assumed"),
     (AutopilotSaid("Low battery"), "the autopilot says: Low battery"),
     (GoalFailed("not armed: denied"), "not armed: denied"),
     (SetpointRefused("outside the fence"), "setpoint refused, holding: outside the fence"),
@@ -370,40 +368,40 @@ TEXTS: list[tuple[FlightEvent, str]] = [
     (UploadChecked("a.yaml accepted", is_refused=False), "a.yaml accepted"),
     (MissionReady("hop"), "hop is ready; MISSION_START flies it"),
     (MissionUnreadable("no such file"), "the mission cannot be read: no such file"),
-    (RunNotBegun("disk full"), "nothing is flown: disk full"),
-    (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight goes on"),
+    (RunNotBegun("disk full"), "the flight does not begin: disk full"),
+    (TerminalHungUp(), "the terminal has hung up (SIGHUP); the flight continues"),
     (
         ClockFollowed(0.5),
-        "the autopilot's clock runs 0.5 times as fast as this computer's, as a simulator's does: "
-        "the flight goes by it",
+        "the autopilot's clock runs 0.5 times as fast as this computer's, like a simulator's: "
+        "the flight follows it",
     ),
     (DatagramsDropped(8), "datagrams dropped: 8; too long, or too many from one sender"),
     (FramesRefused(3, 1, 0), "frames refused: 3 unsigned, 1 with another key, 0 too old"),
     (
         PortLost("serial:///dev/ttyTHS1:921600", "no such file"),
-        "serial:///dev/ttyTHS1:921600 is not there, and is tried again each second: no such file",
+        "serial:///dev/ttyTHS1:921600 is lost; trying to open it each second: no such file",
     ),
-    (PortRestored("tcpout://10.0.0.1:5760"), "tcpout://10.0.0.1:5760 is there again"),
+    (PortRestored("tcpout://10.0.0.1:5760"), "tcpout://10.0.0.1:5760 works again"),
     (
         SignalSilent("personSeen", "EVENT[persons]"),
-        "personSeen is not known any more: EVENT[persons] is silent",
+        "personSeen keeps its last value: EVENT[persons] is silent",
     ),
     (
         SignalHeard("personSeen", "EVENT[persons]"),
-        "personSeen is known again: EVENT[persons] is heard",
+        "personSeen is up to date again: EVENT[persons] is heard",
     ),
     (ReportRefused("no JSON: x", 3), "reports refused: 3; the last one: no JSON: x"),
     (
         ReportUnknown("dogs", "persons"),
-        "dogs is reported, which the mission does not ask for; it asks for persons",
+        "a program reports dogs, which the mission does not use; it uses persons",
     ),
     (
         SignalOfAnother("NAMED_VALUE_INT[target].value", 1, 3),
-        "NAMED_VALUE_INT[target].value of system 1 is passed over: the vehicle is system 3",
+        "NAMED_VALUE_INT[target].value of system 1 is ignored: the vehicle is system 3",
     ),
     (
         RecordingFailed("No space left on device"),
-        "the run folder cannot be written, the flight goes on: No space left on device",
+        "the run folder cannot be written; the flight continues: No space left on device",
     ),
     (TreeBuilt((TreeNode(0, NodeType.SEQUENCE, "root"),)), "a tree of 1 nodes"),
     (NodesChanged("move_cmd A", NodeStatus.RUNNING, ()), "move_cmd A: RUNNING"),

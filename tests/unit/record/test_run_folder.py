@@ -303,7 +303,7 @@ def test_packets_that_no_disk_takes_do_not_fill_the_memory(
         folder.packets(0.05 * number, [value(number)])
     folder.report(Stamped(500.0, PlaceReached("A", "move(H, A)")))
     assert [stamped.event.text for stamped in told] == [
-        "the run folder cannot be written, the flight goes on: the disk takes nothing any more",
+        "the run folder cannot be written; the flight continues: the disk takes nothing any more",
         "at A",
     ]
     record_bytes = 8 + len(value(0))

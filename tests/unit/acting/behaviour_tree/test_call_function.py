@@ -114,7 +114,7 @@ def test_progress_is_told_now_and_then_the_newest() -> None:
         SkillProgressed("python(weigh, A, 2.5)", percent, str(percent)) for percent in (0, 50, 100)
     ]
     assert told[1].text == "python(weigh, A, 2.5): 50 %, 50"
-    assert SkillProgressed("weigh(A)", None, "").text == "weigh(A): goes on"
+    assert SkillProgressed("weigh(A)", None, "").text == "weigh(A): under way"
 
 
 def test_a_command_that_it_asks_for_is_sent_once_when_the_journal_has_it() -> None:

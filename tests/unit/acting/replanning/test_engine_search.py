@@ -107,7 +107,7 @@ def test_where_the_engine_fails_the_built_in_search_plans_at_once(
     engine.answer(EngineFailure("the engine slow did not answer in 3 s"))
     rig.tick()
     told = rig.one(EngineFailed).text
-    assert told == "the engine slow did not answer in 3 s; the built-in search plans"
+    assert told == "the engine slow did not answer in 3 s; the built-in search plans instead"
     assert rig.one(PlanReplaced) and rig.run_to_the_end() is TaskStatus.SATISFIED
 
 
