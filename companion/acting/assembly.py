@@ -1,4 +1,4 @@
-"""The parts that act out one mission on one vehicle, put together."""
+"""Assembles the parts that fly one mission with one vehicle."""
 
 from __future__ import annotations
 
@@ -24,30 +24,30 @@ from companion.vehicle.port import Vehicle
 
 @dataclass(frozen=True)
 class ActingParts:
-    """What is acted on, and what acts."""
+    """The parts of a run: what acts, and what it acts on."""
 
     flight: Flight
     executive: Executive
 
 
 def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetector) -> ActingParts:
-    """The parts for a mission and a vehicle.
+    """Makes the parts for a mission and a vehicle.
 
     Args:
-        prepared: what to do; from now on its planner knows where the vehicle is between places.
-        vehicle: what is flown.
-        detector: of the mission's events.
+        prepared: the mission; from now on its planner knows where the vehicle is between places.
+        vehicle: the vehicle that is flown.
+        detector: detects the mission's events.
     """
     flight = flight_of(prepared, vehicle)
     return ActingParts(flight, Executive(prepared, flight, detector))
 
 
 def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
-    """The flight of a mission by a vehicle, at its beginning.
+    """The flight of a vehicle for a mission, at its beginning.
 
     Args:
-        prepared: what to do; from now on its planner knows where the vehicle is between places.
-        vehicle: what is flown.
+        prepared: the mission; from now on its planner knows where the vehicle is between places.
+        vehicle: the vehicle that is flown.
     """
     mission, routes, speed_limit = prepared.mission, prepared.routes, prepared.speed_limit
 
@@ -75,7 +75,7 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
 
 
 def envelope_of(mission: Mission) -> Envelope:
-    """What no setpoint of a mission may leave."""
+    """The limits for the setpoints of a mission."""
     limits, vehicle = mission.limits, mission.vehicle
     return Envelope(
         limits.fence,
@@ -91,7 +91,7 @@ def envelope_of(mission: Mission) -> Envelope:
 
 
 def _site(place: Place) -> LandingSite:
-    """Where the vehicle may come down to the marker of a place."""
+    """Where the vehicle may descend to the marker of a place."""
     assert place.marker is not None
     centre = place.position[:2]
     outline = place.region.outline()

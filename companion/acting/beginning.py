@@ -1,8 +1,8 @@
 """The beginning of a sortie: checks that the vehicle stands at home, and that there is a plan.
 
-Usually the plan was made before the run. If an event has come since then, another plan is searched
-in slices, so that heartbeats and answers go on meanwhile. Functions that the mission calls are
-loaded before, because their packages may take seconds.
+Usually the plan is made before the run. If an event has come since then, a new plan is searched in
+slices, so that heartbeats and answers continue meanwhile. Functions that the mission calls are
+loaded first, because their packages may take seconds.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from companion.vehicle.mission_frame import SETTLING_S
 from companion.vehicle.port import Anchoring, Progress, VehicleState
 
 GROUND_SLICE_US = 30_000
-"""Work of a tick on the ground, where no setpoints leave."""
+"""Work per tick on the ground, where no setpoints are sent."""
 
 
 class Beginning:
     """The beginning of one sortie.
 
     Args:
-        flight: of the vehicle.
-        executive: finds the plan.
+        flight: the flight.
+        executive: makes the plan.
         home: where the vehicle has to stand.
     """
 
@@ -43,7 +43,7 @@ class Beginning:
 
     @property
     def is_planning(self) -> bool:
-        """Whether the vehicle stands there, and a plan is searched."""
+        """Whether the vehicle stands at home and a plan is being searched."""
         return self._planning is not None
 
     def tick(self, state: VehicleState) -> Progress | CompanionError:
@@ -69,7 +69,7 @@ class Beginning:
         return self._planning.result or Progress.DONE
 
     def _tell_settling(self, state: VehicleState) -> None:
-        """Once, that nothing happens for some seconds."""
+        """Reports once that nothing will happen for some seconds."""
         if self._flight.vehicle.is_settling and not self._is_settling:
             self._is_settling = True
             self._flight.report(
@@ -77,7 +77,7 @@ class Beginning:
             )
 
     def _load(self) -> Progress | CompanionError:
-        """DONE when all functions are loaded; or why one cannot be."""
+        """DONE when all functions are loaded; an error if one cannot be loaded."""
         match self._flight.functions.awaited():
             case NotDone(reason):
                 hint = "companion check says whether it can be called, and with what"
@@ -91,7 +91,7 @@ class Beginning:
                 return Progress.RUNNING
 
     def _tell_location(self) -> None:
-        """Where on the earth a mission begins that says so."""
+        """Reports where on the earth the mission begins, if it says so."""
         location, home = self._flight.vehicle.location, self._home
         if location is None or not location.is_asked_for:
             return

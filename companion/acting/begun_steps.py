@@ -3,8 +3,8 @@
 1. The journal has a step on the disk before the step begins. The step stays open there until its
    skill is completed, or the step or its try fails.
 2. An interruption (a pause, a pilot, a lost link, another plan) ends the waiting for a command, but
-   not the command. If the skill begins again at the same position of the word, it finds what has
-   become of its steps: a step that is done is not done again.
+      but not the command. If the skill begins again at the same position of the word, it learns the
+      outcomes of its steps: a step that is done is not done again.
 3. When a try has failed, the next one does all of its steps again.
 4. At another position of the word, the same skill has new steps.
 """

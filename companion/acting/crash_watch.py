@@ -1,20 +1,20 @@
-"""Whether the vehicle has crashed, seen from what its autopilot says on the wire.
+"""Detects from MAVLink messages that the vehicle has crashed.
 
-Watched from arming until the vehicle has landed, is disarmed and stands upright:
+It watches from arming until the vehicle has landed, is disarmed and stands upright:
 
     sign         when
-    DISARMED     disarmed, and not said to have landed: killed, or stopped by a failure detector
+    DISARMED     disarmed without a reported landing: killed, or stopped by a failure detector
     FALL         it sinks faster than it descends
-    IMPACT       its velocity jumps by more than it accelerates
-    OVERTURNED   it is tilted as no flight and no landing is, in the air or on the ground
+    IMPACT       its velocity jumps by more than its acceleration explains
+    OVERTURNED   it is tilted more than in any flight or landing, in the air or on the ground
 
-A hard touch-down is none: the end of a descent is a jump no larger than the descent was fast. An
-impact may be survived, so another sign may follow it; the others are final.
+A hard touch-down is no crash: at the end of a descent the jump is no larger than the speed of
+descent. The vehicle may survive an impact, so another sign may follow; the other signs are final.
 
-PX4 takes a vehicle that is disarmed in the air for landed 0.9 s later, and tells by a heartbeat a
-second that it is disarmed; the fall is seen before that. Left out: accelerations, which a stiff
-landing gear takes to 10 g. Source: PX4 1.16, MulticopterLandDetector; failure detector (FD_FAIL_R
-60 degrees, FD_FAIL_R_TTRI 0.3 s).
+PX4 takes 0.9 s to count a vehicle that is disarmed in the air as landed, and reports by one
+heartbeat per second that it is disarmed. The fall is detected before that. Left out: accelerations,
+which reach 10 g with a stiff landing gear. Source: PX4 1.16, MulticopterLandDetector; failure
+detector (FD_FAIL_R 60 degrees, FD_FAIL_R_TTRI 0.3 s).
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from companion.vehicle.port import VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 DISARMED_S = 0.5
-"""Time after a disarming within which a landing may still be heard of."""
+"""Time after disarming within which a landing may still be reported."""
 FALL_MPS = 1.5
-"""Faster than the descent by so much is a fall."""
+"""Sinking this much faster than the descent speed is a fall."""
 JUMP_S = 0.1
-"""Time in which the velocity jumps."""
+"""The time over which a jump of the velocity is measured."""
 JUMP_MPS = 1.0
-"""A jump, beside what the acceleration and a touch-down explain."""
+"""The least jump beyond what the acceleration and a touch-down explain."""
 GAP_S = 0.2
-"""Of older velocities nothing is concluded."""
+"""Older velocities are not compared."""
 OVERTURNED_RAD = math.radians(60.0)
 OVERTURNED_S = 0.3
 
 
 class Crash(StrEnum):
-    """A sign that the vehicle has crashed, in words."""
+    """A sign of a crash, in words."""
 
     DISARMED = "the vehicle was disarmed in the air"
     FALL = "the vehicle fell"
@@ -54,7 +54,7 @@ class CrashWatch:
     """The watch over one flight.
 
     Args:
-        profile: of the vehicle.
+        profile: the vehicle's profile.
     """
 
     def __init__(self, profile: VehicleProfile) -> None:

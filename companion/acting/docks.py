@@ -1,9 +1,9 @@
-"""The dock on which the vehicle charges: how soon it should be charged, and what else there is.
+"""The dock on which the vehicle charges: how fast it should charge, and which others there are.
 
-A dock that gives nothing, or less than half of what the mission says of it, is left for another
-one that is believed in and that the charge lasts for. Where there is none the vehicle stays: on the
-ground nothing drains its battery, and any flight would take what is kept for the way to a safe
-place. It waits as long as the mission waits for a plan, or until such a dock is believed in again.
+The vehicle leaves a dock that charges nothing, or less than half of what the mission says, for
+another dock that is believed to work and that the charge lasts for. If there is none, it stays:
+nothing drains its battery on the ground, and any flight would use the energy kept for the way to a
+safe place. It waits for `patience_s`, or until such a dock is believed in again.
 """
 
 from __future__ import annotations
@@ -18,29 +18,31 @@ from companion.planning.task_state import TaskState
 
 
 class Dock(Protocol):
-    """What a step that charges asks."""
+    """What a step that charges needs to know of its dock."""
 
     def charging_s(self, before: float, after: float) -> float:
-        """How long the mission says that it takes to charge.
+        """The time that charging takes according to the mission.
 
         Args:
-            before, after: percent of charge.
+            before, after: charge in percent.
         """
         ...
 
     @property
     def patience_s(self) -> float:
-        """How long the vehicle waits on a dock that gives nothing, before it gives that up."""
+        """How long the vehicle waits on a dock that charges nothing before it gives up the dock."""
         ...
 
     @property
     def lasts_for_another_try(self) -> bool:
-        """Whether the charge lasts for taking off and landing again, the reserve left."""
+        """Whether the charge, without the reserve, lasts to take off and land again."""
         ...
 
 
 class AnyDock:
-    """A dock of which plans know nothing: whatever it gives is enough, and nobody waits for it."""
+    """A dock unknown to plans: any charging rate is accepted, and the vehicle never leaves it to
+    wait.
+    """
 
     patience_s = 0.0
     lasts_for_another_try = True
@@ -52,18 +54,18 @@ class AnyDock:
 
 @dataclass(frozen=True, slots=True)
 class PlannedDock:
-    """The dock of the action under way.
+    """The dock of the present action.
 
     Attributes:
-        planner: of the mission, with energy.
-        task: says what is under way, and which docks are believed in.
+        planner: the mission's planner, with energy.
+        task: tells the present action, and which docks are believed to work.
     """
 
     planner: Planner
     task: TaskState
 
     def charging_s(self, before: float, after: float) -> float:
-        """By the mission's rate; any time for a charge of which it says none."""
+        """By the mission's rate; unlimited for a charge without a rate."""
         energy, running = self.planner.energy, self.task.running
         if energy is None or running is None or running.charger is None:
             return float("inf")
@@ -73,7 +75,7 @@ class PlannedDock:
 
     @property
     def patience_s(self) -> float:
-        """0 where another dock can be flown to."""
+        """0 if the vehicle can fly to another dock."""
         running = self.task.running
         if running is None or running.charger is None:
             return 0.0
@@ -84,7 +86,7 @@ class PlannedDock:
 
     @property
     def lasts_for_another_try(self) -> bool:
-        """At the safe place that takes the least from here: on a dock, that dock."""
+        """To land at the safe place that takes the least from here; on a dock, at that dock."""
         energy = self.planner.energy
         if energy is None:
             return True
@@ -93,7 +95,9 @@ class PlannedDock:
         return energy.charge.least() >= needed
 
     def _is_in_reach(self, action: Action) -> bool:
-        """Whether it may charge there, and the charge lasts for the way, the reserve left."""
+        """Whether the vehicle may charge there, and its charge without the reserve lasts for the
+        way.
+        """
         energy = self.planner.energy
         if energy is None or self.task.withdrawn & action.assumes:
             return False

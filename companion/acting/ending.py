@@ -1,4 +1,4 @@
-"""The end of a sortie: as an event, and whose the vehicle is then."""
+"""Tells how a sortie ends, as an event, and who controls the vehicle then."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ def ending(
     is_satisfied: bool,
     at_limit: EndedAtLimit | None = None,
 ) -> RunEnded:
-    """How a sortie has ended.
+    """The event for the end of a sortie.
 
     >>> ending(None, is_called_home=False, is_satisfied=True)
     TaskSatisfied(exit_code=0)
 
     Args:
-        failure: why it did not end well.
+        failure: why it did not end well; None if it did.
         is_called_home: the vehicle was called home, and nobody has stopped it since.
-        is_satisfied: so is the task.
-        at_limit: it was called home by a limit of the flight.
+        is_satisfied: the task is satisfied.
+        at_limit: the limit of the flight for which it was called home.
     """
     if failure is not None:
         return RunFailed(str(failure), failure.exit_code)
@@ -42,16 +42,16 @@ def ending(
 
 
 def ending_begun(failure: CompanionError | None, called_to: str, is_satisfied: bool) -> EndingBegun:
-    """What the journal has of an end that has begun, from what `ending` will have of it."""
+    """The journal entry for an end that has begun; it contains what `ending` will need."""
     reason, exit_code = (str(failure), failure.exit_code) if failure is not None else ("", 0)
     return EndingBegun(is_satisfied, bool(called_to), reason, exit_code, called_to)
 
 
 def last_resort(phase: Phase, state: VehicleState) -> str:
-    """Who has the vehicle when its last goal has failed in the air, to add to the reason.
+    """Says who controls the vehicle after its last goal has failed in the air; added to the reason.
 
-    A vehicle in OFFBOARD that neither holds nor lands on command is left without setpoints: its
-    autopilot's failsafe, which was looked at before arming, is all that is left.
+    A vehicle in OFFBOARD that neither holds nor lands on command gets no more setpoints. Only its
+    autopilot's failsafe is left, which was checked before arming.
     """
     if state.is_landed or TRANSITIONS.next(phase, SortieEvent.FAILED) is not Phase.ENDED:
         return ""

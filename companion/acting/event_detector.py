@@ -1,16 +1,14 @@
-"""Events: facts that the vehicle cannot choose, made from readings off the wire.
+"""Detects events: facts that the vehicle cannot choose, made from received readings.
 
-An event rises when its condition has held for `for_s`, and falls when `until` (without one: the
-condition's opposite) has held for as long; a latched event stays. So a value that flaps at its
-threshold does not make the fact flap. An event that has fallen rises anew: its condition has to
-fail in between.
-
-A command is a pulse: it is there at the moment when it comes, and no longer. So an event may rise
-and fall within one tick. One that flaps there is told by its last two changes: if it has risen, the
-rise is one of them.
-
-What was not heard for the event's `stale_s` is not known: the event stays as it was, unless it asks
-for silence. That it is silent, and that it is heard again, is told.
+1. An event becomes true when its condition has held for `for_s`. It becomes false when `until` (by
+   default the opposite of the condition) has held for as long. So a value that flaps at its
+   threshold does not make the fact flap. A latched event stays true.
+2. An event that has become false can become true again only after its condition has failed.
+3. A command is a pulse: it is true only at the moment of its arrival. So an event may become true
+   and false within one tick. If an event flaps within a tick, its last two changes are reported; if
+   it became true, that is one of them.
+4. A signal that was not heard for the event's `stale_s` is unknown: the event stays as it was,
+   unless its condition is silence. Falling silent, and being heard again, are reported.
 """
 
 from __future__ import annotations
@@ -22,7 +20,7 @@ from companion.mission.model import Event
 from companion.mission.signals import AnyCondition, Signal, Silence
 
 Change = tuple[str, bool]
-"""An event by name, and whether it holds now."""
+"""The name of an event, and whether it is true now."""
 
 
 class EventDetector:
@@ -36,20 +34,20 @@ class EventDetector:
         self._silent: set[str] = set()
         self._since_s: dict[str, float] = {}
         self._holds = dict.fromkeys(events, False)
-        self._spent: set[str] = set()  # have fallen, and the condition has held ever since
+        self._spent: set[str] = set()  # became false while the condition has held ever since
 
     @property
     def signals(self) -> frozenset[Signal]:
-        """What has to be listened for."""
+        """The signals that have to be received."""
         conditions = [c for e in self._events.values() for c in (e.when, e.until) if c]
         return frozenset(c.signal for c in conditions)
 
     def resume(self, holding: Iterable[str]) -> None:
-        """Goes on with events that held when another process looked at them last."""
+        """Takes over the events that were true when another process stopped."""
         self._holds |= dict.fromkeys(holding, True)
 
     def update(self, now_s: float, readings: Iterable[tuple[Signal, float]]) -> list[Change]:
-        """Takes readings; returns the changes, the last two of each event, one after the other."""
+        """Takes readings; returns the changes, at most the last two of each event, in order."""
         changes: list[Change] = []
         if self._begun_s is None:
             self._begun_s = now_s
@@ -63,7 +61,7 @@ class EventDetector:
         return list(_last_two(changes)) if changes else changes
 
     def silences(self, now_s: float) -> list[tuple[Event, bool]]:
-        """The events whose signal has fallen silent, or is heard again, since this was asked."""
+        """The events whose signal has fallen silent, or is heard again, since the last call."""
         news = []
         for name, event in self._events.items():
             is_silent = event.stale_s is not None and self._is_stale(event, event.when, now_s)
@@ -73,7 +71,7 @@ class EventDetector:
         return news
 
     def foresee(self, now_s: float, readings: Sequence[tuple[Signal, float]]) -> frozenset[str]:
-        """The events that readings would change; nothing is taken."""
+        """The events that these readings would change; the readings are not taken."""
         if not readings:
             return frozenset()
         trial = EventDetector(self._events)
@@ -108,24 +106,24 @@ class EventDetector:
         return not is_met and self._known(event, event.when, now_s) is not None
 
     def _delay_s(self, event: Event) -> float:
-        """How long the condition that is met has to hold: a pulse cannot."""
+        """How long a condition that is met has to hold; no time for a pulse."""
         condition = event.until if self._holds[event.name] and event.until else event.when
         return 0.0 if condition.signal.is_pulse else event.for_s
 
     def _is_met(self, event: Event, condition: AnyCondition, now_s: float) -> bool:
-        """Whether a condition of an event holds; silence only from `stale_s` on."""
+        """Whether a condition of an event holds; silence counts only from `stale_s` on."""
         if isinstance(condition, Silence):
             return self._is_stale(event, condition, now_s)
         return condition.is_met_by(self._known(event, condition, now_s))
 
     def _known(self, event: Event, condition: AnyCondition, now_s: float) -> float | None:
-        """The value that a condition is about; None if it was never heard, or too long ago."""
+        """The value for a condition; None if it was never heard, or too long ago."""
         if self._is_stale(event, condition, now_s):
             return None
         return self._values.get(condition.signal)
 
     def _is_stale(self, event: Event, condition: AnyCondition, now_s: float) -> bool:
-        """Whether nothing was heard of it for `stale_s`; of the beginning, if never."""
+        """Whether the signal was not heard for `stale_s`, counted from the beginning if never."""
         begun_s = now_s if self._begun_s is None else self._begun_s
         heard_s = self._heard_s.get(condition.signal, begun_s)
         return event.stale_s is not None and now_s - heard_s > event.stale_s

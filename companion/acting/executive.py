@@ -58,7 +58,7 @@ class Executive:
         state: what it is doing.
         replans: how often it has planned again.
         planner: of the mission.
-        due: the replan that is due, or was due last; None before the first.
+        due: the replan that is due, or was due last; None before the first one.
         lasso: the present plan; None before the first, and with a tree written by hand.
         failure: why the task has no plan, or why none was found; None while there is a plan.
         has_lost_way: whether a flight to a safe place, without a plan for the task, has failed.

@@ -1,4 +1,4 @@
-"""What the executive is doing, and how the task stands then."""
+"""The states of the executive, and the status of the task in each."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class ExecutiveState(Enum):
 FLIES_BY_PLAN = frozenset(
     {ExecutiveState.EXECUTING, ExecutiveState.REPLANNING, ExecutiveState.EXPLAINING}
 )
-"""There is a plan that leads to more positions, or may be one at once."""
+"""The states in which there is a plan that leads to more positions, or may be one at once."""
 
 
 class TaskStatus(Enum):
-    """How the task stands."""
+    """The status of the task."""
 
     RUNNING = "running"
     NEEDS_TAKE_OFF = "goes on in the air"
@@ -40,4 +40,4 @@ STATUS = {
     ExecutiveState.SATISFIED: TaskStatus.SATISFIED,
     ExecutiveState.WITHOUT_PLAN: TaskStatus.NO_PLAN,
 }
-"""How the task stands in each state; it is running in all others."""
+"""The status of the task in each state; it is running in all others."""

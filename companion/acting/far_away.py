@@ -1,4 +1,4 @@
-"""Why a mission does not begin with a vehicle that is kilometres from where it does."""
+"""Explains why a mission does not begin if the vehicle is kilometres from where it has to begin."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _ELSEWHERE = "is it the right mission for this vehicle? companion sim begins whe
 def far_away(
     gap_m: float, state: VehicleState, home: Place, location: FrameLocation | None
 ) -> Aborted:
-    """The refusal, with where both are on the earth if that is known.
+    """The refusal, with both positions on the earth if these are known.
 
     Args:
-        gap_m: from the vehicle to home.
-        state: of the vehicle.
+        gap_m: distance of the vehicle from home.
+        state: state of the vehicle.
         home: where the mission begins.
         location: where the frames lie on the earth.
     """
@@ -37,7 +37,7 @@ def far_away(
 
 
 def _is_exchanged(a: tuple[float, float], b: tuple[float, float]) -> bool:
-    """Whether one is near the other with its latitude and longitude exchanged."""
+    """Whether one is near the other if its latitude and longitude are exchanged."""
     latitude_deg, longitude_deg = reversed(a)
     there = GlobalOrigin(*b, 0.0).to_local(latitude_deg, longitude_deg, 0.0)
     return abs(latitude_deg) <= 90 and horizontal_distance(there, (0.0, 0.0)) <= FAR_M

@@ -26,18 +26,20 @@ from companion.vehicle_profile import VehicleProfile
 
 @dataclass
 class PlanProgress:
-    """How far a plan has come. Each plan has its own; nodes of its tree write it.
+    """How far a plan has come. Each plan has its own; the nodes of its tree write it.
 
     Attributes:
-        completed: skills that were completed; `Effects` counts them.
-        laps: laps of the loop; `Effects` counts them.
-        is_landed_by_plan: the plan has landed the vehicle, and has not taken off again; the leaves
-            that land and take off write it, and who interrupts the plan in the air.
-        is_stranded: an action has failed there; `ActionNode` writes it.
-        is_descending: the vehicle comes down to the marker of its place; the leaf writes it.
-        unnoticed_landing: the autopilot lands, and does not say that it has; the leaves that land
+        completed: number of completed skills; `Effects` counts them.
+        laps: number of laps of the loop; `Effects` counts them.
+        is_landed_by_plan: whether the plan has landed the vehicle and has not taken off again;
+            written by the leaves that land and take off, and by whoever interrupts the plan in the
+            air.
+        is_stranded: whether an action has failed on the ground; `ActionNode` writes it.
+        is_descending: whether the vehicle descends to the marker of its place; the leaf writes it.
+        unnoticed_landing: the autopilot lands but does not report that it has; the leaves that land
             write it.
-        is_disarmed: somebody, or a crash, has disarmed it in a take-off; that leaf writes it.
+        is_disarmed: somebody, or a crash, has disarmed the vehicle in a take-off; that leaf writes
+            it.
     """
 
     completed: int = 0
@@ -56,24 +58,25 @@ class Flight:
     Its parts are given once. Each other field has one writer.
 
     Attributes:
-        speed_limit: of all that is flown.
+        speed_limit: of everything that is flown.
         profile: of the vehicle that the mission is written for.
         limits: of the mission.
-        symbols: where each place is to be flown to; read late, so that it may change in flight.
+        symbols: the waypoint of each place; read as late as possible, because it may change in
+            flight.
         now_s: time of the tick; the sortie writes it before all else.
         progress: of the present plan; the executive gives each plan its own.
-        belief_retry_s: time after which a belief that a failure withdrew is held again, where the
-            mission does not say; None is never. The run writes it, as the operator sets it.
-        reports: what happened and has not been collected yet; the flight's own methods write it.
-        journal: keeps what another process needs to go on with the flight; the run gives it.
+        belief_retry_s: time after which a belief that a failure withdrew is held again, unless the
+            mission says so; None for never. The run writes what the operator sets.
+        reports: what has happened and was not collected yet; written by the flight's own methods.
+        journal: stores what another process needs to continue the flight; the run gives it.
         functions: calls functions of installed packages.
-        dock: the one on which the vehicle charges; assembly gives it where plans know of energy.
-        heard: when each signal was heard last, and its value.
-        believed_percent: of the charge, where the gauge tells more than can be; `energy_gauge.py`
+        dock: the dock on which the vehicle charges; assembly gives it if plans consider energy.
+        heard: when each signal was last heard, and its value.
+        believed_percent: the charge, if the gauge shows more than possible; `energy_gauge.py`
             writes it.
-        guidance: what the vehicle is told to fly.
-        steps: those that must not be done twice; the leaves of the tree write them.
-        kept_fence: of somebody else, to which it keeps; `kept_fence.py` writes it.
+        guidance: makes the setpoints.
+        steps: the steps that must not be done twice; the leaves of the tree write them.
+        kept_fence: somebody else's fence to which the flight keeps; `kept_fence.py` writes it.
     """
 
     vehicle: Vehicle
@@ -97,23 +100,25 @@ class Flight:
     steps: BegunSteps = field(init=False)
 
     def __post_init__(self) -> None:
-        """Guidance and steps use the flight's own time, and report to it or to its journal."""
+        """Gives guidance and steps the flight's own time, and lets them report to it or to its
+        journal.
+        """
         self.steps = BegunSteps(self.vehicle, self.note)
         self.guidance = Guidance(
             self.vehicle, self.routes, self.profile, self.limits, lambda: self.now_s, self.report
         )
 
     def elapsed_s(self, since_s: float) -> float:
-        """Time since a step before; no more than two ticks, so that nothing jumps after a stall."""
+        """Time since an earlier step; at most two ticks, so that nothing jumps after a stall."""
         return min(self.now_s - since_s, 2 * TICK_S)
 
     def hold_unless_told(self) -> None:
-        """Holds where nothing was told in this tick, and the plan has the vehicle in the air."""
+        """Holds if no setpoint was made in this tick and the plan has the vehicle in the air."""
         if not self.progress.is_landed_by_plan:
             self.guidance.hold_unless_told()
 
     def hear(self, readings: Sequence[tuple[Signal, float]]) -> Sequence[tuple[Signal, float]]:
-        """Notes what was heard in this tick, and hands it on."""
+        """Notes what was heard in this tick, and returns it."""
         for signal, value in readings:
             self.heard[signal] = (self.now_s, value)
         return readings
@@ -127,15 +132,15 @@ class Flight:
         self.journal.note(self.now_s, entry)
 
     def add_report(self, stamped: Stamped) -> None:
-        """Notes something that happened beside the flight, at its own time."""
+        """Notes something that happened beside the flight, with its own time."""
         self.reports.append(stamped)
 
     def collect_reports(self) -> list[Stamped]:
-        """Hands out what has happened since the last call."""
+        """Returns what has happened since the last call."""
         collected, self.reports = self.reports, []
         return collected
 
     def tell_symbol(self, place: str) -> None:
-        """Notes that a place is flown to at another waypoint."""
+        """Reports that the waypoint of a place has changed."""
         value = self.symbols[place]
         self.report(SymbolMoved(place, value.position, value.source))

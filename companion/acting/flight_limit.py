@@ -1,4 +1,4 @@
-"""How long a mission without an end is flown."""
+"""Limits for a mission that never ends by itself."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from companion.flight_events.sortie import EndedAtLimit
 
 @dataclass(frozen=True, slots=True)
 class FlightLimit:
-    """After what a mission is called home; None is no limit.
+    """When a mission is called home.
 
     >>> limit = FlightLimit(laps=3, duration_s=600.0)
     >>> limit.reached(2, 599.0), limit.reached(3, 100.0), limit.reached(0, 600.0)
     (None, '3 laps', '600 s')
 
     Attributes:
-        laps: of the task, over all its plans: each meets everything that is to be met again and
-            again.
-        duration_s: seconds since the vehicle was to arm.
+        laps: number of laps of the task, over all its plans; a lap meets everything that has to be
+            met again and again. None for no limit.
+        duration_s: seconds since the vehicle was to arm; None for no limit.
 
     Raises:
-        RequestError: a limit that is reached before the flight begins.
+        RequestError: the limit is reached before the flight begins.
     """
 
     laps: int | None = None
     duration_s: float | None = None
 
     def __post_init__(self) -> None:
-        """No flight ends before it begins."""
+        """Refuses limits that are reached before the flight begins."""
         if self.laps is not None and self.laps < 1:
             raise RequestError(f"{self.laps} laps is no limit of a flight; 1 or more")
         if self.duration_s is not None and not self.duration_s > 0:
@@ -46,14 +46,14 @@ class FlightLimit:
 
 
 NO_LIMIT = FlightLimit()
-"""For missions that end by themselves, or by an operator."""
+"""For missions that end by themselves or by an operator."""
 
 
 class LimitWatch:
     """Knows when a flight has reached its limit.
 
     Attributes:
-        called_home_for: the limit, in words; None before. The sortie writes it.
+        called_home_for: the limit that was reached, in words; None before. The sortie writes it.
     """
 
     def __init__(self, limit: FlightLimit, flight: Flight) -> None:
@@ -62,7 +62,7 @@ class LimitWatch:
         self._begun_s = 0.0
 
     def begin(self, now_s: float) -> None:
-        """The vehicle is to arm now, or was."""
+        """Notes when the vehicle is to arm, or was to arm."""
         self._begun_s = now_s
 
     @property
@@ -71,7 +71,9 @@ class LimitWatch:
         return self._limit.reached(self._flight.task.laps, self._flight.now_s - self._begun_s)
 
     def ending(self) -> EndedAtLimit | None:
-        """How the flight has ended, with what is known of the task; None if not at its limit."""
+        """How the flight ended, with the status of the task; None if it did not end at its
+        limit.
+        """
         if self.called_home_for is None:
             return None
         task = self._flight.task

@@ -1,9 +1,9 @@
-"""What is flown in OFFBOARD: the task, or the flight home; interrupted, and gone on with later.
+"""Flies in OFFBOARD, either the task or the flight home; can be interrupted and continued.
 
-The task is flown by the executive; so is the flight to a safe place, when the task has no plan. The
-operator, a limit of the flight, or a low battery of which the mission says nothing, calls the
-vehicle home for good: from then on the flight home is what is flown, whatever safe places there
-are.
+The executive flies the task, and also the flight to a safe place if the task has no plan. The
+vehicle is called home for good by the operator, by a limit of the flight, or by a low battery about
+which the mission says nothing. From then on only the flight home is flown, whatever safe places
+there are.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ CLOCKED = (
     Phase.ARMING,
     Phase.TAKE_OFF,
 )
-"""Phases in which time counts for the task, once it has begun."""
+"""The phases in which the clocks of the task run, once it has begun."""
 
 
 class FlownTask:
@@ -49,13 +49,13 @@ class FlownTask:
 
     Args:
         flight: the flight.
-        executive: acts out the task.
-        mission: where it begins, and what to do when no plan exists.
-        limit: of the flight.
+        executive: flies the task.
+        mission: says where it begins, and what to do if no plan exists.
+        limit: the limit of the flight.
 
     Attributes:
-        failure: why it did not end well; None while it does.
-        is_interrupted: it is to be gone on with.
+        failure: why it did not end well; None if it did, or has not ended.
+        is_interrupted: whether it is to be continued.
     """
 
     def __init__(
@@ -76,41 +76,42 @@ class FlownTask:
 
     @property
     def is_satisfied(self) -> bool:
-        """Whether the task is."""
+        """Whether the task is satisfied."""
         return self._was_satisfied or self._executive.status is TaskStatus.SATISFIED
 
     @property
     def is_called_home(self) -> bool:
-        """Whether it is the flight home."""
+        """Whether the flight home is flown."""
         return self._return_home is not None
 
     @property
     def called_to(self) -> str:
-        """Where the flight home leads; "" while it is the task."""
+        """Where the flight home leads; "" while the task is flown."""
         return "" if self._return_home is None else self._return_home.place
 
     @property
     def goes_on(self) -> SortieEvent:
-        """The event by which it goes on."""
+        """The event with which it continues."""
         is_home = self.is_called_home
         return SortieEvent.RETURN_GOES_ON if is_home else SortieEvent.TASK_GOES_ON
 
     def call_home(self, place: str = "") -> None:
-        """The flight home from now on, or to another place."""
+        """From now on flies home, or to another place."""
         if self._return_home is None:
             self._executive.stop()
             self._return_home = ReturnHome(self._flight, place or self._home)
 
     def resume_ending(self, ending: EndingBegun) -> None:
-        """It is over, and was before the companion was cut off."""
+        """Takes over an end that had begun before the companion was cut off."""
         self._was_satisfied = ending.is_satisfied
         if ending.is_called_home:
             self.call_home(ending.place)
 
     def interrupt(self) -> None:
-        """It holds in the air, to go on later; then from where it is, by what is possible there.
+        """Interrupts it in the air; later it continues from wherever the vehicle is.
 
-        Also where a pilot, or a failsafe, has taken it from a landing by the plan, or a take-off.
+        This also happens if a pilot or a failsafe takes control in a landing or take-off of the
+        plan.
         """
         self._safe.forget()
         if self._return_home is None:
@@ -121,9 +122,10 @@ class FlownTask:
         self.is_interrupted = True
 
     def sense(self, readings: Sequence[tuple[Signal, float]], phase: Phase) -> None:
-        """Takes readings off the wire; the clocks of bounded lines go on until the end begins.
+        """Takes readings; the clocks of bounded lines run until the end begins.
 
-        They go on before: an event that comes when one has run over comes too late.
+        Time passes before the events are taken: an event that comes just as a clock runs out is
+        late.
         """
         task, now_s = self._flight.task, self._flight.now_s
         has_begun = phase is Phase.TASK or task.now_s > 0.0
@@ -134,7 +136,9 @@ class FlownTask:
         self._executive.sense(readings)
 
     def tick_paused(self) -> SortieEvent | None:
-        """One tick of a pause, in which the vehicle holds; how the charge ends it, or None."""
+        """One tick of a pause, in which the vehicle holds; returns how the charge ends it, or
+        None.
+        """
         self._flight.guidance.hold()
         energy = self._executive.planner.energy
         is_needed = energy is not None and energy.is_needed_to_land
@@ -144,7 +148,7 @@ class FlownTask:
         return self._call_home_for_battery()
 
     def tick(self) -> SortieEvent | None:
-        """One tick; what it has come to, None while it goes on."""
+        """One tick; returns how it ended, or None while it continues."""
         if self._return_home is not None:
             return self._fly_home(self._return_home)
         executive = self._executive
@@ -155,7 +159,7 @@ class FlownTask:
         status = executive.resume() if self.is_interrupted else executive.tick()
         self.is_interrupted = False
         if status is TaskStatus.SATISFIED:
-            self.failure = executive.failure  # set if this was only the way home
+            self.failure = executive.failure  # set if this was only the flight to a safe place
             return SortieEvent.SATISFIED
         is_waiting = executive.is_leaving and executive.state is ExecutiveState.AWAITING_PLAN
         is_lost = status is TaskStatus.NO_PLAN or is_waiting
@@ -166,9 +170,9 @@ class FlownTask:
         return SortieEvent.NEEDS_TAKE_OFF if needs_take_off else event
 
     def _called_home(self) -> SortieEvent | None:
-        """Calls the vehicle home for a limit of the flight, or a low battery.
+        """Calls the vehicle home because of a limit of the flight or a low battery.
 
-        Not while it flies there anyway, and not before a plan that has landed it takes off.
+        Not while it flies home anyway, and not while it is on the ground by its plan.
         """
         if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
             return None
@@ -192,8 +196,8 @@ class FlownTask:
         """Does what the mission says for the case that no plan exists.
 
         Args:
-            is_waiting: the way to a safe place is lost, and a plan is waited for: another safe
-                place comes before that.
+            is_waiting: whether the way to a safe place is lost and the vehicle waits for a plan;
+                then another safe place is tried first.
         """
         executive, safe, flight = self._executive, self._safe, self._flight
         if safe.landed_at is not None:

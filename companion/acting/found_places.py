@@ -1,14 +1,14 @@
 """Places whose position in their region is reported in flight.
 
-A report that is taken over makes the place known: routes lead there from then on, and its event
-comes, which leads to another plan. A later one moves it. Rules:
+A report that is accepted makes the place known: from then on routes lead there, and its event
+    becomes true, which leads to a new plan. A later report moves the place. Rules:
 
-1. A report outside the place's region, or where the vehicle cannot be, is refused and told. So no
-   report widens fence or zones: the region was checked when the mission was read.
-2. While the vehicle flies to the place, nothing moves it: it arrives where it was to arrive.
-   Otherwise it moves by SAME_M at least, and once in MOVES_S at most.
-3. What was found is in the journal: a flight that goes on after a restart has it.
-4. It is flown to where it was found, and to no other point of its region.
+1. A report outside the place's region, or where the vehicle cannot be, is refused and reported. So
+   no report widens fence or zones: the region was checked when the mission was read.
+2. While the vehicle flies to the place, the place does not move: the vehicle arrives where it was
+   to arrive. Otherwise it moves by at least SAME_M, and at most once in MOVES_S.
+3. The journal stores what was found, so a flight that continues after a restart knows it.
+4. The vehicle flies to the point that was found, and to no other point of the region.
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ MOVES_S = 2.0
 
 
 class SightingReports(Protocol):
-    """What other programs have reported of positions."""
+    """The positions that other programs have reported."""
 
     def take_sightings(self) -> dict[str, Sighting]:
-        """The newest of each name since the last call."""
+        """The newest report of each name since the last call."""
 
     def refuse(self, why: str) -> None:
-        """One cannot be used."""
+        """Reports why a report cannot be used."""
 
 
 class FoundPlaces:
     """The places of a mission that are found in flight.
 
     Args:
-        mission: whose they are.
-        flight: that flies to them.
+        mission: the mission.
+        flight: the flight.
     """
 
     def __init__(self, mission: Mission, flight: Flight) -> None:
@@ -62,7 +62,7 @@ class FoundPlaces:
 
     @property
     def reports(self) -> frozenset[str]:
-        """The names of the reports that find places."""
+        """The names of the reports by which places are found."""
         return frozenset(self._places)
 
     def look(
@@ -72,12 +72,12 @@ class FoundPlaces:
         zero_s: float | None,
         zero: GlobalOrigin | None,
     ) -> list[tuple[Signal, float]]:
-        """Takes over the reports of a tick; the signals of those that find a place.
+        """Takes the reports of a tick; returns the signals of those that find a place.
 
         Args:
             now_s: the flight's time.
-            reports: of other programs.
-            zero_s: what the machine's clock showed when the flight's showed 0; None in lockstep.
+            reports: the reports of other programs.
+            zero_s: the machine's clock when the flight's clock showed 0; None in lockstep.
             zero: where the mission's frame lies on the earth, if that is known.
         """
         self._now_s, found = now_s, []
@@ -94,7 +94,9 @@ class FoundPlaces:
         return found
 
     def _take(self, report: str, at: NorthEast) -> Refusal | None:
-        """Takes over where a place is; why it does not, or None if the place is known now."""
+        """Takes the position of a place; returns why it is refused, or None if the place is known
+        now.
+        """
         flight, place = self._flight, self._places[report]
         position = (*at, place.position[2])
         is_known = place.name in self._moved_s
@@ -111,11 +113,11 @@ class FoundPlaces:
         return None
 
     def restore(self, found: Sequence[PlaceFound], planner: Planner) -> None:
-        """What had been found before the companion was away is known, to the planner too."""
+        """Makes places that were found before an absence known, also to the planner."""
         for each in found:
             self._know(each.place, each.position, "the journal")
         if found:
-            planner.reinstantiate()  # moves there are among what was done
+            planner.reinstantiate()  # moves to these places may be among the completed actions
 
     def _know(self, name: str, position: Ned, source: str) -> None:
         self._moved_s[name] = self._now_s
@@ -123,7 +125,7 @@ class FoundPlaces:
         self._flight.routes.find_place(name, position)
 
     def _stays(self, name: str, position: Ned) -> bool:
-        """Whether a report changes nothing of a place that is known."""
+        """Whether a report changes nothing about a known place."""
         flight = self._flight
         running = flight.task.running
         is_flown_to = running is not None and running.destination == name

@@ -1,7 +1,7 @@
-"""Watches where the frames lie: tells when the autopilot's moves, and when it is in doubt for long.
+"""Watches the frames: reports when the autopilot's frame moves, and when it is long in doubt.
 
-While it is in doubt the task is frozen and the gate holds the vehicle where it is, which is right
-in any frame. It goes on when both positions of the autopilot agree again.
+While it is in doubt, the task is frozen and the gate holds the vehicle where it is, which is
+correct in any frame. The task continues when both positions of the autopilot agree again.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ from companion.flight_events.sortie import Phase
 from companion.geometry import GlobalOrigin, distance
 
 TOLD_S = 0.5
-"""A doubt that lasts no longer is not told: one of two messages was late."""
+"""A shorter doubt is not reported: one of two messages was late."""
 LOST_S = 10.0
-"""After this a vehicle in the air is landed; one on the ground does not begin."""
+"""After this time a vehicle in the air is landed, and one on the ground does not begin."""
 FROZEN = (*ON_THE_GROUND, Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD, *UNDER_TASK)
-"""Phases that go on only in a frame that is certain; the others need none."""
+"""The phases that continue only in a certain frame; the others need no frame."""
 
 
 class FrameWatch:
     """The watch of one sortie.
 
     Args:
-        flight: of the vehicle.
+        flight: the flight.
     """
 
     def __init__(self, flight: Flight) -> None:
@@ -35,7 +35,7 @@ class FrameWatch:
         self._is_told = False
 
     def step(self, phase: Phase) -> Aborted | None:
-        """Looks at the frames, once a tick; why the sortie cannot go on, or None."""
+        """Checks the frames, once a tick; returns why the sortie cannot continue, or None."""
         self._follow()
         flight, doubt = self._flight, self._flight.vehicle.frame_doubt
         if doubt is None or phase not in FROZEN:
@@ -52,7 +52,7 @@ class FrameWatch:
         return Aborted(f"{doubt.reason}, for {LOST_S:.0f} s") if lasted_s > LOST_S else None
 
     def is_frozen(self, phase: Phase) -> bool:
-        """Whether a phase has to wait."""
+        """Whether a phase has to wait for a certain frame."""
         return phase in FROZEN and self._flight.vehicle.frame_doubt is not None
 
     def _follow(self) -> None:

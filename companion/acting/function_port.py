@@ -1,7 +1,7 @@
-"""What the acting side knows of functions of installed packages: loaded, called, asked, left.
+"""The port to functions of installed packages: load, call, ask and cancel them.
 
-`companion/skills/runner.py` fulfils the port with processes; tests fulfil it with a script. Nothing
-here waits, but that in lockstep simulated time waits for what `take` and `awaited` return.
+`companion/skills/runner.py` implements the port with processes, tests implement it with a script.
+No method waits, except that in lockstep simulated time waits for what `take` and `awaited` return.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ class FunctionPort(Protocol):
     """Calls functions of installed packages."""
 
     def prepare(self, functions: Iterable[Function]) -> None:
-        """Begin to load these; others are not needed any longer."""
+        """Begins to load these functions; others are no longer needed."""
 
     def awaited(self) -> tuple[str, ...] | NotDone:
-        """Those that are still being loaded; or why one cannot be."""
+        """The functions that are still being loaded, or why one cannot be loaded."""
 
     def begin(self, request: CallRequest) -> int:
-        """Begin a call; returns a ticket for it."""
+        """Begins a call; returns a ticket for it."""
 
     def take(self, ticket: int, now_s: float) -> Sequence[Answer]:
-        """What a call has said since it was last asked; `Returned` and `NotDone` are its end."""
+        """What a call has said since the last time; `Returned` and `NotDone` end it."""
 
     def reply(self, ticket: int, failure: str | None) -> None:
-        """What has become of the command that a call has asked for; None if it was done."""
+        """Tells a call the outcome of the command that it asked for; None if it was done."""
 
     def cancel(self, ticket: int) -> None:
-        """Nobody waits for a call any more; it may have ended."""
+        """Cancels a call, which may have ended already."""
 
     def end_calls(self) -> None:
-        """The same for all calls under way."""
+        """Cancels all calls."""
 
 
 class NoFunctions:
-    """Calls none: for flights that nobody has given a runner."""
+    """Calls no functions: for flights without a runner."""
 
     def prepare(self, functions: Iterable[Function]) -> None:
         """Loads nothing."""
@@ -57,21 +57,21 @@ class NoFunctions:
         return 0
 
     def take(self, ticket: int, now_s: float) -> list[Answer]:
-        """It has failed."""
+        """Returns a failure."""
         return [NotDone("nothing runs functions of packages here")]
 
     def reply(self, ticket: int, failure: str | None) -> None:
-        """Nobody has asked."""
+        """Does nothing: no call has asked."""
 
     def cancel(self, ticket: int) -> None:
-        """Nothing is under way."""
+        """Does nothing: no call is under way."""
 
     def end_calls(self) -> None:
-        """Nothing is under way."""
+        """Does nothing: no call is under way."""
 
 
 def known_place(place: Place, location: FrameLocation | None) -> KnownPlace:
-    """What a function may know of a place."""
+    """What a function may know about a place."""
     east_m, north_m, up_m = (round(metres, 3) for metres in enu_from_ned(place.position))
     if location is None:
         return KnownPlace(place.name, east_m, north_m, up_m)
@@ -88,7 +88,7 @@ def known_place(place: Place, location: FrameLocation | None) -> KnownPlace:
 
 
 def known_vehicle(state: VehicleState | None) -> KnownVehicle | None:
-    """What a function may know of the vehicle."""
+    """What a function may know about the vehicle."""
     if state is None:
         return None
     east_m, north_m, up_m = (round(metres, 3) for metres in enu_from_ned(state.position))

@@ -1,4 +1,4 @@
-"""Tells when the gate begins to hold setpoints back."""
+"""Reports when the gate begins to hold setpoints back."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from companion.acting.flight import Flight
 from companion.flight_events.sortie import SetpointRefused
 
 CALM_S = 2.0
-"""What is refused again sooner than so long after, for the same reason, was told."""
+"""A refusal for the same reason within this time is not reported again."""
 _NUMBERS = re.compile(r"[\d.]+")
 
 
 class GateWatch:
-    """Looks at the gate once a tick."""
+    """Checks the gate once a tick."""
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
@@ -22,7 +22,7 @@ class GateWatch:
         self._refused_s, self._told = -math.inf, ""
 
     def step(self) -> None:
-        """Reports the first refusal after setpoints that were let out."""
+        """Reports the first refusal after setpoints that passed."""
         refusal, now_s = self._flight.vehicle.refusal, self._flight.now_s
         if refusal is None:
             self._was_refused = False

@@ -1,11 +1,11 @@
-"""Keeps the vehicle off what is below it, by a range finder that looks down.
+"""Keeps the vehicle away from the ground, by a range finder that looks down.
 
-An altitude may be off: a PX4 v1.15.4 on its own simulator sank to the ground in 4 to 20 s, level by
-its own altitude. So what is below the vehicle is kept as far away as routes keep what is
-beside it, though no further than half of the height that is flown; a setpoint that would lead
-nearer is lifted, as far as the altitude band has room, and what is flown goes on so much higher.
-The way down to a marker is not touched, nor are modes of the autopilot (take-off, landing, hold):
-those are its own. While the range finder is silent, a setpoint that was lifted stays so.
+The altitude may be wrong: a PX4 v1.15.4 in its own simulator sank to the ground in 4 to 20 s while
+its own altitude stayed level. So the vehicle keeps the same distance from what is below it as
+routes keep from obstacles beside it, but at most half of the flown height. A setpoint that would
+lead nearer is lifted, as far as the altitude band has room, and the flight continues at that
+height. The descent to a marker is not changed, nor are the autopilot's own modes (take-off,
+landing, hold). While the range finder is silent, a lifted setpoint stays lifted.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from companion.vehicle.port import Mode, Setpoint, VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 SHARE = 0.5
-"""Of the height above what the map has below: so much less is still taken for an error."""
+"""Share of the height above what the map has below: a smaller difference counts as an error."""
 RISE_M = 0.5
-"""A setpoint is lifted by so much more than is missing, as a vehicle that sinks goes on sinking."""
+"""A setpoint is lifted by this much more than is missing, because a sinking vehicle sinks on."""
 CLEAR_AGAIN_M = 0.2
-"""A setpoint with so much more than is asked for is sent as it is again."""
+"""A setpoint with this much more height than required is no longer lifted."""
 CARROT_SHARE = 0.95
-"""Of the carrot, in which the gate lets a setpoint out."""
+"""Share of the distance from the vehicle at which the gate holds a setpoint back."""
 
 
 class GroundGuard:
-    """Of one flight.
+    """The guard of one flight.
 
     Args:
         routes: know what the map has below.
@@ -37,7 +37,7 @@ class GroundGuard:
         highest_m: the upper end of the altitude band.
 
     Attributes:
-        lift_m: how much higher the last setpoint was sent.
+        lift_m: by how much the last setpoint was lifted.
     """
 
     def __init__(self, routes: LayeredRoutes, profile: VehicleProfile, highest_m: float) -> None:
@@ -47,12 +47,12 @@ class GroundGuard:
     def kept_off(
         self, told: Setpoint, state: VehicleState | None, is_landing: bool = False
     ) -> tuple[Setpoint, GroundNear | None]:
-        """What is sent in place of a setpoint; and what is told, once each time that it is low.
+        """The setpoint to send instead; and an event, once each time that the vehicle is low.
 
         Args:
             told: the setpoint.
-            state: of the vehicle.
-            is_landing: it is of the way down to a marker, or up from there.
+            state: state of the vehicle.
+            is_landing: whether it is part of the descent to a marker, or of the climb from there.
         """
         was_low, lifted_m = self._is_low, self.lift_m
         self._is_low, self.lift_m = False, 0.0
@@ -68,7 +68,7 @@ class GroundGuard:
         return sent, GroundNear(round(state.below_m, 2), round(-state.position[2], 2))
 
     def _needed_m(self, told: Setpoint, state: VehicleState, was_low: bool) -> float:
-        """By how much a setpoint has to be higher; 0 where it leads clear of what is below."""
+        """By how much a setpoint has to be higher; 0 if it leads clear of what is below."""
         assert state.below_m is not None
         up_m, told_up_m = -state.position[2], -told.position[2]
         top_m = self._routes.top_m(state.position[:2], self._profile.radius_m)
@@ -78,7 +78,7 @@ class GroundGuard:
         return missing_m + RISE_M if is_low else 0.0
 
     def _lifted(self, told: Setpoint, state: VehicleState, by_m: float) -> Setpoint:
-        """A setpoint that is higher, within the band and the vehicle's carrot."""
+        """The setpoint, lifted within the band and within the gate's distance from the vehicle."""
         north, east, down = told.position
         most_m = CARROT_SHARE * self._profile.carrot_m
         beside_m = math.dist((north, east), state.position[:2])

@@ -1,7 +1,7 @@
-"""The plans of a vehicle that stands on the ground: the first one, and the one in its place.
+"""The plans of a vehicle on the ground: the first one, and a replacement for it.
 
-The first plan was made before the run, as a rule. Where the map has changed since, or the flight
-has been given less room, it is searched on the map as it is now.
+The first plan is usually made before the run. If the map has changed since, or the flight has been
+given less room, it is searched again on the present map.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from companion.planning.lasso import ChosenPlan
 
 
 class GroundPlans:
-    """What a flight begins with.
+    """The plans with which a flight begins.
 
     Args:
         prepared: the mission, with its planner and its first plan.
-        flight: that begins.
+        flight: the flight that begins.
         assumptions: of the plan that is made.
         replanner: follows the map.
     """
@@ -43,7 +43,7 @@ class GroundPlans:
         self._replanner = replanner
 
     def written(self, tree: Tree) -> Behaviour:
-        """A tree that was written by hand, to be ticked."""
+        """The behaviours of a tree that was written by hand."""
         flight, mission = self._flight, self._planner.mission
         root = build_by_hand(flight, tree, self._planner.actions_of(tree))
         flight.report(WrittenTreeAdopted(mission.written_task, mission.priorities))
@@ -56,7 +56,7 @@ class GroundPlans:
         return self._found()
 
     def again(self) -> ChosenPlan | PlanFailure | None:
-        """The plan on the map as it is now; None where a tree by hand can still be flown."""
+        """The plan on the present map; None if a tree written by hand can still be flown."""
         tree = self._planner.mission.tree
         if tree is None:
             return self._found()

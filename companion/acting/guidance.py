@@ -31,7 +31,7 @@ from companion.vehicle_profile import VehicleProfile
 HELD_M = 0.5
 """A vehicle that is nearer to its setpoint is held there; otherwise it is held where it is."""
 LAG_SHARE = 0.6
-"""Of the gate's carrot: distance behind its setpoint at which the vehicle counts as behind."""
+"""Share of the gate's greatest distance: a vehicle further behind its setpoint counts as behind."""
 
 
 class Guidance:

@@ -1,8 +1,8 @@
-"""What is kept of a flight so that another process can go on with it, as a class for each kind.
+"""The entries from which another process can continue a flight; a class for each kind.
 
 The journal is written ahead: what is about to be done is on the disk before it is done. A reader
-sees what a flight has come to by putting the entries together again (`JournalledFlight`). Who
-writes them to a file is record/journal_file.py; without one nothing is kept, and nothing waits.
+reconstructs the state of a flight from the entries (`JournalledFlight`). record/journal_file.py
+writes them to a file; without a file nothing is stored, and nothing waits.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ class FlightBegun:
 
     Attributes:
         mission: its name.
-        path: of its file.
-        digest: of all that the mission is made of.
+        path: path of its file.
+        digest: hash of everything in the mission.
         start_s: when the run began, on the flight's clock.
     """
 
@@ -44,11 +44,11 @@ class PhaseBegun:
 
 @dataclass(frozen=True, slots=True)
 class EndingBegun:
-    """The vehicle is to land, and the run ends like this.
+    """The vehicle is about to land, and the run ends in this way.
 
     Attributes:
         reason: why it does not end well; "" if it does.
-        place: to which the vehicle was called, by an operator, a limit or its battery; or "".
+        place: where an operator, a limit or the battery called the vehicle; "" if nowhere.
     """
 
     is_satisfied: bool
@@ -67,7 +67,7 @@ class VehicleSeen:
         origin: of that frame, in the autopilot's local frame.
         altitude_m: of the origin above mean sea level.
         system: MAVLink system id of the vehicle.
-        zero_s: what the flight's clock shows when the autopilot's shows 0.
+        zero_s: the flight's clock when the autopilot's clock shows 0.
     """
 
     position: Ned
@@ -83,7 +83,7 @@ class CommandIntended:
 
     Attributes:
         number: of the intention.
-        action: that sends it.
+        action: the action that sends it.
     """
 
     number: int
@@ -93,21 +93,21 @@ class CommandIntended:
 
 @dataclass(frozen=True, slots=True)
 class CommandSettled:
-    """It has failed, with its try or by itself. One that was done is part of its skill."""
+    """The command has failed, or its try has. A command that was done is part of its skill."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
 class PlanNumbered:
-    """A plan was made, or none was found; so many there were before."""
+    """A plan was made, or none was found; so many plans had been made before."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
 class PlaceFound:
-    """Where a place is that was found in flight, in the mission's frame."""
+    """Where a place was found in flight, in the mission's frame."""
 
     place: str
     position: Ned
@@ -115,7 +115,7 @@ class PlaceFound:
 
 @dataclass(frozen=True, slots=True)
 class EnergyLearnt:
-    """What is known of the energy of flights (`planning/energy/ratio_estimate.py`)."""
+    """The learnt ratios of energy (`planning/energy/ratio_estimate.py`)."""
 
     flying: float
     flying_deviation: float
@@ -125,7 +125,7 @@ class EnergyLearnt:
 
 @dataclass(frozen=True, slots=True)
 class OperatorSettings:
-    """What an operator has set of the companion's parameters."""
+    """The companion's parameters that an operator has set."""
 
     speed_max_mps: float
     belief_retry_s: float
@@ -149,47 +149,47 @@ JournalEntry = (
 
 
 class Journal(Protocol):
-    """Keeps entries, in their order."""
+    """Stores entries, in order."""
 
     def note(self, now_s: float, entry: JournalEntry) -> None:
-        """Keeps an entry, soon; it may not block."""
+        """Stores an entry, soon; it may not block."""
 
     @property
     def is_kept(self) -> bool:
-        """Whether all that was noted is on the disk, or never will be."""
+        """Whether all noted entries are on the disk, or never will be."""
 
 
 class NoJournal:
-    """Keeps nothing."""
+    """Stores nothing."""
 
     is_kept = True
 
     def note(self, now_s: float, entry: JournalEntry) -> None:
-        """Forgets it."""
+        """Ignores the entry."""
 
 
 @dataclass(frozen=True)
 class JournalledFlight:
-    """What a flight had come to when the journal ended.
+    """The state of a flight when the journal ended.
 
     Attributes:
-        begun: which flight.
-        phase: where its sortie was.
-        flown: the phase before somebody else had control, or the vehicle was taken back.
-        ending: how it was to end; None before it was to land.
+        begun: which flight it is.
+        phase: the phase of its sortie.
+        flown: the phase before somebody else had control, or before control was taken back.
+        ending: how it was to end; None if it was not landing yet.
         armed_s: when it was to arm; None if it never was.
-        seen: where the vehicle was last; None if it never was seen.
+        seen: where the vehicle was last; None if it was never seen.
         changes: of the task's state.
-        unsettled: commands since the last completed skill that were done, or of which that is not
-            known.
-        shots: photos that were about to be asked for, the newest ones.
-        settings: of the operator; None for the first ones.
-        replans: how often it has planned again.
-        found: places that were found in flight, the newest position of each last.
-        fence: of somebody else, in the autopilot, that it keeps to; None without one.
-        energy: what was learnt of it; None before that.
-        time_s: of the last entry.
-        away_s: since then, by the autopilot's clock or the wall clock.
+        unsettled: commands since the last completed skill that were done, or whose outcome is
+            unknown.
+        shots: the newest photos that were about to be requested.
+        settings: the operator's settings; None for the initial ones.
+        replans: number of replans.
+        found: places that were found in flight, each with its newest position, the newest last.
+        fence: somebody else's fence in the autopilot, to which it keeps; None without one.
+        energy: the learnt energy; None if nothing was learnt.
+        time_s: time of the last entry.
+        away_s: the time since then, by the autopilot's clock or the wall clock.
     """
 
     begun: FlightBegun
@@ -211,21 +211,21 @@ class JournalledFlight:
 
     @property
     def positions(self) -> int:
-        """How many positions of the word had been left."""
+        """The number of positions of the word that had been left."""
         return self.changes[-1].positions if self.changes else 0
 
     @property
     def goes_on_s(self) -> float:
-        """What the flight's clock shows when it goes on."""
+        """The flight's clock when it continues."""
         return self.time_s + self.away_s
 
     def found_at(self, boot_s: float) -> JournalledFlight:
         """The same flight, with the time since then by the autopilot's clock.
 
-        One that shows less than before has begun anew, and tells nothing.
+        A clock that shows less than before has restarted, and tells nothing.
 
         Args:
-            boot_s: what it shows now, in seconds since its boot.
+            boot_s: the autopilot's clock now, in seconds since its boot.
         """
         if self.seen is None or self.seen.zero_s is None:
             return self
@@ -234,7 +234,7 @@ class JournalledFlight:
 
     @property
     def is_over(self) -> bool:
-        """Whether there is nothing to go on with: it has ended, or never begun to arm."""
+        """Whether there is nothing to continue: it has ended, or had not begun to arm."""
         return self.phase is Phase.ENDED or self.armed_s is None
 
 
@@ -243,7 +243,7 @@ _ON_THE_WAY_BACK = (Phase.YIELDED, Phase.OFFBOARD)
 
 
 def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFlight | None:
-    """What a flight had come to; None if it has not begun.
+    """Reconstructs the state of a flight; None if it has not begun.
 
     >>> begun = FlightBegun("survey", "survey.yaml", "0a", start_s=0.0)
     >>> flight = put_together([(0.0, begun), (3.5, PhaseBegun(Phase.ARMING))])

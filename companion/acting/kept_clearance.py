@@ -1,7 +1,7 @@
-"""Routes keep more from obstacles where the position is less good, or the vehicle off its way.
+"""Makes routes keep more clearance if the position is less accurate, or the vehicle off its path.
 
-Heights of places do not. So it is told once which places are flown to lower than the height of a
-vehicle is certain whose position is not exact.
+The heights of places do not change. So it is reported once which places are lower than an
+inaccurate height can be relied on.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from companion.planning.planner import Planner
 from companion.vehicle.port import Mode, VehicleState
 
 JUMP_SHARE = 2.0
-"""Setpoints that are so many times as far apart as they can be flown do not make a way."""
+"""Setpoints further apart than this multiple of what can be flown form no path."""
 
 
 class KeptClearance:
-    """Of one flight.
+    """The clearance of one flight.
 
     Args:
-        flight: whose routes keep more.
-        planner: of its mission.
+        flight: the flight whose routes keep more.
+        planner: the mission's planner.
     """
 
     def __init__(self, flight: Flight, planner: Planner) -> None:
@@ -33,7 +33,7 @@ class KeptClearance:
         self._low = low_places(planner)
 
     def follow(self, state: VehicleState) -> None:
-        """Takes how good the position is, and where the vehicle flies; once a tick."""
+        """Takes the accuracy of the position, and the tracking error; once a tick."""
         off_m = self._off_m(state)
         if not self._added.follow(state.accuracy_m, off_m):
             return
@@ -52,7 +52,9 @@ class KeptClearance:
             self._low = ()
 
     def _off_m(self, state: VehicleState) -> float:
-        """How far the vehicle was off the way of its setpoints at most, while it is told one."""
+        """The largest distance of the vehicle from the path of its setpoints, as far as there are
+        any.
+        """
         told, now_s = self._flight.guidance.setpoint, self._flight.now_s
         is_flown = state.mode is Mode.OFFBOARD and not state.is_landed
         if told is None or not is_flown or now_s - state.stamp_s > LOOK_S:

@@ -1,8 +1,8 @@
-"""Waits to hand the vehicle over to the autopilot's landing while it swings towards a wall.
+"""Delays the autopilot's landing while the vehicle swings towards a wall.
 
-A landing of the autopilot's own begins where the vehicle is, with the speed that it has, and no
-setpoint keeps it off walls any more (`wall_guard.py`). So where the vehicle is nearer to a wall
-than its setpoint, or will be in a second, it is held until it has not been so for a second.
+A landing in the autopilot's own mode begins where the vehicle is, with the speed that it has, and
+no setpoint keeps it off walls any more (`wall_guard.py`). So if the vehicle is nearer to a wall
+than its setpoint, or will be in a second, it is held until a second has passed without that.
 """
 
 from __future__ import annotations
@@ -13,16 +13,18 @@ from companion.acting.flight import Flight
 from companion.vehicle.port import Mode, Progress
 
 LONGEST_S = 10.0
-"""A vehicle that comes to no rest in that time lands as it is."""
+"""A vehicle that does not come to rest within this time lands as it is."""
 STEADY_S = 1.0
-"""One that has swung towards a wall is off it for so long: more than the middle of a swing."""
+"""How long a vehicle that swung towards a wall has to be off it: longer than the middle of a
+swing.
+"""
 
 
 class LandingWait:
-    """Of one landing.
+    """The wait before one landing.
 
     Args:
-        flight: the flight, which comes to rest where it is to land.
+        flight: the flight, which stops where it is to land.
     """
 
     def __init__(self, flight: Flight) -> None:
@@ -32,7 +34,7 @@ class LandingWait:
         self._is_over = False
 
     def tick(self) -> Progress:
-        """Holds the vehicle; DONE from when it may land, or is not ours to hold any more."""
+        """Holds the vehicle; DONE once it may land, or is no longer ours to hold."""
         self._is_over = self._is_over or self._may_land()
         return Progress.DONE if self._is_over else Progress.RUNNING
 

@@ -1,11 +1,11 @@
-"""A low battery, where the mission does not say what is done then.
+"""Handles a low battery if the mission does not say what to do then.
 
-The autopilot's failsafe comes later, when the charge is critical, and returns straight, over walls
-and zones that it does not know. So such a vehicle is called away by its own routes while there is
-charge for them, to the safe place that it reaches soonest, or home; and it is not armed with a
-battery that is low.
+The autopilot's failsafe comes later, when the charge is critical, and returns straight, across
+walls and zones that it does not know. So the companion calls the vehicle away along its own routes
+while there is charge for them, to the safe place that it reaches soonest, or home. It does not arm
+a vehicle with a low battery.
 
-A mission says what is done by `battery:`, by an event of the battery, or where it charges.
+A mission says what to do by `battery:`, by an event about the battery, or by skills that charge.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from companion.mission.steps import Charge
 from companion.planning.planner import Planner
 
 LOW_S = 5.0
-"""How long the autopilot has to call the charge low; a load that is short lowers its voltage."""
+"""How long the autopilot has to report a low charge; a short load lowers the voltage."""
 IN_FLIGHT = "the battery was low, and the mission does not say what is done then"
 ON_GROUND = (
     "the battery is low, by the autopilot's word, so it is not armed\n"
@@ -29,25 +29,27 @@ ON_GROUND = (
 
 
 def says_what_then(mission: Mission) -> bool:
-    """Whether a mission says what is done when the battery is low."""
+    """Whether a mission says what to do when the battery is low."""
     charges = any(Charge in map(type, skill.execute) for skill in mission.skills.values())
     watches = any(event.when.signal.is_battery for event in mission.events.values())
     return mission.battery is not None or charges or watches
 
 
 def why_not_armed(flight: Flight, mission: Mission) -> str | None:
-    """Why the vehicle is not armed; None where the battery is not low, or the mission says."""
+    """Why the vehicle is not armed; None if the battery is not low, or the mission says what to
+    do.
+    """
     state = flight.vehicle.state
     is_low = state is not None and math.isfinite(state.battery_low_since_s)
     return ON_GROUND if is_low and not says_what_then(mission) else None
 
 
 class LowBattery:
-    """Knows when a low battery calls the vehicle away from its task, and where to.
+    """Decides when a low battery calls the vehicle away from its task, and where to.
 
     Args:
-        flight: whose battery it is.
-        planner: of the mission; it knows how long flights take.
+        flight: the flight.
+        planner: the mission's planner, which knows how long flights take.
     """
 
     def __init__(self, flight: Flight, planner: Planner) -> None:
@@ -58,14 +60,14 @@ class LowBattery:
 
     @property
     def is_due(self) -> bool:
-        """Whether the vehicle is to leave its task for it."""
+        """Whether the vehicle has to leave its task because of the battery."""
         state = self._flight.vehicle.state
         if state is None or not self._is_ours:
             return False
         return self._flight.now_s - state.battery_low_since_s >= LOW_S
 
     def refuge(self) -> str | None:
-        """Where the vehicle is to fly for it; None if it is not to, or that is not known yet."""
+        """Where the vehicle has to fly; None if nowhere, or if that is not known yet."""
         if not self.is_due:
             return None
         place = self._safe.choose()

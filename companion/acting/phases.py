@@ -1,6 +1,6 @@
-"""The phases of a sortie, from the ground to the ground, and the table that leads through them.
+"""The phases of a sortie, from the ground to the ground, and the table of their transitions.
 
-`sortie.py` does in each tick what the present phase is for, and asks this table where an event
+In each tick `sortie.py` does the work of the present phase, and asks this table where an event
 leads. The diagram in docs/sortie.md is drawn from it.
 """
 
@@ -43,9 +43,9 @@ class SortieEvent(Enum):
 
 
 ON_THE_GROUND = (Phase.WAITING, Phase.CHECKING)
-"""Phases in which the vehicle is not ours yet."""
+"""The phases in which the vehicle is not ours yet."""
 UNDER_TASK = (Phase.TASK, Phase.PAUSED, Phase.RETURNING)
-"""Phases in which the vehicle is in OFFBOARD by our setpoints, or on the ground by its plan."""
+"""The phases in which our setpoints fly the vehicle in OFFBOARD, or its plan has landed it."""
 
 GOALS: dict[Phase, Goal] = {
     Phase.ARMING: Goal.ARMED,
@@ -55,7 +55,7 @@ GOALS: dict[Phase, Goal] = {
     Phase.PARTING: Goal.HOLDING,
     Phase.LANDING: Goal.LANDED,
 }
-"""The phases that work towards a goal of the vehicle."""
+"""The phases that pursue a goal of the vehicle."""
 
 _P, _E = Phase, SortieEvent
 _OURS = (_P.ARMING, _P.TAKE_OFF, _P.OFFBOARD, *UNDER_TASK, _P.PARTING)
@@ -131,4 +131,4 @@ TRANSITIONS = TransitionTable(
         if phase is not _P.ENDED
     ),
 )
-"""The phase after each event; a stop while it holds or lands already changes nothing."""
+"""The phase after each event; stopping a vehicle that already holds or lands changes nothing."""

@@ -1,8 +1,8 @@
-"""Suggesters and tests of places that packages bring (Section IV-D: the user extends both tables).
+"""Suggesters and tests of places from installed packages (Section IV-D: users extend both).
 
-They are asked while a place is grounded, in slices: each is a process, and the vehicle holds until
-it has answered, for `ASKED_S` at most. One that fails, or takes longer, proposes nothing; a
-waypoint that a test has not passed is not flown to.
+They are asked in slices while a waypoint is chosen. Each is a process, and the vehicle holds until
+it has answered, for at most `ASKED_S`. One that fails or takes longer proposes nothing. A waypoint
+that has not passed a test is not flown to.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from companion.skills.calls import CallRequest, CommandAsked, NotDone, Returned
 from companion.slices import wait_a_tick
 
 ASKED_S = 10.0
-"""What a call may take."""
+"""The longest time of a call."""
 IN_ALL_S = 30.0
-"""What all calls while a place is grounded may take."""
+"""The longest time of all calls for one choice of a waypoint."""
 
 
 class PlaceFunctions:
-    """Fulfils `symbols.PlaceAdvice` for one grounding; in slices alone.
+    """Implements `symbols.PlaceAdvice` for one choice of a waypoint; only in slices.
 
     Args:
-        flight: in which the place is grounded.
+        flight: the flight for which the waypoint is chosen.
     """
 
     def __init__(self, flight: Flight) -> None:
@@ -38,7 +38,7 @@ class PlaceFunctions:
         self._end_s = flight.now_s + IN_ALL_S
 
     def suggested(self, place: Place) -> Iterator[tuple[Ned, str]]:
-        """Waypoints that lie in the place's region, and who proposes them."""
+        """Waypoints in the place's region, each with the name of its suggester."""
         lowest_m, highest_m = self._flight.limits.up_m
         for step in place.suggesters:
             answer, strange = self._ask(step, place), 0
@@ -88,7 +88,7 @@ class PlaceFunctions:
                 wait_a_tick()
             self._tell(step, place, "it takes too long")
             return None
-        finally:  # also where the grounding is given up
+        finally:  # also if the choice is given up
             flight.functions.cancel(ticket)
 
     def _tell(self, step: PythonCall, place: Place, reason: str) -> None:

@@ -1,4 +1,4 @@
-"""Reports the plans that a flight takes over: the first one, and each that replaces another."""
+"""Reports the plans of a flight: the first one, and each that replaces another one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from companion.planning.lasso import ChosenPlan
 
 
 def tell_made(flight: Flight, mission: Mission, plan: ChosenPlan) -> None:
-    """Reports the first plan, with the task that it fulfils."""
+    """Reports the first plan, with the task."""
     made = PlanMade(
         task=mission.written_task,
         plan=plan.lasso.planned,
@@ -20,11 +20,11 @@ def tell_made(flight: Flight, mission: Mission, plan: ChosenPlan) -> None:
 
 
 def tell_replaced(flight: Flight, number: int, reason: str, plan: ChosenPlan) -> None:
-    """Reports another plan.
+    """Reports a replacement plan.
 
     Args:
-        number: how often it was planned again by now.
-        reason: why.
+        number: number of replans so far.
+        reason: why it was replaced.
     """
     replaced = PlanReplaced(
         number=number, reason=reason, plan=plan.lasso.planned, dropped=plan.lines_dropped

@@ -10,12 +10,12 @@ from companion.planning.lasso import Conjunct
 
 
 def tell_late(flight: Flight) -> None:
-    """Reports each bounded line whose clock has just run over."""
+    """Reports each bounded line whose clock has just run out."""
     tell_overrun(flight, flight.task.run_clocks(flight.now_s).over)
 
 
 def tell_overrun(flight: Flight, late: Iterable[Conjunct]) -> None:
-    """Reports bounded lines that are late since the position left last."""
+    """Reports the bounded lines that have become late since the last position was left."""
     task = flight.task
     for conjunct in late:
         _tell_violated(flight, conjunct, task.last_position, tuple(sorted(task.facts)))
@@ -25,7 +25,7 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
     """Reports the positions that were left since the last call, and what they violate.
 
     Args:
-        for_ever: the vehicle rests there, and every position to come is the same.
+        for_ever: whether the vehicle rests there, so that all later positions are the same.
     """
     for position in flight.task.left:
         number, facts = position.number, tuple(sorted(position.facts))

@@ -1,8 +1,8 @@
-"""What takes long before a run: routes, moves, automata and the first plan.
+"""Does the slow work before a run: routes, moves, automata and the first plan.
 
-All of it depends on the mission and on how fast the vehicle may fly, and on nothing that is heard
-of the vehicle. So it is made before a run begins, where nobody waits for it, and the run's first
-tick takes it over. With 20 sites it takes a second or more.
+All of it depends only on the mission and on how fast the vehicle may fly, and not on messages from
+the vehicle. So it is done before a run begins, where nobody waits for it, and the run's first tick
+takes it over. With 20 sites it takes a second or more.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class FirstPlan:
     """The plan from where a mission begins.
 
     Attributes:
-        problem: what it solves.
+        problem: the problem that it solves.
         outcome: the plan, or why there is none.
     """
 
@@ -49,7 +49,7 @@ class PreparedMission:
 
     Attributes:
         first_plan: None for a behaviour tree that was written by hand.
-        engine: who plans in flight; None for the built-in search.
+        engine: the planner used in flight; None for the built-in search.
         engine_failure: why the engine has not made the first plan, in words.
         functions: calls functions of installed packages.
     """
@@ -65,7 +65,7 @@ class PreparedMission:
 
     @property
     def routes(self) -> LayeredRoutes:
-        """Of the mission."""
+        """The mission's routes."""
         return self.ways.routes
 
     def plan(
@@ -73,8 +73,8 @@ class PreparedMission:
     ) -> ChosenPlan | PlanFailure:
         """The plan for the run's first problem, or why there is none.
 
-        It is searched if the problem is not the prepared one: an event has come before the start,
-        or an operator has changed the speed limit since.
+        It is searched if the problem differs from the prepared one, because an event came before
+        the start or an operator changed the speed limit.
         """
         if self.first_plan is not None and self.first_plan.problem == problem:
             return self.first_plan.outcome
@@ -85,13 +85,13 @@ class Preparation(Protocol):
     """A mission that is being prepared for a run."""
 
     def done(self) -> bool:
-        """Whether there is a result. It may not block."""
+        """Whether there is a result; it must not block."""
 
     def result(self) -> PreparedMission:
-        """The prepared mission, once that is done.
+        """The prepared mission, once it is done.
 
         Raises:
-            CompanionError: it cannot be flown.
+            CompanionError: the mission cannot be flown.
         """
 
 
@@ -103,9 +103,9 @@ def prepare(
     ground_amsl_m: float | None = None,
     functions: FunctionPort | None = None,
 ) -> PreparedMission:
-    """A mission with everything that takes long.
+    """Prepares a mission completely.
 
-    A missing first plan is no error here: the run tells it, when it begins.
+    A missing first plan is no error here; the run reports it when it begins.
 
     >>> from companion import load_mission
     >>> prepared = prepare(load_mission("missions/surveillance.yaml"))
@@ -113,15 +113,15 @@ def prepare(
     move(Home, A), (move(A, B), move(B, C), move(C, A))^w
 
     Args:
-        mission: what to do.
-        speed_max_mps: what an operator allows; more than the mission allows changes nothing.
-        routes: of the mission; made if absent.
-        engine: who plans; None for the built-in search, which also plans where an engine fails.
-        ground_amsl_m: how high the vehicle stands above the sea; None while that is not known.
-        functions: calls functions of installed packages; None where nothing does.
+        mission: the mission.
+        speed_max_mps: the operator's limit; one above the mission's limit changes nothing.
+        routes: the mission's routes; made if None.
+        engine: the planner; None for the built-in search, which also replaces a failed engine.
+        ground_amsl_m: height above sea level where the vehicle stands; None while it is unknown.
+        functions: calls functions of installed packages; None if there are none.
 
     Raises:
-        CompanionError: the mission cannot be flown whatever happens.
+        CompanionError: the mission can never be flown.
     """
     calls = functions or NoFunctions()
     mission = above_ground(mission, ground_amsl_m)
@@ -135,9 +135,9 @@ def prepare(
     if mission.battery is not None:
         energy = MissionEnergy(mission, ways, lambda: speed_limit.target)
     planner = Planner(mission, times, energy=energy)
-    routes.find(ALL)  # in flight they are repaired, which is quicker
+    routes.find(ALL)  # in flight they are only repaired, which is quicker
     if mission.tree is not None:
-        planner.actions_of(mission.tree)  # or says which one does not exist
+        planner.actions_of(mission.tree)  # raises an error if an action does not exist
         return PreparedMission(
             mission, ways, speed_limit, planner, first_plan=None, functions=calls
         )
@@ -157,10 +157,10 @@ def prepare(
 
 
 def anticipate_events(planner: Planner) -> None:
-    """Plans as if an event had come already, for each of them.
+    """Makes plans as if an event had already come, for each event.
 
-    The planner then has what is left of the automata under that event, which takes 20 ms with 100
-    sites, before the event comes in flight.
+    So the planner has the automata restricted for that event, which takes 20 ms with 100 sites,
+    before the event comes in flight.
     """
     for event in planner.mission.events.values():
         task = TaskState(planner)
@@ -176,7 +176,7 @@ def _planned(
     histories: Sequence[Sequence[Letter]],
     engine: Engine | None = None,
 ) -> tuple[ChosenPlan | PlanFailure, str | None]:
-    """The plan or why there is none, and why an engine that was asked has not made it."""
+    """The plan, or why there is none; and why the engine, if any, has not made it."""
     problem, histories, dropped = planner.solver.kept(problem, histories)
     answer = engine.plan(problem, histories) if engine is not None else None
     if isinstance(answer, Lasso):

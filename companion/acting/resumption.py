@@ -1,7 +1,7 @@
-"""A flight that goes on after the companion was away, with its state from the journal.
+"""A flight that continues after the companion was away, with its state from the journal.
 
 Nothing is sent before control is given back. Actions whose commands may have taken effect count as
-failed, are told, and are in no plan again, unless their skill may be repeated.
+failed; they are reported and are in no later plan, unless their skill may be repeated.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from companion.planning.task_replay import TaskReplay
 from companion.vehicle.port import Mode, VehicleState
 
 DRIFT_M = 5.0
-"""How far a vehicle in a hold may be from where it was to be expected."""
+"""How far a holding vehicle may be from where it is expected."""
 UNSEEN_S = 3.0
-"""Time in which it may have moved since it was seen: a second to the next entry of the journal, one
-to the autopilot's failsafe, and one to stop."""
+"""How long it may have moved since it was seen: a second to the next entry of the journal, a second
+to the autopilot's failsafe, and a second to stop."""
 
 TWO_KEYS = "hold, then continue, to give control back"
 STREAMED = (Phase.TASK, Phase.PAUSED, Phase.RETURNING, Phase.LANDING)
-"""Phases in which setpoints are streamed, so that the autopilot notices their loss: also where a
-vehicle is held before it lands."""
+"""The phases in which setpoints are streamed, so that the autopilot notices their loss; a vehicle
+is also held before it lands."""
 
 GOES_ON_WITH = {
     Phase.ARMING: SortieEvent.TASK_GOES_ON,
@@ -48,15 +48,17 @@ GOES_ON_WITH = {
     Phase.HOLDING: SortieEvent.LANDING_GOES_ON,
     Phase.LANDING: SortieEvent.LANDING_GOES_ON,
 }
-"""What a flight goes on with that was in a phase; one that was left on hold does not go on."""
+"""With which event a flight in each phase continues; one that was left on hold does not
+continue.
+"""
 
 
 @dataclass(frozen=True)
 class Resumption:
-    """What is to be gone on with.
+    """A flight to continue.
 
     Attributes:
-        journalled: what the flight had come to.
+        journalled: its state from the journal.
         speed_mps: greatest speed of the vehicle.
         system: MAVLink system id of the vehicle that is heard.
     """
@@ -67,7 +69,7 @@ class Resumption:
 
     @property
     def goes_on_with(self) -> SortieEvent:
-        """What OFFBOARD leads to, once control is back."""
+        """The event that follows once the vehicle is in OFFBOARD and under control again."""
         return GOES_ON_WITH[self.journalled.flown]
 
     @property
@@ -77,7 +79,7 @@ class Resumption:
 
     @property
     def failure(self) -> CompanionError | None:
-        """Why the flight was not to end well; None if it was, or was not to end."""
+        """Why the flight did not end well; None if it ended well, or was not ending."""
         ending = self.journalled.ending
         if ending is None or not ending.exit_code:
             return None
@@ -86,7 +88,7 @@ class Resumption:
         return failure
 
     def why_not(self, state: VehicleState) -> Aborted | None:
-        """Why nothing goes on; None if it may, once control is given back."""
+        """Why the flight cannot continue; None if it can, once control is given back."""
         what = "the companion was away"
         if self.is_landing(state):
             return None
@@ -97,13 +99,15 @@ class Resumption:
         return None
 
     def is_landing(self, state: VehicleState) -> bool:
-        """Whether it lands as it was to, or has landed so; nothing has to be sent for that."""
+        """Whether it lands, or has landed, as it was to do; nothing has to be sent for that."""
         has_landed = state.is_landed and not state.is_armed
         was_to_land = self.journalled.flown is Phase.LANDING
         return was_to_land and (has_landed or state.mode is Mode.LAND)
 
     def why_asked(self, state: VehicleState) -> str | None:
-        """Why an operator is asked, even where the autopilot holds by the loss of our stream."""
+        """Why the operator is asked, even if the autopilot holds only because of our lost
+        stream.
+        """
         journalled, seen = self.journalled, self.journalled.seen
         if journalled.phase is Phase.YIELDED:
             return "somebody else had control"
@@ -117,7 +121,7 @@ class Resumption:
         return None
 
     def found(self, state: VehicleState, resumes: bool) -> FlightFoundAgain:
-        """What is told when the flight is found still going on."""
+        """The event that reports that the flight has been found still under way."""
         asked = self.why_asked(state) or _why_it_keeps(state)
         key = (
             "it continues when the autopilot holds by itself"
@@ -129,7 +133,7 @@ class Resumption:
 
 
 def _why_it_keeps(state: VehicleState) -> str | None:
-    """Why the autopilot's hold will be no loss of our stream, as in a take-off by the plan."""
+    """Why the autopilot's hold will not be due to our lost stream, as in a take-off by the plan."""
     is_held = state.mode is Mode.LOITER and state.is_failsafe
     return None if is_held or state.mode is Mode.OFFBOARD else f"{state.mode.value} is flown"
 
@@ -137,14 +141,14 @@ def _why_it_keeps(state: VehicleState) -> str | None:
 def restore(
     journalled: JournalledFlight, flight: Flight, planner: Planner, detector: EventDetector
 ) -> list[Stamped]:
-    """The task is where the journal has it; from now on changes are kept in it.
+    """Restores the task from the journal, and keeps later changes in it.
 
     Returns:
-        the task, the word so far and what it violates: for the record, which leaves out what it
-        has. They are no news: of lines that are violated one event tells.
+        The task, the word so far and what it violates: for the record, which leaves out what it
+        already has. They are not news: one event reports the violated lines.
 
     Raises:
-        LookupError: the journal is of another mission.
+        LookupError: the journal belongs to another mission.
     """
     task, journal = flight.task, flight.journal
     replay = TaskReplay(task, planner)
@@ -183,7 +187,7 @@ def restore(
 
 
 def _give_up(replay: TaskReplay, name: str, flight: Flight) -> None:
-    """Takes an action for failed whose command may have taken effect."""
+    """Counts an action as failed whose command may have taken effect."""
     action = replay.action(name)
     if action.is_repeatable:
         flight.report(OutcomeUnknown(name, "it may be repeated"))

@@ -1,8 +1,8 @@
-"""The flight home that an operator asks for, whatever the task says.
+"""The flight home that an operator requests, whatever the task says.
 
-It leads to the place where the mission begins, or to which a low battery calls the vehicle, along a
-clear route of the map as it is known now. No event is watched and nothing is planned: nobody but
-the operator may change this.
+It leads along a clear route of the present map to the place where the mission begins, or to which a
+low battery calls the vehicle. No event is watched and nothing is planned: only the operator may
+change this flight.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ class ReturnHome:
         self._tree = move_tree(flight, place, TRIES, timeout_s=None)
 
     def tick(self) -> Outcome:
-        """One tick: RUNNING on the way, DONE at the place, Failed without a clear route."""
+        """One tick: RUNNING on the way, DONE at the place, Failed if there is no clear route."""
         self._tree.tick_once()
         if self._tree.status is Status.FAILURE:
             return Failed(failure_of(self._tree))
         return Progress.DONE if self._tree.status is Status.SUCCESS else Progress.RUNNING
 
     def stop(self) -> None:
-        """Holds where it is; the next tick begins anew."""
+        """Holds where the vehicle is; the next tick starts again."""
         self._tree.stop(Status.INVALID)

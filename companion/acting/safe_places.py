@@ -2,8 +2,7 @@
 
 With `return_home`, home is the only safe place; with `land` and `hold` there is none. The flight
 times are the planner's, over clear routes of the present map; the vehicle holds until they are
-known. A place whose way turns out to be blocked is not tried again, as long as the task has no
-plan.
+known. A place whose way turns out to be blocked is not tried again as long as the task has no plan.
 
 If the mission has a battery, a place that the charge is not enough for is chosen only if there is
 no other one, docks included; then it is the place for which the least is missing.
@@ -25,7 +24,7 @@ from companion.planning.planner import Planner
 from companion.slices import Question, spent
 
 MAX_PARTS = 200
-"""Of the search for the ways to one place, on a map that goes on changing."""
+"""The most parts of the search for routes to a place, on a map that keeps changing."""
 NOWHERE = ""
 NO_WAY = 1 << 40
 
@@ -115,12 +114,14 @@ class SafePlaces:
         return {place: time_s for place, time_s in found.items() if math.isfinite(time_s)}
 
     def missing(self, place: str) -> int:
-        """What is missing of the charge to land at a place, the reserve left; 0 if it is there."""
+        """The energy missing to land at a place with the reserve left; 0 if none is missing."""
         energy = self._planner.energy
         return max(0, self._missing(energy, place)) if energy is not None else 0
 
     def _missing(self, energy: MissionEnergy, place: str) -> int:
-        """What is missing to land at a place, the reserve left; 0 or less if it is there."""
+        """The energy missing to land at a place with the reserve left; at most 0 if none is
+        missing.
+        """
         needed, reserve = energy.to_land_at(place), energy.model.reserve
         return (NO_WAY if needed is None else needed) + reserve - energy.charge.least()
 
@@ -128,7 +129,7 @@ class SafePlaces:
 def flight_to(planner: Planner, place: str) -> Lasso | None:
     """A plan that flies to a place from where the vehicle is, and rests; None without a route.
 
-    It asks for nothing that the skill that flies there would ask for otherwise.
+    It ignores what the skill that flies there would otherwise require.
     """
     move = planner.way_to(place)
     return None if move is None else Lasso((move,), (WAIT,))

@@ -1,13 +1,14 @@
-"""No flight is faster than the vehicle can stop within what its range finder sees.
+"""Limits the speed so that the vehicle can stop within what its range finder sees.
 
-The map shows what was known before. What it does not show, a range finder sees when the vehicle is
-near enough (`RangeScan.reach_m`); so that counts for the speed as soon as one is heard, before
-arming as a rule. Of several the one that sees least counts: nobody says which of them looks ahead.
-A vehicle without a range finder sees nothing, and nothing is promised.
+The map shows what was known before the flight. Other obstacles are seen by a range finder when the
+vehicle is near enough (`RangeScan.reach_m`). So its range limits the speed as soon as scans are
+heard, usually before arming. If there are several range finders, the one that sees least counts,
+because nobody says which one looks ahead. A vehicle without a range finder sees nothing, and
+nothing is promised.
 
 A vehicle that leans into the wind, or against its own drag, looks at the ground ahead, and sees
-less. The median of what it has seen where it flew to for SUSTAINED_S counts: each start and stop
-leans for a moment.
+less. The median of what it has seen in its direction of flight for SUSTAINED_S counts, because it
+leans for a moment at each start and stop.
 """
 
 from __future__ import annotations
@@ -26,26 +27,26 @@ from companion.vehicle.port import VehicleState
 SUSTAINED_S = 2.0
 LOOK_S = 0.25
 STEP_M = 0.5
-"""To see farther, or less far, by less than this changes nothing."""
+"""A smaller change of the range changes nothing."""
 MOVING_MPS = 1.0
-"""Slower, a vehicle looks nowhere in particular."""
+"""Below this speed a vehicle has no direction of flight."""
 
 
 class SightLimit:
-    """Of one flight.
+    """The limit of one flight.
 
     Args:
-        flight: is slowed.
+        flight: the flight that is slowed.
     """
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
         self._level_m = self._sight_m = math.inf
         self._told_mps = flight.speed_limit.greatest_mps
-        self._seen: deque[tuple[float, float]] = deque()  # when, and how far
+        self._seen: deque[tuple[float, float]] = deque()  # time and range
 
     def take(self, scans: Sequence[RangeScan], state: VehicleState | None) -> None:
-        """Takes scans that were heard, and how the vehicle moves."""
+        """Takes the scans that were heard, and the motion of the vehicle."""
         if not scans or self._flight.limits.is_beyond_sight:
             return
         self._level_m = min(self._level_m, *(scan.reach_m for scan in scans))
@@ -56,7 +57,7 @@ class SightLimit:
             self._set(sight_m)
 
     def _sustained_m(self, scan: RangeScan, state: VehicleState, sight_m: float) -> float:
-        """How far the vehicle sees where it flies to; as before until that has lasted."""
+        """The range in the direction of flight; unchanged until a new one has lasted."""
         north_mps, east_mps, _ = state.velocity
         speed_mps, seen, now_s = math.hypot(north_mps, east_mps), self._seen, scan.stamp_s
         if state.is_landed or speed_mps < MOVING_MPS:
@@ -72,7 +73,7 @@ class SightLimit:
         return sight_m
 
     def _set(self, sight_m: float) -> None:
-        """Tells the least speed so far alone."""
+        """Sets the range; reports only the lowest speed so far."""
         flight, self._sight_m = self._flight, sight_m
         speed_mps = fastest_mps(sight_m, flight.profile)
         flight.speed_limit.set_sight_limit(speed_mps)

@@ -1,4 +1,4 @@
-"""What the operator has said beforehand of each sortie."""
+"""What the operator has decided beforehand for each sortie."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from companion.acting.preflight.arming_terms import USUAL_ARMING, ArmingTerms
 
 @dataclass(frozen=True, slots=True)
 class SortieTerms:
-    """On which terms a vehicle is armed, flies on, and is called home.
+    """The terms on which a vehicle is armed, continues a flight, and is called home.
 
     Attributes:
-        arming: on which it is armed.
-        limit: after what it is called home.
-        resumes: it flies on without an operator where the autopilot holds because it no longer
-            heard us.
+        arming: the terms for arming.
+        limit: when it is called home.
+        resumes: whether it continues without an operator if the autopilot holds because it no
+            longer heard us.
     """
 
     arming: ArmingTerms = USUAL_ARMING

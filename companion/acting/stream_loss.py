@@ -1,15 +1,15 @@
-"""Whether the autopilot holds because it no longer heard us, and nobody has chosen a mode since.
+"""Detects that the autopilot holds because it no longer heard us, and nobody has chosen a mode.
 
-Such a hold is a key by which control may come back: it is no decision of a pilot. It is seen so:
+Such a hold is not a pilot's decision, so it is a key by which control may come back. Rules:
 
 1. The stream of setpoints was interrupted: for half a second nothing was heard of the vehicle, or
-   this program did nothing; or it has just been started.
-2. Hold is heard with a failsafe, five seconds after that at the latest.
-3. Since then nothing else was heard but hold with a failsafe, and OFFBOARD.
+   this program did nothing; or this program has just been started.
+2. Within five seconds after that, hold is heard together with a failsafe.
+3. Since then only hold with a failsafe and OFFBOARD have been heard.
 
-Anything else (a pilot's mode, a return, a landing, hold without a failsafe) ends it for good, until
-the next interruption. Once control was taken back, a failsafe that follows is another one: a fence
-that was left. Source: PX4 v1.16 as observed (COM_OF_LOSS_T 1 s, COM_OBL_RC_ACT 5).
+Anything else (a pilot's mode, a return, a landing, hold without a failsafe) ends it until the next
+interruption. After control was taken back, a failsafe that follows is a different one, such as a
+fence that was left. Source: PX4 v1.16 as observed (COM_OF_LOSS_T 1 s, COM_OBL_RC_ACT 5).
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from companion.vehicle.port import Mode, VehicleState
 
 
 class StreamLossWatch:
-    """Looks at the vehicle's state once a tick.
+    """Checks the vehicle's state once a tick.
 
     Attributes:
-        is_hold: the autopilot holds because it no longer heard us.
+        is_hold: whether the autopilot holds because it no longer heard us.
     """
 
     def __init__(self) -> None:
@@ -30,7 +30,7 @@ class StreamLossWatch:
         self._interruption = Interruption()
 
     def note_control_back(self) -> None:
-        """We have control: what holds the vehicle from now on does not follow from before."""
+        """Notes that we have control: a later hold has another cause than before."""
         self._interruption.forget()
 
     def step(self, now_s: float, state: VehicleState) -> None:

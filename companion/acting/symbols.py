@@ -34,13 +34,13 @@ REFUSED_S = 60.0
 SAME_M = 0.2
 """Waypoints nearer to each other are the same."""
 ASKED_AT_ONCE = 8
-"""So many waypoints are asked about in one call of a user's test, after the first one."""
+"""The most waypoints in one call of a user's test, after a call with the first one."""
 _CANDIDATE_US, _ROOM_US = 60, 30
 
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """What a symbol stands for, who says so, and since when."""
+    """What a symbol stands for, its source, and its time."""
 
     position: Ned
     source: str
@@ -53,7 +53,7 @@ def as_it_is(place: Place, value: Value) -> Iterator[Ned]:
 
 
 def as_told(place: Place, value: Value) -> Iterator[Ned]:
-    """The waypoint that the mission says."""
+    """The waypoint that the mission gives."""
     yield place.position
 
 
@@ -64,36 +64,38 @@ def around(place: Place, value: Value) -> Iterator[Ned]:
 
 Suggester = Callable[[Place, Value], Iterator[Ned]]
 SUGGESTERS: Mapping[str, Suggester] = {"as it is": as_it_is, "the mission": as_told}
-"""Source -> what it proposes, in the order in which they are asked; then come the place's own."""
+"""Source -> its suggester, in the order in which they are asked; the place's own come after
+these.
+"""
 AT_LAST: Mapping[str, Suggester] = {"samples of the region": around}
-"""Those that are asked when all others have proposed nothing that will do."""
+"""These are asked only if no other suggester has proposed a suitable waypoint."""
 
 
 def is_free(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) -> bool:
-    """It has the clearance on the map as it is known now, and lies inside the fence."""
+    """Whether the waypoint has the clearance on the present map, and lies inside the fence."""
     return routes.is_free(waypoint)
 
 
 def is_reachable(routes: LayeredRoutes, name: str, waypoint: Ned, start: Ned) -> bool:
-    """A way leads there; it is searched in parts, if anything leads there at all."""
+    """Whether a route leads there; it is searched in parts, if free cells lead there at all."""
     routes.aim(name, waypoint)
     if not routes.is_connected(start, name):
         return False
     while not routes.search(start, name, CELLS_PER_TICK):
         spent(CELL_US * CELLS_PER_TICK)
-        routes.aim(name, waypoint)  # others may have chosen meanwhile
+        routes.aim(name, waypoint)  # another choice may have been made meanwhile
     return math.isfinite(routes.distance_m(start, name))
 
 
 TESTS: tuple[Callable[[LayeredRoutes, str, Ned, Ned], bool], ...] = (is_free, is_reachable)
-"""What a waypoint has to pass: routes, symbol, waypoint, where the vehicle is."""
+"""What a waypoint has to pass: routes, symbol, waypoint, position of the vehicle."""
 
 
 class PlaceAdvice(Protocol):
-    """The suggesters and tests that a place has of its own."""
+    """A place's own suggesters and tests."""
 
     def suggested(self, place: Place) -> Iterator[tuple[Ned, str]]:
-        """Waypoints of its region, and who proposes them."""
+        """Waypoints of its region, each with the name of its suggester."""
 
     def passing(self, place: Place, waypoints: Sequence[Ned]) -> list[bool]:
         """Whether each waypoint passes all tests."""
@@ -103,8 +105,8 @@ class Symbols:
     """The database: what each place stands for now.
 
     Args:
-        places: of the mission.
-        routes: lead to the waypoint that a symbol has now.
+        places: the mission's places.
+        routes: the routes, which lead to the present waypoint of each symbol.
     """
 
     def __init__(self, places: Mapping[str, Place], routes: LayeredRoutes) -> None:
@@ -122,44 +124,46 @@ class Symbols:
         return self._places[name]
 
     def find(self, name: str) -> Place | None:
-        """The place of a name; None of what is no place."""
+        """The place with a name; None if there is none."""
         return self._places.get(name)
 
     def up_m(self, name: str | None) -> float | None:
-        """Altitude of a place above home; None of what is no place."""
+        """Altitude of a place above home; None if it is not a place."""
         place = self._places.get(name or "")
         return -place.position[2] if place is not None else None
 
     def heading_rad(self, name: str) -> float | None:
-        """With what heading the vehicle arrives, at whatever waypoint; None for any."""
+        """The heading on arrival at any waypoint of a place; None for any heading."""
         return self._places[name].heading_rad
 
     def inner_m(self, name: str) -> float:
-        """Radius of the disc about a place that its region holds."""
+        """Radius of the largest disc around a place that its region contains."""
         return self._places[name].inner_m
 
     def suggest(self, name: str, position: Ned, source: str, now_s: float) -> None:
-        """Another program says where in its region the place is."""
+        """Takes the position of a place in its region from another program."""
         self._values[name] = Value(position, source, now_s)
 
     def refuse(self, name: str, now_s: float) -> None:
-        """A flight to the present waypoint has failed."""
+        """Notes that a flight to the present waypoint has failed."""
         value = self._values[name]
         self._refused[name].append(Value(value.position, value.source, now_s))
 
     def ground(
         self, name: str, start: Ned, now_s: float, advice: PlaceAdvice | None = None
     ) -> bool:
-        """Choose the waypoint of a symbol; False if none can be flown to, and it stays.
+        """Chooses the waypoint of a symbol; False if none can be flown to, and the present one
+        stays.
 
-        It takes long on a large map. Until the choice is made routes to the place may lead to a
-        waypoint that is only tried.
+        On a large map it takes long. Until the choice is made, routes to the place may lead to a
+        waypoint that is only being tried.
 
         Args:
-            name: of the place.
+            name: name of the place.
             start: where the vehicle is.
             now_s: time of the choice.
-            advice: the place's own; None to go without, where nothing can wait for it.
+            advice: the place's own suggesters and tests; None to ignore them, if nothing can wait
+                for them.
         """
         place, before = self._places[name], self._values[name]
         refused = [v.position for v in self._refused[name] if now_s - v.stamp_s < REFUSED_S]
@@ -172,13 +176,13 @@ class Symbols:
             if chosen is not None and chosen[0] != before.position:
                 self._values[name] = Value(*chosen, now_s)
             return chosen is not None
-        finally:  # whether it is made or given up
+        finally:  # whether a choice was made or given up
             self._routes.aim(name, self._values[name].position)
 
     def _candidates(
         self, name: str, start: Ned, refused: Sequence[Ned], advice: PlaceAdvice | None
     ) -> Iterator[tuple[Ned, str]]:
-        """Waypoints that pass our tests, and who proposes them."""
+        """Waypoints that pass our tests, each with its source."""
         for waypoint, source in self._suggested(name, advice):
             if any(distance(waypoint, other) < SAME_M for other in refused):
                 continue
@@ -187,9 +191,9 @@ class Symbols:
                 yield waypoint, source
 
     def _suggested(self, name: str, advice: PlaceAdvice | None) -> Iterator[tuple[Ned, str]]:
-        """Waypoints of a symbol, and who proposes them."""
+        """Waypoints of a symbol, each with its source."""
         place, value = self._places[name], self._values[name]
-        if place.found_by:  # it is where it was found, and nowhere else
+        if place.found_by:  # the place is exactly where it was found
             yield value.position, value.source
             return
         for source, suggest in SUGGESTERS.items():
@@ -202,7 +206,7 @@ class Symbols:
                 yield waypoint, source
 
     def _roomiest_first(self, waypoints: Iterator[Ned]) -> Sequence[Ned]:
-        """Those first that keep from obstacles what routes do where there is room."""
+        """The waypoints, beginning with those that keep the full clearance of routes."""
         routes, kept_m = self._routes, self._routes.kept_m
 
         def room_m(waypoint: Ned) -> float:
@@ -214,7 +218,9 @@ class Symbols:
         return sorted(waypoints, key=room_m, reverse=True)
 
     def follow_map(self, start: Ned, now_s: float) -> list[str]:
-        """Choose anew where the map has taken a waypoint away, or the way to it; what moved."""
+        """Chooses again if the map has blocked a waypoint or the route to it; returns what
+        moved.
+        """
         moved = []
         for name, value in list(self._values.items()):
             if self._routes.knows(name) and not self._routes.is_connected(start, name):

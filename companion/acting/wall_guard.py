@@ -1,8 +1,7 @@
-"""Keeps the vehicle itself off walls, not its setpoint alone; whatever it flies, or while it holds.
+"""Keeps the vehicle itself off walls, not only its setpoint, in flight and while it holds.
 
-Each setpoint passes here on its way to the gate, moved by what `wall_push.py` says, as far as
-fences, zones and other walls leave the place. What trajectories go on from is the setpoint as it
-was.
+Each setpoint passes here on its way to the gate. It is moved by what `wall_push.py` says, as far as
+fences, zones and other walls allow. Trajectories continue from the setpoint before it was moved.
 """
 
 from __future__ import annotations
@@ -20,19 +19,23 @@ from companion.vehicle.port import VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 CLEAR_AGAIN_M = 0.1
-"""A vehicle that has so much more than its margin has left a wall; the next time is told anew."""
+"""With this much more than its margin the vehicle has left a wall; the next time is reported
+again.
+"""
 SHARES = (1.0, 0.75, 0.5, 0.25)
-"""Of what a setpoint is moved by: the first is taken that leads into nothing else."""
+"""Shares of the move that are tried; the first one that leads into nothing else is used."""
 TOLD_M = 0.3
-"""A setpoint that is moved by less, as for a vehicle that falls behind a little, is not told of."""
+"""A smaller move, as for a vehicle that falls behind a little, is not reported."""
 NEARER_M = 0.2
-"""A vehicle that is nearer to a wall than its setpoint by less is taken to be where it is told."""
+"""A vehicle that is nearer to a wall than its setpoint by less than this counts as at its
+setpoint.
+"""
 SOON_S = 1.0
-"""How far ahead its own motion is looked at: in about that time an autopilot stops it."""
+"""How far ahead the vehicle's motion is examined: an autopilot needs about that time to stop it."""
 
 
 class WallGuard:
-    """Of one flight.
+    """The guard of one flight.
 
     Args:
         routes: know the walls.
@@ -44,7 +47,7 @@ class WallGuard:
         self._is_near = False
 
     def kept_off(self, told: Sample, state: VehicleState | None) -> tuple[Ned, WallNear | None]:
-        """Where a setpoint is sent to; and what is told, where the vehicle is near to a wall."""
+        """Where to send a setpoint; and an event, if the vehicle is near a wall."""
         if state is None or state.is_landed:
             return told.position, None
         plane = self._routes.plane(-told.position[2])
@@ -58,10 +61,11 @@ class WallGuard:
         return sent, self._news(plane.obstacles, state)
 
     def is_approached(self, told: Ned, state: VehicleState) -> bool:
-        """Whether a vehicle is nearer to a wall than its setpoint, or will be if it goes on so.
+        """Whether the vehicle is nearer to a wall than its setpoint, or will be at its present
+        velocity.
 
-        Far from all walls it is not: further than routes keep, by as much as it is off its
-        setpoint, which is how far it swings.
+        Not if it is far from all walls: further than routes keep, plus its distance from its
+        setpoint, which is how far it can swing.
         """
         plane = self._routes.plane(-told[2])
         if plane is None:
@@ -73,9 +77,9 @@ class WallGuard:
         return any(plane.obstacles.is_within(at, asked_m) for at in ((north, east), soon))
 
     def _moved(self, plane: RouteMap, position: Ned, by: NorthEast) -> Ned:
-        """The setpoint, moved as far as fences and zones leave it, and walls the vehicle's body.
+        """The setpoint, moved as far as fences, zones and walls allow.
 
-        What is moved for a wall on one side of a passage may meet the one on the other.
+        A move away from a wall on one side of a passage may meet the wall on the other side.
         """
         north, east, down = position
         if by == STILL:
@@ -88,7 +92,9 @@ class WallGuard:
         return position
 
     def _news(self, obstacles: OccupancyGrid, state: VehicleState) -> WallNear | None:
-        """Once for each time that the vehicle, off its route, has not its margin."""
+        """The event, once for each time that the vehicle, off its route, has less than its
+        margin.
+        """
         was_near, needed_m = self._is_near, self._profile.radius_m + self._profile.margin_m
         here = state.position[:2]
         again_m = needed_m + (CLEAR_AGAIN_M if was_near else 0.0)

@@ -22,16 +22,18 @@ from companion.mission.model import Place
 OUTSIDE_S = 1.0
 """Time outside of a place after which it is lost."""
 MARGIN_M = 0.5
-"""How far outside of a place's region the vehicle is still taken to be at it."""
+"""How far outside a place's region the vehicle still counts as being there."""
 SIGMAS = 2.0
-"""The same in standard deviations of the position, where that is more: 5 % are beyond it."""
+"""The same in standard deviations of the position, if that is more; 5 % of positions are beyond
+it.
+"""
 
 
 class Whereabouts:
     """Compares the place of the vehicle, as the task has it, with its position.
 
     Args:
-        flight: knows both.
+        flight: knows the task and the position of the vehicle.
         places: of the mission, by name.
     """
 
@@ -41,7 +43,9 @@ class Whereabouts:
         self._outside_since_s: float | None = None
 
     def look(self) -> PlaceLost | None:
-        """Takes a look in a tick; returns the place that is lost now, as the task has learnt."""
+        """Checks once a tick; returns the place that is lost now, after the task has learnt of
+        it.
+        """
         outside, now_s = self._outside(), self._flight.now_s
         if outside is None:
             self._outside_since_s = None
@@ -51,31 +55,35 @@ class Whereabouts:
         return self._lose(outside) if now_s - self._outside_since_s >= OUTSIDE_S else None
 
     def look_after_absence(self) -> PlaceLost | None:
-        """The same, after somebody else may have flown the vehicle: no gust is waited for."""
+        """Checks after somebody else may have flown the vehicle, without waiting for a gust to
+        pass.
+        """
         outside = self._outside()
         return self._lose(outside) if outside is not None else None
 
     def _outside(self) -> PlaceLost | None:
-        """The place where the vehicle is not, though the task has it there; None if it is."""
+        """The place where the vehicle should be but is not; None if it is there."""
         flight, state = self._flight, self._flight.vehicle.state
         is_flying = flight.task.running is not None and flight.task.running.destination is not None
         if state is None or state.is_landed or flight.progress.is_landed_by_plan or is_flying:
             return None
         believed = (fact.arguments[0] for fact in flight.task.facts if fact.predicate == AT)
         place = self._places.get(next(believed, ""))
-        if place is None:  # it is between places already
+        if place is None:  # between places already
             return None
         margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
         north, east, down = state.position
         there = flight.guidance.sent(place.position)
         if flight.progress.is_descending:
-            down = there[2]  # it comes down to its marker
+            down = there[2]  # it descends to its marker
         if place.region.away_m(there, (north, east, down)) <= margin_m:
             return None
         return PlaceLost(place.name, round(distance(there, state.position), 1))
 
     def _lose(self, lost: PlaceLost) -> PlaceLost:
-        """The vehicle is between places; what was done at the place is interrupted."""
+        """Makes the task believe that the vehicle is between places; the action there is
+        interrupted.
+        """
         flight = self._flight
         flight.task.interrupt()
         flight.task.depart()

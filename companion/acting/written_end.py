@@ -1,4 +1,4 @@
-"""What a tree written by hand has come to when it is done: its success alone satisfies no task."""
+"""Decides the outcome of a finished tree written by hand: its success alone satisfies no task."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from companion.planning.task_state import TaskState
 
 
 def failure_at_the_end(task: TaskState) -> NoPlanError | None:
-    """Why the task is not satisfied where the vehicle rests for ever; None if it is.
+    """Why the task is not satisfied if the vehicle rests for ever; None if it is satisfied.
 
     Args:
-        task: with its last position left.
+        task: the task, after its last position was left.
     """
     said = []
     if violated := task.violated:
@@ -22,9 +22,10 @@ def failure_at_the_end(task: TaskState) -> NoPlanError | None:
 
 
 def _unmet_at_rest(task: TaskState) -> list[str]:
-    """The lines that must hold, and do not if the letter that was read last comes for ever.
+    """The lines that must hold, and do not if the last letter repeats for ever.
 
-    One that has read nothing, as it began anew after that, reads what holds where the vehicle is.
+    A line that has read nothing, because it started again after that letter, reads what holds where
+    the vehicle is.
     """
     problem, histories = task.problem()
     unmet = dict.fromkeys(
