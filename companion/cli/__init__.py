@@ -1,13 +1,13 @@
-"""The commands: arguments in, one call each; the only place that prints and picks exit codes.
+"""The commands: each parses its arguments and makes one call. Only this package prints and exits.
 
-Exit codes: 0 the task is satisfied (or the run was stopped as asked), 1 internal, 2 a file from
-outside or the command line is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the
+Exit codes: 0 the task is satisfied (or the run was stopped on request), 1 internal error, 2 an
+input file or the command line is wrong, 3 no plan, 4 no link, 5 the pilot or a failsafe ended the
 flight, or it did not begin, 6 a recorded flight does not satisfy its task (`audit`), failures were
-found (`falsify`), or rows fail that did not (`campaign --against`), 7 the search for a plan was
-given up at a limit, 8 a contingency is unsafe (`check --contingencies`).
+found (`falsify`), or rows fail that did not before (`campaign --against`), 7 the search for a plan
+was given up at a limit, 8 a contingency is unsafe (`check --contingencies`).
 
-Imports that take long (MAVLink, plots, the simulator) are made inside the commands that need
-them, so that `--help` answers at once.
+Slow imports (MAVLink, plots, the simulator) are inside the commands that need them, so that
+`--help` answers at once.
 """
 
 from __future__ import annotations
@@ -95,13 +95,14 @@ def _options(
         ),
     ] = False,
 ) -> None:
-    """What belongs to no command."""
+    """Options that belong to no command."""
 
 
 def main() -> None:
     """Entry point: runs a command and turns errors into messages and exit codes.
 
-    What a command or its children write, only its user can change: the umask forbids others to.
+    Only the user can change files that a command or its children write: the umask denies it to
+    others.
     """
     os.umask(os.umask(OTHERS_WRITE) | OTHERS_WRITE)
     try:
@@ -118,7 +119,7 @@ def main() -> None:
 
 
 def _print_error(text: str) -> None:
-    """Prints on standard error, if somebody can still read it; the exit code says the same."""
+    """Prints on standard error, if that can still be read; the exit code says the same."""
     try:
         typer.echo(text, err=True)
     except OSError:

@@ -1,4 +1,4 @@
-"""Arguments that several commands have, and what they stand for."""
+"""Arguments that several commands share, and how they are interpreted."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ GroundPort = Annotated[
 
 
 def _reported_to(address: str | None) -> str | None:
-    """An address of reports, which is refused before anything begins if it is none."""
+    """Refuses an invalid address of reports before anything begins."""
     from companion.vehicle.report_port import place_of
 
     if address is not None:
@@ -162,7 +162,7 @@ UnsignedVehicle = Annotated[
 
 
 def log_dir(state_home: str) -> Path:
-    """Where run folders are made, by the XDG base directory specification.
+    """Where run folders are created, by the XDG base directory specification.
 
     >>> str(log_dir("")), str(log_dir("/var/state")), str(log_dir("not/absolute"))
     ('~/.local/state/companion', '/var/state/companion', '~/.local/state/companion')
@@ -178,11 +178,11 @@ DEFAULT_LOG_DIR = log_dir(os.environ.get("XDG_STATE_HOME", ""))
 def signing_of(
     key: Path | None, program: str, is_vehicle_unsigned: bool
 ) -> Iterator[Signing | None]:
-    """What signs and verifies the frames of a command, as long as the context lasts.
+    """Signs and verifies the frames of a command while the context lasts.
 
     Args:
         key: the key file; None for links without signatures.
-        program: the command, by which its time stamps are kept.
+        program: the command, under whose name its time stamps are stored.
         is_vehicle_unsigned: whether the autopilot and its devices need not sign.
     """
     from companion.mavlink.key_file import signing_by
@@ -196,7 +196,7 @@ def signing_of(
 
 
 def load(path: Path, contingencies: bool = False) -> Mission:
-    """The mission of a file; first its contingencies are summed up, if that is asked for."""
+    """The mission in a file; first prints a summary of its contingencies, if asked for."""
     from companion.mission.loader import load_mission
 
     if contingencies:

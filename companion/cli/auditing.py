@@ -1,4 +1,4 @@
-"""The command that holds a recorded flight against its task: audit."""
+"""The command that audits a recorded flight: audit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from companion.record.events import RunRecord
 
 FORMAT_VERSION = 1
-"""Of the JSON that `audit --json` prints."""
+"""Version of the JSON that `audit --json` prints."""
 SYMBOLS = {"open": ".", "true": "T", "false": "F"}
 WORDS = {
     "violated": "violated at position {}",
@@ -26,7 +26,7 @@ WORDS = {
     "satisfied": "satisfied by this rest",
     "open": "holds so far",
 }
-"""Outcomes in words; {} is the position that decided it."""
+"""Outcomes in words; {} is the position that decides the outcome."""
 IS_HELD = {
     "violated": "violated",
     "unfulfilled": "violated",
@@ -34,7 +34,7 @@ IS_HELD = {
     "satisfied": "satisfied",
     "open": "holds so far",
 }
-"""The same over the whole flight."""
+"""Outcomes over the whole flight, in words."""
 
 
 def audit(
@@ -115,7 +115,7 @@ def _print(run: Path, record: RunRecord, result: Audit) -> None:
 
 
 def _dropped(finding: Finding) -> str:
-    """Where a line of the task was dropped."""
+    """Where a line of the task was dropped, in words."""
     if not finding.dropped:
         return "never dropped"
     spans = [f"{a} to {b}" if a < b else str(a) for a, b in finding.dropped]
@@ -124,7 +124,7 @@ def _dropped(finding: Finding) -> str:
 
 
 def _row(position: PositionLeft, time_s: float, findings: tuple[Finding, ...]) -> str:
-    """A position, what each conjunct says after it, and its facts."""
+    """A position: the state of each conjunct after it, and its facts."""
     states = "".join(SYMBOLS[finding.states[position.number].value] for finding in findings)
     notes = [f"{name} had risen" for name in sorted(position.risen)]
     notes += [f"{name} begins anew" for name in sorted(position.restarted)]

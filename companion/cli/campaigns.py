@@ -1,4 +1,4 @@
-"""The command that flies a mission many times in worlds that vary: campaign."""
+"""The command that flies a mission many times in varied worlds: campaign."""
 
 from __future__ import annotations
 
@@ -76,9 +76,9 @@ OtherTable = Annotated[
 ]
 LIMIT_S = 1800.0
 RUNS_MAX = 1_000_000
-"""Flights of a campaign, which draws all of its rows before the first one: in some minutes."""
+"""Most flights of a campaign; drawing this many rows before the first flight takes minutes."""
 PLAIN_TELLINGS = 10
-"""How often progress is told where there is no terminal."""
+"""How often progress is printed where there is no terminal."""
 
 
 def campaign(
@@ -137,19 +137,19 @@ def campaign(
 
 
 def begun_with(context: typer.Context, folder: Path, count: str) -> tuple[int, int, float]:
-    """The options with which the campaign in a folder was begun.
+    """The options with which the campaign in a folder was started.
 
     Args:
-        context: of the command that goes on with it.
+        context: of the command that continues it.
         folder: of the campaign.
-        count: the name of its number of rows.
+        count: the option that is its number of rows.
 
     Returns:
-        That number, the seed, and the limit in seconds.
+        The number of rows, the seed, and the limit in seconds.
 
     Raises:
         MissionError: there is no such campaign.
-        RequestError: the command line asks for other ones.
+        RequestError: the command line gives other values.
     """
     from companion.campaigns.row_file import header_in
 
@@ -188,7 +188,7 @@ def kit_of(mission: Path, scenario: Path | None, limit_s: float) -> Kit:
     from companion.api.simulating import scenario_beside, varied_world_of, world_in_words
     from companion.campaigns.kit import Kit
 
-    loaded, limit_s = load(mission), float(f"{limit_s:g}")  # as the table's header has it
+    loaded, limit_s = load(mission), float(f"{limit_s:g}")  # rounded as in the table's header
     world = world_in_words(loaded, scenario or scenario_beside(loaded))
     typer.echo(f"world      {world}", err=True)
     return Kit.of(loaded, varied_world_of(loaded, scenario), limit_s)
@@ -204,16 +204,16 @@ def begun(
     dask: str | None,
     again: str,
 ) -> Iterator[tuple[Campaign, Tell]]:
-    """A campaign, and who tells how far it has come, as long as the context lasts.
+    """A campaign, and the printer of its progress, while the context lasts.
 
     Args:
-        kit: what is flown.
-        folder: where it is written.
+        kit: mission and scenario.
+        folder: where to write it.
         header: of its table.
-        total: rows that are expected.
-        jobs: processes; None for as many as there are cores.
-        dask: the address of a cluster; None for processes of this machine.
-        again: the command that goes on with it, told when it is stopped.
+        total: expected number of rows.
+        jobs: processes; None means one per core.
+        dask: the address of a cluster; None means processes of this machine.
+        again: the command that continues it, printed when it is stopped.
     """
     from companion.campaigns.campaign import Campaign, Interrupted
     from companion.campaigns.row_file import NotWritten
@@ -231,7 +231,7 @@ def begun(
 
 
 def engine_of(kit: Kit, jobs: int | None, dask: str | None) -> RowEngine:
-    """Who flies the rows."""
+    """The engine that flies the rows."""
     from companion.api.contingency_answers import usable_cores
     from companion.campaigns.dask_cluster import DaskCluster
     from companion.campaigns.processes import LocalProcesses
@@ -246,7 +246,7 @@ def engine_of(kit: Kit, jobs: int | None, dask: str | None) -> RowEngine:
 
 
 def finish(flights: Campaign, mission: Path, command: str) -> Path:
-    """Writes the table and the report, and says what is in them; returns the table's path."""
+    """Writes the table and the report, prints a summary, and returns the table's path."""
     from companion.campaigns.report import write_report
 
     table = flights.write_table()
@@ -257,7 +257,7 @@ def finish(flights: Campaign, mission: Path, command: str) -> Path:
 
 
 def tell_outcomes(flights: Campaign, is_search: bool = False) -> None:
-    """Says how many rows ended how; those of a search were chosen, so they have no rates."""
+    """Prints how many rows ended in each way; chosen rows, of a search, have no rates."""
     from companion.campaigns.outcomes import RowOutcome
     from companion.campaigns.statistics import Rate
     from companion.campaigns.summary import summary, why_invalid
@@ -298,11 +298,11 @@ def _progress(total: int) -> Iterator[Tell]:
 
 
 class Tell:
-    """Tells how far a campaign has come: a bar on a terminal, else a line now and then.
+    """Prints the progress of a campaign: a bar on a terminal, otherwise a line now and then.
 
     Args:
-        bar: that is drawn, or disabled.
-        total: rows that are expected.
+        bar: drawn, or disabled.
+        total: expected number of rows.
     """
 
     def __init__(self, bar: Progress, total: int) -> None:
@@ -311,20 +311,20 @@ class Tell:
         self.begin("flown", total)
 
     def begin(self, what: str, total: int | None) -> None:
-        """Other rows come now: so many, or nobody knows."""
+        """Begins a new stage; `total` may be unknown."""
         self._what, self._total = what, total
         self._done = self._failures = self._kept = 0
         self._started_s = time.monotonic()
         self._bar.update(self._task, description=what, completed=0, total=total)
 
     def kept(self, flown: FlownRow) -> None:
-        """A row was there already."""
+        """Counts a row that the folder already had."""
         self._done += 1
         self._kept += 1
         self._failures += flown.is_failure
 
     def __call__(self, flown: FlownRow) -> None:
-        """A row is back."""
+        """Counts a row that has been flown."""
         self._done += 1
         self._failures += flown.is_failure
         rate = (self._done - self._kept) / max(time.monotonic() - self._started_s, 1e-3)

@@ -1,16 +1,16 @@
-"""Checks one mission of a stranger, in a process that cannot do much harm, and ends.
+"""Checks one mission from an untrusted source, in a confined process, and ends.
 
     python -P -m companion.cli.check_child
 
-It confines itself, and waits with everything loaded for a line of JSON on its standard input: a
-folder, a mission in it, the functions that are installed, and whether other programs are heard. It
-writes lines of JSON: `doing` says what is begun, and the last line is the answer, as `companion
-check --json` prints it. Without an order it ends when nobody can give one any more.
-`companion/ground/checking.py` is the other side.
-
-What a check may take is counted and not measured, so that the answer is the same on every machine:
-`WORK_S` of work, as rated (`slices.py`). Beyond that are the limits of the system, on memory,
-processor time and the size of files, for what is not counted.
+1. It confines itself, loads everything, and waits for a line of JSON on its standard input: a
+   folder, a mission in it, the installed functions, and whether other programs are heard.
+2. It writes lines of JSON: `doing` says what is begun, and the last line is the answer, as
+   `companion check --json` prints it.
+3. Without an order it ends when none can arrive any more. `companion/ground/checking.py` is the
+   other side.
+4. The cost of a check is counted and not measured, so the answer is the same on every machine: at
+   most `WORK_S` of rated work (`slices.py`). For what is not counted, the system limits memory,
+   processor time and file size.
 """
 
 from __future__ import annotations
@@ -36,26 +36,26 @@ from companion.skills.catalogue import Catalogue, from_json
 from companion.slices import InSlices
 
 MEMORY_BYTES = 448 * MIB
-"""Of its own; with the libraries that it maps it has at most 512 MiB."""
+"""Its own memory; with mapped libraries it has at most 512 MiB."""
 CPU_S = 10
 WORK_S = 6
 NICENESS = 10
 ANSWER_BYTES = 32 * MIB
-"""Kept free, so that there is memory left to say that there is none."""
+"""Memory kept free, so that it can still report that there is no memory left."""
 ADVICE = "simplify the task, or use fewer places, or larger cells of the map"
 
 
 class _TimeIsOver(BaseException):
-    """Raised by the signal that comes when the processor time is over."""
+    """Raised by the signal for the end of the processor time."""
 
 
 class BoundedCheck:
-    """The check of one mission in the working directory.
+    """The check of a mission in the working directory.
 
     Args:
-        work_s: of work, as rated.
+        work_s: limit of rated work.
         installed: the functions that the mission may call; none is loaded here.
-        hears_reports: whether what other programs report is heard.
+        hears_reports: whether reports of other programs are received.
     """
 
     def __init__(
@@ -69,11 +69,11 @@ class BoundedCheck:
         self._mission, self._work_s, self._installed = mission, work_s, installed
         self._doing = ""
         self._for_the_answer = bytearray(ANSWER_BYTES)
-        # Keeps what a search has made until the answer is out: to free it may take a second.
+        # Keeps the data of a search until the answer is out, because freeing it may take a second.
         self._given_up_by: BaseException | None = None
 
     def answer(self) -> dict[str, Any]:
-        """What is found out, in JSON values."""
+        """The result of the check, in JSON values."""
         try:
             return {"version": FORMAT_VERSION, "ok": True} | self._checked().as_json()
         except CompanionError as error:
@@ -136,10 +136,10 @@ def main() -> None:
         folder, mission, installed, hears_reports = json.loads(order)
         signal.signal(signal.SIGXCPU, _stop)
         confine_time(CPU_S)
-        os.chdir(folder)  # the module search path stays as it was: nothing is imported from there
+        os.chdir(folder)  # the module search path is unchanged: nothing is imported from there
         check = BoundedCheck(Path(mission), WORK_S, from_json(installed), hears_reports)
         _write(check.answer())
-        os._exit(0)  # nothing is freed one by one
+        os._exit(0)  # without freeing everything
 
 
 if __name__ == "__main__":

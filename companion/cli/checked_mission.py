@@ -1,4 +1,4 @@
-"""What `companion check` finds out about a mission that can be flown."""
+"""The results of `companion check` for a mission that can be flown."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from companion.skills.installed import InstalledReader, read_installed
 
 @dataclass(frozen=True)
 class CheckedMission:
-    """What is told of a mission that can be flown.
+    """The results for a mission that can be flown.
 
     Attributes:
-        earth: where its metres begin and how far they reach, if it is in latitude and longitude.
-        map: how large it is, and its cells.
+        earth: origin and extent, for a mission in latitude and longitude.
+        map: its size and its cells.
         events: when each of them holds, in words.
         states: of each conjunct's automaton.
         priorities: of the lines of the task that may be dropped.
-        energy: how far the plan charges, and what it leaves; None without a battery.
-        waits: how long each line with a bound in time waits at most.
+        energy: how far the plan charges, and what remains; None without a battery.
+        waits: the longest wait of each line with a time bound.
         land_at: where the vehicle lands without a plan, if the mission names places.
         dropped: lines of the task that the plan does not keep, and why.
-        notices: what is allowed, and hardly meant.
+        notices: what is allowed, but probably a mistake.
     """
 
     mission: str
@@ -53,7 +53,7 @@ class CheckedMission:
     notices: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
+        """The results in JSON values."""
         return {
             "mission": self.mission,
             "earth": self.earth,
@@ -76,19 +76,19 @@ def check_mission(
     installed: InstalledReader = read_installed,
     hears_reports: bool = True,
 ) -> CheckedMission:
-    """Reads and plans a mission, and does all else that is done before it flies.
+    """Reads and plans a mission, and does all else that precedes a flight.
 
     Args:
         path: of the mission.
-        within: a folder that all its files have to be in.
-        tell: told what is begun, in words.
+        within: a folder that must contain all its files.
+        tell: called with each step that begins, in words.
         domain_of: reads its PDDL files.
-        installed: says which functions are installed.
-        hears_reports: whether what other programs report is heard where it is flown; else that is
-            noticed.
+        installed: returns the installed functions.
+        hears_reports: whether reports of other programs are received in flight; if not, a mission
+            that needs them gets a notice.
 
     Raises:
-        CompanionError: it cannot be flown, and why.
+        CompanionError: it cannot be flown; the text says why.
     """
     tell("reading it")
     if within is not None:
@@ -123,7 +123,7 @@ def check_mission(
 
 
 def _earth_in_words(mission: Mission) -> str | None:
-    """Where the metres of a mission begin, and how far it reaches."""
+    """Origin and extent of a mission in latitude and longitude, in words."""
     anchor, home = mission.anchor, mission.home
     if anchor is None:
         return None
@@ -142,7 +142,7 @@ def _earth_in_words(mission: Mission) -> str | None:
 
 
 def _energy_in_words(planner: Planner, found: Solution) -> str | None:
-    """How far a plan charges, what a lap takes, and what is left at least."""
+    """How far a plan charges, what a lap takes, and the least that remains, in words."""
     problem = planner.solver.kept(*planner.initial_problem())[0]
     taken = planner.ledger(problem, found.lasso)
     if taken is None:

@@ -1,4 +1,4 @@
-"""The command that checks a mission without a vehicle, with all that may turn out otherwise."""
+"""The command that checks a mission without a vehicle, with its contingencies if asked for."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def check(
 
 
 def _contingencies(mission: Path, picture: Path | None, jobs: int | None) -> ContingencyTable:
-    """The table of a mission, drawn if that is asked for."""
+    """The table of a mission's contingencies, drawn if asked for."""
     from companion.cli.contingencies import asked_table, draw_table
 
     table = asked_table(mission, jobs)
@@ -109,7 +109,7 @@ def _print_contingencies(table: ContingencyTable | None) -> None:
 
 
 def _print_verdict(checked: CheckedMission, table: ContingencyTable | None) -> None:
-    """The last line: what is allowed and hardly meant is in it, too."""
+    """Prints the last line, which also counts the notices."""
     if table is not None and table.unsafe:
         typer.echo(f"{len(table.unsafe)} unsafe")
     elif count := len(checked.notices):
@@ -142,6 +142,6 @@ def _print_checked(checked: CheckedMission) -> None:
 
 
 def refusal_as_json(error: CompanionError) -> dict[str, Any]:
-    """What `check --json` prints of a mission that cannot be flown."""
+    """The JSON that `check --json` prints for a mission that cannot be flown."""
     refused = {"version": FORMAT_VERSION, "ok": False, "exit_code": error.exit_code}
     return refused | {"error": str(error)}

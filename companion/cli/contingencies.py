@@ -1,4 +1,4 @@
-"""What `--contingencies` prints, draws and exits with: a table, or its summary before a flight."""
+"""Prints and draws `--contingencies`: a table, or its summary before a flight."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from companion.errors import CompanionError
 from companion.mission.loader import load_mission
 
 UNSAFE = 8
-"""The exit code where the charge of a flight would last to no safe place."""
+"""The exit code if a flight would not have the charge to reach a safe place."""
 WIDTH = 120
-"""Of a table that goes to no terminal."""
+"""Width of a table that is not printed on a terminal."""
 KINDS = {
     "event": "events",
     "event, then": "failures after events",
@@ -37,10 +37,10 @@ KINDS = {
 
 
 def asked_table(mission: Path, jobs: int | None) -> ContingencyTable:
-    """The table of a mission file, with a bar on standard error while it is made.
+    """The table of a mission, with a progress bar on standard error.
 
     Raises:
-        CompanionError: there is none; or Ctrl-C has ended it.
+        CompanionError: there is no table; or Ctrl-C has ended it.
     """
     bar = Progress(
         TextColumn("contingencies"),
@@ -66,7 +66,7 @@ def asked_table(mission: Path, jobs: int | None) -> ContingencyTable:
 
 
 def sum_up(mission: Path) -> None:
-    """Prints the summary of a mission that is to be flown.
+    """Prints the summary of a mission before its flight.
 
     Raises:
         CompanionError: there is no table; or Ctrl-C has ended it.
@@ -84,7 +84,7 @@ def sum_up(mission: Path) -> None:
 
 
 def print_table(table: ContingencyTable) -> None:
-    """Prints the positions, and the contingencies with equal answers together."""
+    """Prints the positions, and the contingencies, grouped by equal answers."""
     console = Console(
         width=None if sys.stdout.isatty() else WIDTH, highlight=False, soft_wrap=False
     )
@@ -117,7 +117,7 @@ def _has_charge(table: ContingencyTable) -> bool:
 
 
 def draw_table(table: ContingencyTable, path: Path) -> None:
-    """Draws it to a PNG file.
+    """Draws a table to a PNG file.
 
     Raises:
         CompanionError: it cannot be written.

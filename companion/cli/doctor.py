@@ -1,4 +1,4 @@
-"""The command that says what this machine has for a flight, and what is in the way: doctor."""
+"""The command that checks this machine before a flight: doctor."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from companion.vehicle.endpoints import Endpoint
 
 SIMULATOR_PORT = 14580
-"""Where the bundled simulator, as PX4 SITL, is spoken to."""
+"""The port at which the bundled simulator, like PX4 SITL, receives."""
 LISTEN_S = 3.0
 FREE_BYTES = 200_000_000
-"""A run of an hour takes some 120 MB."""
+"""Free disk space for a run; an hour takes some 120 MB."""
 _TAKEN = "choose another --instance or --connect; end that program only if it does not fly"
 NOT_ASKED = "a vehicle was not asked for: --connect URL listens for one"
 
@@ -40,9 +40,9 @@ class MachineFinding:
     """A line of the answer.
 
     Attributes:
-        topic: a word for what was looked at.
+        topic: what was checked, in a word.
         text: what was found.
-        remedy: what to do; empty if nothing is in the way.
+        remedy: what to do; empty if all is in order.
     """
 
     topic: str
@@ -156,7 +156,7 @@ def _port(port: int, use: str, remedy: str = "") -> MachineFinding:
 
 
 def _holders(port: int) -> list[str]:
-    """The programs that listen on a port, UDP or TCP, as far as the system tells."""
+    """The programs that use a port, UDP or TCP, as far as the system shows them."""
     import psutil
 
     try:
@@ -229,7 +229,7 @@ def _serial_fault(device: str) -> MachineFinding | None:
 
 
 def _listen(endpoint: Endpoint) -> tuple[str, str]:
-    """The autopilot's last heartbeat in words, empty if none came; and what came at all."""
+    """The autopilot's last heartbeat in words, empty if none; and what was received at all."""
     from contextlib import closing
 
     from companion.vehicle.link import Link

@@ -1,4 +1,4 @@
-"""The options by which another planner than the built-in search is chosen."""
+"""The options that choose another planner than the built-in search."""
 
 from __future__ import annotations
 
@@ -53,10 +53,10 @@ def engine_of(
     duration_s: float | None,
     mission: Mission | None,
 ) -> Engine | None:
-    """Who plans a mission, if that is known; None for the built-in search.
+    """The engine that plans a mission, if the mission is known; None for the built-in search.
 
     Raises:
-        EngineError: there is no engine of this name here, or it cannot plan that.
+        EngineError: there is no engine of this name here, or it cannot plan this mission.
     """
     if name == BUILT_IN:
         return None

@@ -12,7 +12,7 @@ from companion.errors import CompanionError
 
 
 class FigureFormat(Enum):
-    """Kinds of files."""
+    """File formats."""
 
     PDF = "pdf"
     SVG = "svg"

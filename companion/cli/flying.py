@@ -125,7 +125,7 @@ def run(
 
 
 def _notice_unheard(mission: Mission | None, events: str | None) -> None:
-    """Says what a mission has to be told by other programs, `EVENT[name]`, if nobody is heard."""
+    """Prints which reports, `EVENT[name]`, a mission needs if none can be received."""
     from companion.planning.notices import not_heard
 
     if mission is not None and events is None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Form(StrEnum):
-    """How `ltl` prints an automaton."""
+    """Output formats of `ltl`."""
 
     HOA = "hoa"
     DOT = "dot"
@@ -38,15 +38,15 @@ COLUMNS = (
     "milliseconds",
     "formula",
 )
-"""What --format stats prints of each automaton; --batch puts a column `line` before them."""
+"""The columns of --format stats; --batch adds a column `line` before them."""
 _NEAR = 0.75
-"""Similarity from which a name is near to another one, as `patrol` to `patrolling`."""
+"""Similarity above which names are alike, such as `patrol` and `patrolling`."""
 BatchFile = Annotated[
     typer.FileText | None,
     typer.Option(
         metavar="FILE",
         encoding="utf-8-sig",
-        errors="replace",  # the parser points to what could not be read
+        errors="replace",  # the parser points to the character that could not be decoded
         help="Read formulas from a file, one per line; - is standard input.",
     ),
 ]
@@ -110,7 +110,7 @@ def ltl(
 
 
 def _propositions(names: str) -> frozenset[str]:
-    """The propositions of a list such as `at(A), ok(A, B)`."""
+    """The propositions in a list such as `at(A), ok(A, B)`."""
     from companion.ltl.parser import atom
 
     comma_outside_brackets = r",(?![^(]*\))"
@@ -126,7 +126,7 @@ def _propositions(names: str) -> frozenset[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    """What the options ask for."""
+    """The options of the command."""
 
     form: Form
     by_states: bool
@@ -137,7 +137,7 @@ class _Request:
         """All automata of a formula, or none. Raises FormulaError and TranslationLimit.
 
         Args:
-            line: where the formula comes from; said with each automaton.
+            line: where the formula comes from; printed with each automaton.
         """
         from companion.ltl.budget import Budget
         from companion.ltl.conjuncts import conjuncts
@@ -150,7 +150,7 @@ class _Request:
             self._print(automaton, milliseconds, line)
 
     def _translated(self, formula: Formula, budget: Budget) -> tuple[BuchiAutomaton, float]:
-        """An automaton, and the milliseconds that it took."""
+        """An automaton, and its translation time in milliseconds."""
         from companion.ltl.translate import state_based, translate
 
         began_s = time.perf_counter()
@@ -179,7 +179,7 @@ class _Request:
 
 
 def _notice_patterns(formula: Formula) -> None:
-    """Says which propositions are called nearly as a mission pattern."""
+    """Prints which propositions have nearly the name of a mission pattern."""
     from companion.ltl.formula import atoms
     from companion.ltl.patterns import PATTERNS
 
@@ -197,7 +197,7 @@ def _print_row(cells: Iterable[object]) -> None:
 
 
 def _print_all(lines: Iterable[str], path: str, request: _Request) -> None:
-    """One formula a line. Raises MissionError at the end if any of them had no automaton."""
+    """Prints the automata of a file of formulas. Raises MissionError at the end if any failed."""
     from companion.ltl.budget import TranslationLimit
 
     tried = failed = 0

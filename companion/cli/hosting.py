@@ -1,4 +1,4 @@
-"""A companion that flies several sorties: a run folder for each, and missions from outside."""
+"""Runs of a companion that flies several sorties: run folders, and missions from outside."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class SortieHost:
     """A `run_sources.host.Host` with files: run folders and uploaded missions.
 
     Args:
-        open_folder: makes and announces a run folder.
-        close_folder: closes one, and announces that.
+        open_folder: creates and announces a run folder.
+        close_folder: closes a run folder and announces that.
         tell: prints news between two runs.
-        uploads: missions from outside, if any are taken.
-        engine: who plans; None for the built-in search.
-        functions: calls functions of installed packages; its owner closes it.
-        installed: those that were installed when the program began; a mission may call no others.
+        uploads: missions from outside; None if they are not accepted.
+        engine: plans; None for the built-in search.
+        functions: calls functions of installed packages; closed by its owner.
+        installed: the functions installed at the program's start; a mission may call no others.
     """
 
     def __init__(
@@ -58,9 +58,9 @@ class SortieHost:
         self._closing: list[threading.Thread] = []
 
     def load(self, path: Path) -> Mission:
-        """Reads a mission that was accepted; its PDDL files were read when it was checked.
+        """Reads an accepted mission; its PDDL files were read when it was checked.
 
-        The functions that it calls begin to be loaded.
+        The functions that it calls start to load.
         """
         mission = load_mission(path, None, kept_domain, lambda _: self._installed)
         self._functions.prepare(functions_of(mission))
@@ -69,9 +69,9 @@ class SortieHost:
     def prepare(
         self, mission: Mission, speed_max_mps: float, ground_amsl_m: float | None
     ) -> Future[PreparedMission]:
-        """Prepares a mission in a thread: it takes seconds, the heartbeat goes on.
+        """Prepares a mission in a thread: this takes seconds, and the heartbeat must continue.
 
-        The program does not wait for it when it ends.
+        At its end, the program does not wait for it.
         """
         prepared: Future[PreparedMission] = Future()
 
@@ -85,19 +85,19 @@ class SortieHost:
                     functions=self._functions,
                 )
                 prepared.set_result(made)
-            except BaseException as error:  # raised again in the loop, by whoever asks for it
+            except BaseException as error:  # raised again in the loop, when the result is used
                 prepared.set_exception(error)
 
         threading.Thread(target=work, daemon=True).start()
         return prepared
 
     def resume_run(self, folder: RunFolder) -> Recorder:
-        """A run that was cut off is the first one; it has a folder already."""
+        """Takes the folder of a run that was cut off as that of the first run."""
         self._open, self._functions.folder = folder, folder.folder
         return folder
 
     def begin_run(self, mission: Mission) -> Recorder:
-        """Opens a run folder; the active upload is started."""
+        """Opens a run folder; notes that the active upload is started."""
         self._open = self._open_folder(mission)
         self._functions.folder = self._open.folder
         if self.uploads is not None:
@@ -105,7 +105,7 @@ class SortieHost:
         return self._open
 
     def end_run(self, recorder: Recorder) -> None:
-        """Closes the run folder in a thread: drawing takes a second, the heartbeat goes on."""
+        """Closes the run folder in a thread: drawing takes a second, the heartbeat must go on."""
         folder, self._open = self._open, None
         assert folder is not None and recorder is folder
         self._closing.append(threading.Thread(target=self._close_folder, args=(folder,)))
@@ -116,7 +116,7 @@ class SortieHost:
         self._tell(stamped)
 
     def close(self) -> None:
-        """Closes what is still open, and waits for what is being drawn."""
+        """Closes what is still open, and waits for drawings."""
         if self._open is not None:
             self._close_folder(self._open)
         for thread in self._closing:

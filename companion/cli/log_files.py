@@ -1,4 +1,4 @@
-"""A run for the tools that show logs: `companion replay RUN --mcap OUT`."""
+"""Writes a run for tools that show logs: `companion replay RUN --mcap OUT`."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from companion.flight_events.sortie import RunEnded
 
 ATTACHED = ("mission.yaml", "scene.json", "events.jsonl", "clocks.json")
-"""Files of the run that go along, so that one file is enough."""
+"""Files of the run that are attached, so that one file is enough."""
 
 
 def write_run(run: Path, output: Path) -> None:
-    """Writes a run as an MCAP file, which must not be there yet.
+    """Writes a run as an MCAP file, which must not exist yet.
 
     Raises:
-        MissionError: it is no run folder, or the file is there already.
+        MissionError: it is no run folder, or the file exists.
         CompanionError: the file cannot be written.
     """
     ending = look_at(run)
@@ -44,12 +44,12 @@ def write_run(run: Path, output: Path) -> None:
 
 
 def look_at(run: Path) -> RunEnded | None:
-    """The end of a run that is to be shown, if it has one.
+    """The end of a run that will be shown, if it has one.
 
-    Where its events are lost that is told, and the rest can be shown.
+    If its events are lost, prints that; the rest can be shown.
 
     Raises:
-        MissionError: what is wrong with the folder, as an audit says it.
+        MissionError: the folder is no run, or damaged, as for an audit.
     """
     from companion.record.events import TLOG_FILE, EventsLost, is_lost, read_events
 

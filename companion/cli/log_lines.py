@@ -3,8 +3,8 @@
 Each module logs by its own name (`logging.getLogger(__name__)`), at level DEBUG; nothing is shown
 unless a command is asked to. What is worth replaying is no log line but an event of events.jsonl.
 
-A log line may neither end nor delay a flight. It is dropped if standard error is closed or full, or
-if it cannot be written as it stands.
+A log line can neither end nor delay a flight. It is dropped if standard error is closed or full, or
+if it cannot be encoded.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ class UnblockingHandler(logging.Handler):
     """Writes each record to standard error as one line, or not at all."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Writes a record if that can be done at once."""
+        """Writes a record if this is possible without waiting."""
         try:
             write_at_once(sys.stderr, printable(self.format(record)) + "\n")
-        except Exception:  # whatever is wrong with a log line, the flight goes on
+        except Exception:  # whatever is wrong with a log line, the flight continues
             return
 
 
 def show_log_lines(is_verbose: bool) -> bool:
-    """Shows what our modules log from now on, or no longer."""
+    """Switches the log lines of our modules on or off."""
     logger = logging.getLogger("companion")
     for handler in logger.handlers[:]:
         if isinstance(handler, UnblockingHandler):
@@ -53,4 +53,4 @@ Verbose = Annotated[
         "--verbose", "-v", callback=show_log_lines, help="Write log lines to standard error."
     ),
 ]
-"""Takes effect as the command line is read; the commands need not look at it."""
+"""Takes effect when the command line is parsed; the commands need not evaluate it."""

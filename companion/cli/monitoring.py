@@ -1,4 +1,4 @@
-"""The page on which a run is watched: while it goes on, and afterwards (replay)."""
+"""The page on which a run is watched: during the run, and afterwards (replay)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DEFAULT_ADDRESS = "127.0.0.1:8080"
 
 
 def _checked(address: str | None) -> str | None:
-    """Refuses what is no address before anything is recorded."""
+    """Refuses an invalid address before anything is recorded."""
     if address not in (None, "off"):
         _host_and_port(address)
     return address
@@ -36,13 +36,13 @@ Monitor = Annotated[
 
 
 class Page:
-    """The page of this program's runs, which is served or not; a `ground.operations.MonitorPage`.
+    """The page of this program's runs, served or not; a `ground.operations.MonitorPage`.
 
-    A page that cannot be served is told and keeps nobody from flying.
+    A page that cannot be served is reported and stops no flight.
 
     Args:
-        host: where it is served, if it is; once it was, it stays there.
-        port: the same; the next one that is free.
+        host: where it is served; it does not move afterwards.
+        port: likewise; the next free one if it is in use.
         say: prints a line, on standard error if it is an error.
     """
 
@@ -58,7 +58,7 @@ class Page:
         return self._child is not None and self._child.is_running
 
     def switch(self, is_on: bool) -> str:
-        """Serves it or ends it, if it can; prints and returns a line for people."""
+        """Starts or ends serving, if possible; prints and returns a line for people."""
         try:
             text = self._serve() if is_on else self._end()
         except CompanionError as error:
@@ -67,13 +67,13 @@ class Page:
         return f"monitor page {text}"
 
     def show(self, folder: Path) -> None:
-        """Shows the run of a folder from now on."""
+        """Shows the run in a folder from now on."""
         self._folder = folder
         if self._child is not None:
             self._child.show(folder)
 
     def close(self) -> None:
-        """Ends it with the program; browsers get to read the end."""
+        """Ends the page with the program; browsers can still read the end."""
         if self._child is not None:
             self._child.close()
 
@@ -95,7 +95,7 @@ class Page:
 
 @contextmanager
 def monitored(address: str, say: Callable[[str, bool], None]) -> Iterator[Page]:
-    """The page of the runs meanwhile, served from the beginning unless the address is `off`."""
+    """The page of the runs in this context, served from the start unless the address is `off`."""
     is_off = address == "off"
     page = Page(*_host_and_port(DEFAULT_ADDRESS if is_off else address), say)
     try:
@@ -143,7 +143,7 @@ def replay(
 
 
 def monitor(listener: Annotated[int, typer.Argument(help="An open socket's number.")]) -> None:
-    """Serves the page of a flight whose process has started this one."""
+    """Serves the page of a flight, as a child process of the flight."""
     try:
         from companion.monitor.server import follow
 

@@ -1,4 +1,4 @@
-"""The command that writes a mission to start from: new."""
+"""The command that writes a mission as a starting point: new."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def new(
 
 
 def _asked(what: str, choices: Mapping[str, str], default: str) -> str:
-    """The answer of whoever sits at a terminal; elsewhere the default."""
+    """The answer of the user at a terminal; without one, the default."""
     if not sys.stdin.isatty():
         return default
     for name, about in choices.items():

@@ -38,10 +38,10 @@ System = Annotated[
 Timeout = Annotated[float, typer.Option(help="Wait this many seconds for the companion.", min=0.1)]
 GROUND_STATION = "udpin://0.0.0.0:14550"
 VERDICT_S = 60.0
-"""A check takes at most 30 s, and may wait for another one."""
+"""A check takes at most 30 s, and may have to wait for another one."""
 SILENT_S = 10.0
 LAST_WORDS_S = 0.5
-"""After the end, for the texts that are still on their way."""
+"""Time after the end for texts that are still under way."""
 SILENCE = f"the companion was not heard for {SILENT_S:.0f} s"
 MISSION_START = 300  # MAV_CMD_MISSION_START
 
@@ -81,7 +81,7 @@ def watch(
     timeout: Timeout = 30.0,
     verbose: Verbose = False,
 ) -> None:
-    """Prints what a companion says until its run ends, and ends with the exit code of that run."""
+    """Prints the messages of a companion until its run ends; exits with that run's exit code."""
     from companion.vehicle.endpoints import parse_url
 
     endpoint = parse_url(connect)
@@ -97,9 +97,9 @@ def watch(
 async def _station(
     endpoint: Endpoint, number: int | None, signing: Signing | None, timeout_s: float
 ) -> AsyncIterator[Station]:
-    """A ground station on a link; with a key by a relay that signs.
+    """A ground station on a link; with a key, by a relay that signs.
 
-    The library for ground stations would take a port away from the program that has it.
+    The library for ground stations would take a port away from the program that uses it.
     """
     from companion.cli.signing_relay import relayed
     from companion.ground.station import connected
@@ -158,7 +158,7 @@ async def _send(station: Station, file: Path, remote: PurePosixPath, is_needed: 
 
 
 def _progress(stack: ExitStack, what: str) -> Any:
-    """Draws a bar on a terminal, for as long as the stack lasts."""
+    """A progress bar on a terminal, while the stack lasts."""
     from rich.progress import Progress
 
     bar = stack.enter_context(Progress(transient=True, disable=not _is_terminal()))

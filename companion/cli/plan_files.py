@@ -1,4 +1,4 @@
-"""The commands between missions and the files of ground stations and maps: import, export."""
+"""The commands that convert missions from and to files of other programs: import, export."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def _given(home: str | None, up_m: float | None, payload: int | None) -> Given:
 
 
 def origin_of(home: str | None) -> GlobalOrigin | None:
-    """The place that LAT,LON[,AMSL] says; None where nothing is said."""
+    """The place in a text LAT,LON[,AMSL]; None without a text."""
     latitude_deg, longitude_deg, amsl_m = _position(home)
     if latitude_deg is None or longitude_deg is None:
         return None
@@ -147,7 +147,7 @@ def origin_of(home: str | None) -> GlobalOrigin | None:
 
 
 def _position(text: str | None) -> tuple[float | None, float | None, float | None]:
-    """What LAT,LON[,AMSL] says."""
+    """The numbers in LAT,LON[,AMSL]."""
     if text is None:
         return None, None, None
     try:
@@ -162,7 +162,7 @@ def _position(text: str | None) -> tuple[float | None, float | None, float | Non
 
 
 def _write(path: Path, text: str) -> None:
-    """Writes a file that is not there yet: what somebody has edited is not lost."""
+    """Writes a new file; an existing one, which somebody may have edited, is never overwritten."""
     try:
         with path.open("x", encoding="utf-8") as stream:
             stream.write(text)
@@ -175,7 +175,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def _along(route_m: tuple[float, float] | None) -> str:
-    """How far the flight leads; nothing where its order is left to the planner."""
+    """The length of the flight, in words; "" if the planner chooses the order."""
     if route_m is None:
         return ""
     there_m, back_m = route_m
@@ -184,7 +184,7 @@ def _along(route_m: tuple[float, float] | None) -> str:
 
 
 def _tell(draft: Draft) -> None:
-    """What was made of the file, in a few lines."""
+    """Prints a summary of what was imported."""
     from companion.plans.route_plan import metres_between
 
     places: dict[str, dict[str, Any]] = draft.data["places"]

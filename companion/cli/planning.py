@@ -1,4 +1,4 @@
-"""The command that plans without a vehicle, from any state."""
+"""The command that plans without a vehicle, from any state: plan."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from companion.planning.planner import Planner
 
 FORMAT_VERSION = 1
-"""Of the JSON that `plan --json` and `check --json` print."""
+"""Version of the JSON that `plan --json` and `check --json` print."""
 TOLD_PERCENT = 0.1
-"""A plan that may be over the best one by less is as good as that."""
+"""A plan that may exceed the best one by less than this counts as the best."""
 
 
 ObjectiveOption = Annotated[
@@ -113,7 +113,7 @@ def plan(
 
 
 def _print_dropped(planner: Planner, problem: Problem, solution: Solution) -> None:
-    """Prints the lines of the task that a plan does not keep, with what they conflict with."""
+    """Prints the lines of the task that a plan does not keep, and their conflicts."""
     from companion.planning.optional_lines import NO_PLAN
 
     for each in solution.dropped:
@@ -124,14 +124,14 @@ def _print_dropped(planner: Planner, problem: Problem, solution: Solution) -> No
 
 
 def _planner(path: Path) -> Planner:
-    """The planner of a mission file, which takes the time of its own making."""
+    """The planner of a mission file; it records the time that it took to make it."""
     from companion.planning.planner import Planner
 
     return Planner(load(path), clock=time.perf_counter)
 
 
 def _print_steps(planner: Planner, problem: Problem, lasso: Lasso) -> None:
-    """Prints prefix and loop: what each action costs, and takes of the battery."""
+    """Prints prefix and loop: cost and energy of each action."""
     taken = planner.ledger(problem, lasso)
     actions = (*lasso.prefix, *lasso.loop)
     energies = ["" for _ in actions] if taken is None else map(str, (*taken.prefix, *taken.loop))
@@ -168,7 +168,7 @@ def _print(planner: Planner, problem: Problem, solution: Solution) -> None:
 
 
 def _solution_as_json(planner: Planner, problem: Problem, solution: Solution) -> dict[str, Any]:
-    """The plan with its waits; of a mission with a battery with its energy, step by step."""
+    """The plan with its waits; with a battery, also with the energy of each step."""
     from companion.flight_events.writing import json_of
     from companion.planning.time_check import waits
 
@@ -198,10 +198,10 @@ def _write_pddl(
     encoding: Encoding,
     objective: Objective,
 ) -> None:
-    """Writes the problem as PDDL, two files: with the lines of the task that a plan keeps.
+    """Writes the problem as two PDDL files, with the lines of the task that a plan keeps.
 
     Raises:
-        CompanionError: the mission has a battery or bounds in time, which are not told in PDDL.
+        CompanionError: the mission has a battery or time bounds, which the PDDL cannot express.
     """
     from companion.planning.compilation.encode import encode
     from companion.planning.compilation.monolithic import monolithic
@@ -227,7 +227,7 @@ def _write_pddl(
 
 
 def _as_json(planner: Planner, problem: Problem, search_s: float) -> dict[str, Any]:
-    """What was asked, and what it took to answer."""
+    """The question and the effort of the answer, in JSON values."""
     seconds = {
         "translate": planner.translating_s,
         "ground": planner.instantiating_s,

@@ -1,4 +1,4 @@
-"""A flight in real time: its link, its clock, its watchdog, and the signals that end it."""
+"""Flies in real time: the link, the clock, the watchdog, and the signals that end the flight."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ def fly_over(
     link_of: Callable[[], Link],
     events: str | None,
 ) -> None:
-    """Flies over a link in real time until the companion has ended, or is stopped.
+    """Flies over a link in real time until the companion has ended or is stopped.
 
     Args:
-        companion: what flies.
-        terminal: where it tells what it does.
-        speed: times real time.
-        timeout_s: to wait for a vehicle.
-        begin_s: time that the flight has taken already.
+        companion: the companion to run.
+        terminal: where it prints.
+        speed: as a multiple of real time.
+        timeout_s: time to wait for a vehicle.
+        begin_s: flight time that has passed already.
         link_of: opens the link.
-        events: where reports are heard.
+        events: where reports are received.
     """
     from companion.clock import ScaledClock
     from companion.driving import fly
@@ -58,17 +58,17 @@ def fly_over(
 
 
 def raise_failure(failure: CompanionError | None) -> None:
-    """Ends a command with what a flight has failed of, if anything."""
+    """Raises the failure of a flight, if there is one."""
     if failure is not None:
         raise failure
 
 
 @contextmanager
 def stoppable(companion: Companion, terminal: Terminal) -> Iterator[None]:
-    """The first Ctrl-C (or SIGTERM) holds, lands and exits; the second exits at once."""
+    """The first Ctrl-C (or SIGTERM) holds, lands and exits; the second one exits at once."""
 
     def stop(number: int, _: FrameType | None) -> None:
-        signal.signal(number, signal.default_int_handler)  # before the promise below is read
+        signal.signal(number, signal.default_int_handler)  # before the message below promises it
         companion.stop()
         terminal.say("stopping: hold, land, exit; once more to exit at once", is_error=True)
 

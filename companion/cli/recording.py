@@ -29,14 +29,14 @@ def recorded(
 ) -> Iterator[RunFolder]:
     """A run folder, announced at the start and at the end.
 
-    A flight that no vehicle was found for has ended, too.
+    A flight that found no vehicle has an end, too.
     """
 
     from companion.flight_events.event import Stamped
     from companion.flight_events.sortie import RunFailed
 
     def tell(stamped: Stamped) -> None:
-        if not isinstance(stamped.event, RunFailed):  # a failure is printed once, by `main`
+        if not isinstance(stamped.event, RunFailed):  # `main` prints a failure, once
             terminal.say(line(stamped))
 
     folder = open_run(mission, log_dir, tell, terminal, keeps_journal, cut_off)
@@ -60,7 +60,7 @@ def open_run(
     keeps_journal: bool,
     cut_off: CutOffRun | None,
 ) -> RunFolder:
-    """The folder of a run that begins, or of one that was cut off.
+    """The folder of a new run, or of one that was cut off.
 
     Raises:
         CompanionError: nothing can be written there.
@@ -93,7 +93,7 @@ def open_run(
 
 
 def _new_path(name: str, log_dir: Path, now_s: float) -> Path:
-    """Where no folder is yet, named by the time and the mission."""
+    """The path of a new folder, named by the time and the mission."""
     stamp = time.strftime("%Y-%m-%dT%H%M%S", time.localtime(now_s))
     path = log_dir.expanduser() / f"{stamp}-{name}"
     number = 1
@@ -104,16 +104,16 @@ def _new_path(name: str, log_dir: Path, now_s: float) -> Path:
 
 
 def flown_s(cut_off: CutOffRun | None) -> float:
-    """What the flight's clock shows now."""
+    """The present time of the flight's clock."""
     return cut_off.journalled.goes_on_s if cut_off else 0.0
 
 
 def close_run(folder: RunFolder, terminal: Terminal) -> None:
-    """Closes and announces it."""
+    """Closes a run folder and announces it."""
     folder.close()
     terminal.say(f"results    {folder.folder}")
 
 
 def line(stamped: Stamped) -> str:
-    """An event as a line of the terminal."""
+    """An event as a line for the terminal."""
     return f" {minutes(stamped.time_s)}  {stamped.event.text}"

@@ -1,4 +1,4 @@
-"""Which run was cut off, so that `run --resume` goes on with it."""
+"""Finds the run that was cut off, which `run --resume` continues."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
     from companion.vehicle.link import Link
 
 LATEST = "latest"
-"""Among the run folders: a file with the name of the newest one of `companion run`. Names have the
-time in them, but a companion computer without a clock of its own may be wrong about that."""
+"""A file beside the run folders with the name of the newest one of `companion run`. Names contain
+the time, but a companion computer without a clock of its own may have a wrong one."""
 
 HEARD_S = 3.0
-"""In which the autopilot of a run that was cut off tells what its clock shows."""
+"""Time within which the autopilot of a cut-off run reports its clock."""
 
 
 @dataclass(frozen=True)
 class CutOffRun:
-    """A run that was not ended by its own program."""
+    """A run that its own program has not ended."""
 
     folder: Path
     mission: Mission
@@ -36,7 +36,7 @@ class CutOffRun:
 
 
 def mark_latest(folder: Path) -> None:
-    """This run is the newest one, also if the power fails now."""
+    """Notes that this run is the newest one, safely even if the power fails now."""
     new = folder.parent / f".{LATEST}.{os.getpid()}"
     with new.open("w", encoding="utf-8") as file:
         file.write(f"{folder.name}\n")
@@ -46,14 +46,14 @@ def mark_latest(folder: Path) -> None:
 
 
 def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
-    """The newest run, if it was cut off after it was to arm; None if it was not.
+    """The newest run, if it was cut off after arming was due; None otherwise.
 
     Args:
-        log_dir: with the run folders.
-        asked: the mission to go on with; None for that of the run.
+        log_dir: contains the run folders.
+        asked: the mission to continue with; None means that of the run.
 
     Raises:
-        CompanionError: it was of another mission, or its journal is damaged.
+        CompanionError: it was a run of another mission, or its journal is damaged.
     """
     from companion.mission.digest import digest
     from companion.record.events import JOURNAL_FILE
@@ -86,9 +86,9 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
 
 
 def found_by_its_clock(cut_off: CutOffRun, link_of: Callable[[], Link]) -> CutOffRun:
-    """The same run, with the time since then by the autopilot's clock, if that is heard.
+    """The same run, with the time since the cut by the autopilot's clock, if that is heard.
 
-    The wall clock of a companion computer without a battery for it is wrong after a loss of power.
+    After a loss of power, the wall clock of a companion computer without a clock battery is wrong.
 
     Args:
         cut_off: with the time by the wall clock.
@@ -102,7 +102,7 @@ def found_by_its_clock(cut_off: CutOffRun, link_of: Callable[[], Link]) -> CutOf
     until_s = time.monotonic() + HEARD_S
     with closing(link_of()) as link:
         while (left_s := until_s - time.monotonic()) > 0.0:
-            link.send([])  # an autopilot that is called speaks only then
+            link.send([])  # some autopilots send nothing until they receive something
             link.wait(min(left_s, CALL_S))
             if (boot_s := told_boot_s(link.receive(), seen.system)) is not None:
                 return replace(cut_off, journalled=cut_off.journalled.found_at(boot_s))

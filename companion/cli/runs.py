@@ -1,4 +1,4 @@
-"""The command that lists the runs that were recorded, and removes old ones: runs."""
+"""The command that lists recorded runs and removes old ones: runs."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The missions that come with the program, by their names.
+"""The missions that come with the program, by name.
 
-They lie beside the packages in a checkout; an installed program has them among its data files.
+They are beside the packages in a checkout, and among the data files of an installed program.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from companion.errors import MissionError
 from companion.mission.world_files import YAML, missions_in
 
 DISTRIBUTION = "mav-companion"
-"""As pyproject.toml names it; its version is written there, and nowhere else."""
+"""The name in pyproject.toml, which is also the only place of the version."""
 _FOLDER = "missions"
 _ONE_OF_THEM = "surveillance.yaml"
 
 
 def folder() -> Path | None:
-    """Where the shipped missions lie; None if they were not installed."""
+    """The folder of the shipped missions; None if they were not installed."""
     beside = Path(companion.__file__).parents[1] / _FOLDER
     if (beside / _ONE_OF_THEM).is_file():
         return beside
@@ -41,17 +41,17 @@ def names() -> list[str]:
 
 
 def completions(begun: str) -> list[str]:
-    """What a shell may put for a MISSION that is begun: names, YAML files, and folders."""
+    """What a shell may complete a MISSION to: names, YAML files, and folders."""
     paths = [f"{path}/" if Path(path).is_dir() else path for path in glob(f"{escape(begun)}*")]
     files = [path for path in paths if path.endswith(("/", *YAML))]
     return [name for name in names() if name.startswith(begun)] + sorted(files)
 
 
 def mission_file(text: str) -> Path:
-    """The file that a MISSION argument means: a path, or the name of a shipped mission.
+    """The file of a MISSION argument: a path, or the name of a shipped mission.
 
     Raises:
-        MissionError: it is neither; with the names that there are.
+        MissionError: it is neither; the text lists the names.
     """
     path, lies_in = Path(text), folder()
     if path.exists() or lies_in is None:

@@ -1,8 +1,8 @@
-"""The relay by which MAVSDK speaks with a signed vehicle: MAVSDK cannot sign.
+"""The relay that lets MAVSDK, which cannot sign, talk to a signed vehicle.
 
-Two UDP sockets in the loop of the command. One is the link to the vehicle (`vehicle/link.py`),
-where frames are signed and verified; at the other, on this machine, is MAVSDK, which gets what is
-accepted and nothing else. What another program sends there is dropped.
+It uses two UDP sockets in the loop of the command. One is the link to the vehicle
+(`vehicle/link.py`), where frames are signed and verified. The other, on this machine, serves
+MAVSDK, which receives only accepted frames. Whatever another program sends there is dropped.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from companion.vehicle.link import Link
 
 HOST = "127.0.0.1"
 PAUSE_S = 0.005
-"""Between two looks; a serial port that is opened again has no descriptor to wait for."""
+"""Pause between two looks; a serial port that is reopened has no descriptor to wait for."""
 
 
 @contextmanager
 def relayed(endpoint: Endpoint, signing: Signing) -> Iterator[SigningRelay]:
-    """A relay in the running loop, as long as the context lasts.
+    """A relay in the running loop, while the context lasts.
 
     Raises:
         LinkError: the port to the vehicle cannot be opened.
@@ -49,10 +49,10 @@ class SigningRelay:
 
     Args:
         link: to the vehicle.
-        inner: the socket that the client sends to.
+        inner: the socket to which the client sends.
 
     Attributes:
-        url: where the client finds it.
+        url: the address for the client.
     """
 
     def __init__(self, link: Link, inner: socket.socket) -> None:
@@ -63,21 +63,21 @@ class SigningRelay:
         self._client: Address | None = None
 
     async def carry(self) -> None:
-        """Carries in both directions, until it is cancelled."""
+        """Carries in both directions until it is cancelled."""
         while True:
             self.carry_in()
             self.carry_out()
             await asyncio.sleep(PAUSE_S)
 
     def carry_in(self) -> None:
-        """From the vehicle to the client: what is accepted."""
+        """Carries accepted frames from the vehicle to the client."""
         for datagram in self._link.receive():
             if self._client is not None:
                 self._inner.sendto(datagram, self._client)
         self._link.send([])
 
     def carry_out(self) -> None:
-        """From the client to the vehicle, signed."""
+        """Carries frames from the client to the vehicle, signed."""
         frames: list[bytes] = []
         for _ in range(READS):
             try:

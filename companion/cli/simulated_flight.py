@@ -126,7 +126,7 @@ def sim(
 
 
 def _fly_in_lockstep(flight: LockstepFlight, terminal: Terminal, timeout_s: float) -> None:
-    """Flies to the end, or until it is stopped; raises what it has failed of."""
+    """Flies until the flight ends or is stopped; raises its failure."""
     from companion.api.simulating import verdict
 
     with stoppable(flight.companion, terminal), undisturbed(flight.companion.hang_up):
@@ -136,16 +136,16 @@ def _fly_in_lockstep(flight: LockstepFlight, terminal: Terminal, timeout_s: floa
 
 @contextmanager
 def _report_address(given: str | None) -> Iterator[str]:
-    """Where a simulated vehicle's programs report to: where the user says, or a socket of its own.
+    """The address for reports of a simulated vehicle's programs: the user's, or an own socket.
 
-    It has a folder of its own, as the path of a socket must be short.
+    The socket has a folder of its own, because its path must be short.
     """
     with TemporaryDirectory(prefix="companion-") as own:
         yield given or f"unix:{own}/events"
 
 
 def _written(scenario: dict[str, object], path: Path) -> Path:
-    """The file of a scenario that is given as data; JSON is YAML, too."""
+    """Writes a file with a scenario that is given as data; JSON is also YAML."""
     path.write_text(json.dumps(scenario), encoding="utf-8")
     return path
 

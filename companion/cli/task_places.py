@@ -1,4 +1,4 @@
-"""Where in its file the lines of a task stand that have no plan together."""
+"""Finds where in the mission file the lines of a task are that have no plan together."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def placed(reason: NoPlan, path: Path) -> NoPlan:
-    """The reason why there is no plan, with the lines of the mission's file that it names."""
+    """The reason why there is no plan, with the lines of the mission file that it names."""
     from companion.planning.explain import NoPlan
 
     return NoPlan(reason.explanation, _lines(path))

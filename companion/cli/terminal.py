@@ -1,12 +1,12 @@
-"""What a flight prints, and the signals of the terminal that it was started from.
+"""What a flight prints, and the signals of the terminal from which it was started.
 
-Nothing that happens to a terminal reaches the flight:
+Nothing that happens to a terminal affects the flight:
 
-1. A line is written if that can be done at once. A terminal that was stopped (Ctrl-S), or a pager
-   that does not read, holds up the lines, which wait here, and not the flight.
-2. A stream that cannot be written any more, as a closed pipe or a full disk, is given up.
-3. The connection may go (SIGHUP): that is told in the run's record. Suspending (Ctrl-Z) is ignored,
-   as a suspended companion sends no setpoints.
+1. A line is written only if that needs no waiting. A stopped terminal (Ctrl-S), or a pager that
+   does not read, delays the lines, which wait here, but not the flight.
+2. A stream that cannot be written any more, such as a closed pipe or a full disk, is given up.
+3. If the connection is lost (SIGHUP), the run's record says so. Suspending (Ctrl-Z) is ignored,
+   because a suspended companion sends no setpoints.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ from typing import TextIO
 from companion.errors import printable
 
 LINES_KEPT = 1000
-"""So many lines wait for a terminal that does not read; older ones are dropped."""
+"""Most lines that wait for a terminal that does not read; older ones are dropped."""
 CLOSE_S = 2.0
 """How long the end of a command waits for a terminal that does not read."""
 PIPE_BYTES = 4096
-"""PIPE_BUF of Linux: a pipe that can be written to takes as much without waiting."""
+"""PIPE_BUF of Linux: a writable pipe takes at least this much without waiting."""
 
 
 _SUSPENDING = (signal.SIGTSTP, signal.SIGTTOU, signal.SIGTTIN)
 
 
 class Terminal:
-    """Standard output and standard error, for lines that may not hold up a flight.
+    """Standard output and standard error, for lines that must not delay a flight.
 
-    A line may also come from a signal handler, or from a thread that draws a figure.
+    Lines may also come from a signal handler, or from a thread that draws a figure.
     """
 
     def __init__(self) -> None:
@@ -48,12 +48,12 @@ class Terminal:
         self._dead: set[TextIO] = set()
 
     def say(self, line: str, is_error: bool = False) -> None:
-        """Prints a line now, or when the terminal takes it; it obeys none of its characters."""
+        """Prints a line now, or when the terminal accepts it; control characters are escaped."""
         self._waiting.append((sys.stderr if is_error else sys.stdout, printable(line)))
         self._write()
 
     def close(self) -> None:
-        """Prints what still waits, and gives up what cannot be printed."""
+        """Prints the waiting lines; drops those that cannot be printed."""
         end_s = time.monotonic() + CLOSE_S
         while self._waiting and time.monotonic() < end_s:
             self._write()
@@ -63,7 +63,7 @@ class Terminal:
             give_up(stream)
 
     def _write(self) -> None:
-        """Writes what can be written, unless somebody else is at it."""
+        """Writes what can be written, unless another call is doing so."""
         if not self._writing.acquire(blocking=False):
             return
         try:
@@ -73,38 +73,38 @@ class Terminal:
             self._writing.release()
 
     def _is_done_with(self, stream: TextIO, line: str) -> bool:
-        """Whether a line was written, or never will be."""
+        """Whether a line was written, or never can be."""
         if stream in self._dead:
             return True
         try:
             return write_at_once(stream, line + "\n")
-        except (OSError, ValueError):  # ValueError: the stream was closed
+        except (OSError, ValueError):  # ValueError: the stream is closed
             self._dead.add(stream)
             return True
 
 
 def write_at_once(stream: TextIO, text: str) -> bool:
-    """Writes a text if its stream takes it without waiting; returns whether it did.
+    """Writes a text if its stream accepts it without waiting; returns whether it did.
 
     Raises:
-        OSError, ValueError: the stream takes nothing any more.
+        OSError, ValueError: the stream accepts nothing any more.
     """
     try:
         number = stream.fileno()
-    except OSError:  # no file behind it
+    except OSError:  # there is no file behind it
         stream.write(text)
         return True
     stream.flush()
     data = text.encode(stream.encoding or "utf-8", errors="backslashreplace")
     for at in range(0, len(data), PIPE_BYTES):
         if not select.select([], [number], [], 0.0)[1]:
-            return at > 0  # a text longer than the pipe's room is cut
+            return at > 0  # a text longer than the free part of the pipe is cut
         os.write(number, data[at : at + PIPE_BYTES])
     return True
 
 
 def give_up(stream: TextIO) -> None:
-    """Sends to nowhere what is written from now on, at the interpreter's end as well."""
+    """Discards what is written from now on, also at the interpreter's exit."""
     try:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())
@@ -115,10 +115,10 @@ def give_up(stream: TextIO) -> None:
 
 @contextmanager
 def undisturbed(hang_up: Callable[[], None]) -> Iterator[None]:
-    """Keeps the signals of a terminal from the flight for as long as the context lasts.
+    """Keeps a terminal's signals from affecting the flight while the context lasts.
 
     Args:
-        hang_up: is told of SIGHUP.
+        hang_up: called on SIGHUP.
     """
 
     def note(number: int, frame: FrameType | None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def minutes(time_s: float) -> str:
-    """Minutes and seconds with a decimal place.
+    """Minutes and seconds with one decimal.
 
     >>> minutes(59.94), minutes(59.96), minutes(6000.0)
     ('00:59.9', '01:00.0', '100:00.0')

@@ -14,7 +14,7 @@ from companion.cli.shipped import completions, mission_file
 
 
 class TreeFormat(StrEnum):
-    """How a behaviour tree is printed."""
+    """Output formats of a behaviour tree."""
 
     TEXT = "text"
     DOT = "dot"

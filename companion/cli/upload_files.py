@@ -1,4 +1,4 @@
-"""Where the files of an upload go, and which of them a companion would not take."""
+"""Where the files of an upload go, and which of them a companion would refuse."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from companion.ground.upload_names import ENDINGS, MISSION_ENDINGS, advice_on, p
 
 
 def remote_paths(files: Sequence[Path], folder: Path) -> dict[Path, PurePosixPath]:
-    """Where the files of a mission go on the companion.
+    """The paths of a mission's files on the companion.
 
     Args:
-        files: the mission is the last one.
-        folder: the root there.
+        files: the last one is the mission.
+        folder: the root of the upload.
 
     Raises:
-        MissionError: some cannot be uploaded; each of them, with what to do.
+        MissionError: some cannot be uploaded; lists them, with what to do.
     """
     root = folder.resolve()
     remotes = {file: PurePosixPath(file.resolve().relative_to(root)) for file in files}

@@ -1,7 +1,7 @@
 """Flights of a vehicle from the command line: one mission once, or those of ground stations.
 
-What both have in common stands in `VehicleFlights`: the link, the run folders, the page, who plans,
-on which terms it is armed, and the run that was cut off, if that is to be gone on with.
+`VehicleFlights` has what both share: the link, the run folders, the page, the planner, the terms of
+arming, and the run that was cut off, if it is to be continued.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from companion.vehicle.link import Link
 
 UPLOADS = "uploads"
-"""Among the run folders: what ground stations have sent."""
+"""A folder beside the run folders, for uploads of ground stations."""
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class VehicleFlights:
 
     Attributes:
         link_of: opens the link to the vehicle.
-        events: where other programs on board report events; None where none is heard.
-        log_dir: where run folders are.
+        events: where other programs on board report events; None if nowhere.
+        log_dir: contains the run folders.
         address: of the monitor page.
-        engine: who plans; None for the built-in search.
-        terms: on which each is flown; one that resumes goes on with a run that was cut off, too.
+        engine: plans; None for the built-in search.
+        terms: of each flight; with `resumes`, a cut-off run is continued.
     """
 
     link_of: Callable[[], Link]
@@ -57,7 +57,7 @@ class VehicleFlights:
     terms: SortieTerms
 
     def fly_once(self, mission: Mission, timeout_s: float) -> None:
-        """Flies one mission, or goes on with one; raises what it has failed of."""
+        """Flies one mission, or continues a cut-off run; raises its failure."""
         from companion.skills.runner import FunctionRunner
 
         cut_off = self._cut_off(mission)
@@ -74,10 +74,10 @@ class VehicleFlights:
             raise_failure(companion.failure)
 
     def host(self, mission: Mission | None) -> None:
-        """Waits for ground stations to start sorties, until it is stopped; first goes on with one.
+        """Waits for sorties of ground stations until stopped; first continues a cut-off run.
 
         Args:
-            mission: what they may start before they have sent another one.
+            mission: the mission that they may start before they have sent another one.
         """
         from companion.cli.hosting import SortieHost
         from companion.ground.checking import CheckChildren
@@ -94,7 +94,7 @@ class VehicleFlights:
             terminal.say(line(stamped))
 
         def tell_between(stamped: Stamped) -> None:
-            """Without its time: a run counts from its own beginning, and would seem to go on."""
+            """Prints an event without its time, which would seem to belong to a run."""
             terminal.say(f"hosting    {stamped.event.text}")
 
         with (
@@ -133,7 +133,7 @@ class VehicleFlights:
                 self._fly(companion, terminal, 0.0, cut_off)
 
     def _cut_off(self, mission: Mission | None) -> CutOffRun | None:
-        """The run to go on with, if there is one and it is asked for."""
+        """The run to continue, if there is one and it is asked for."""
         cut_off = cut_off_run(self.log_dir, mission) if self.terms.resumes else None
         return found_by_its_clock(cut_off, self.link_of) if cut_off else None
 
@@ -152,7 +152,7 @@ class VehicleFlights:
         functions: FunctionPort,
         cut_off: CutOffRun | None,
     ) -> OnlyRun:
-        """One run, from its beginning or where it was cut off."""
+        """One run, from its beginning or from where it was cut off."""
         from companion.run_sources.only_run import OnlyRun
 
         journalled = cut_off.journalled if cut_off else None

@@ -1,4 +1,4 @@
-"""What is typed in place of a command, and which command does it."""
+"""Words that users type in place of a command, and the command that they mean."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _COMMANDS = {
     **dict.fromkeys(("plot", "draw"), "figure"),
     **dict.fromkeys(("version",), "companion --version"),
 }
-"""Words of other programs -> ours."""
+"""Commands of other programs -> ours."""
 
 
 class WordyGroup(TyperGroup):
-    """The commands, with advice for words that are none."""
+    """The command group, with advice for unknown commands."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """As typer's; refuses a file, and words of other programs, with what to write."""
+        """Like typer's; refuses a file, or a command of another program, with advice."""
         word = args[0]
         if word in self.commands:
             return super().resolve_command(ctx, args)
