@@ -15,6 +15,7 @@ import math
 from companion.acting.far_away import far_away
 from companion.acting.flight import Flight
 from companion.acting.phases import ON_THE_GROUND, UNDER_TASK
+from companion.acting.plan_progress import GroundState
 from companion.errors import Aborted, CompanionError, LinkError
 from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
@@ -116,9 +117,10 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
     is_down = state.is_landed and not state.is_armed
+    is_stopped = flight.progress.ground is GroundState.DISARMED
     if (unnoticed := flight.progress.unnoticed_landing) is not None:
         return Aborted(f"{unnoticed.reason}\n    {UNNOTICED}")
-    is_down_by_plan = flight.progress.is_landed_by_plan and not flight.progress.is_disarmed
+    is_down_by_plan = flight.progress.is_landed_by_plan and not is_stopped
     if is_flying and is_down and not is_down_by_plan:
         return Aborted("the vehicle was disarmed")
     if phase is Phase.OFFBOARD and state.is_landed and not flight.progress.is_landed_by_plan:

@@ -29,8 +29,9 @@ from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.behaviour_tree.tree_report import TreeReport
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import FLIES_BY_PLAN, STATUS, ExecutiveState, TaskStatus
-from companion.acting.flight import Flight, PlanProgress
+from companion.acting.flight import Flight
 from companion.acting.ground_plans import GroundPlans
+from companion.acting.plan_progress import GroundState, PlanProgress
 from companion.acting.plan_reports import tell_made, tell_replaced
 from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
@@ -256,7 +257,7 @@ class Executive:
             failed = WrittenTreeFailed(failure_of(root))
             self.failure = NoPlanError(failed.text)
             self._flight.report(failed)
-        elif self._flight.progress.is_stranded:
+        elif self._flight.progress.ground is GroundState.STRANDED:
             progress = self._flight.progress
             self._flight.progress = PlanProgress(progress.completed, progress.laps)
             self.state = ExecutiveState.GROUNDED

@@ -10,6 +10,7 @@ from companion.acting.docks import AnyDock, Dock
 from companion.acting.function_port import FunctionPort, NoFunctions
 from companion.acting.guidance import Guidance
 from companion.acting.journal import Journal, JournalEntry, NoJournal
+from companion.acting.plan_progress import PlanProgress
 from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
@@ -20,35 +21,8 @@ from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.planning.task_state import TaskState
 from companion.tick import TICK_S
-from companion.vehicle.port import Failed, Vehicle
+from companion.vehicle.port import Vehicle
 from companion.vehicle_profile import VehicleProfile
-
-
-@dataclass
-class PlanProgress:
-    """How far a plan has come. Each plan has its own; the nodes of its tree write it.
-
-    Attributes:
-        completed: number of completed skills; `Effects` counts them.
-        laps: number of laps of the loop; `Effects` counts them.
-        is_landed_by_plan: whether the plan has landed the vehicle and has not taken off again;
-            written by the leaves that land and take off, and by whoever interrupts the plan in the
-            air.
-        is_stranded: whether an action has failed on the ground; `ActionNode` writes it.
-        is_descending: whether the vehicle descends to the marker of its place; the leaf writes it.
-        unnoticed_landing: the autopilot lands but does not report that it has; the leaves that land
-            write it.
-        is_disarmed: somebody, or a crash, has disarmed the vehicle in a take-off; that leaf writes
-            it.
-    """
-
-    completed: int = 0
-    laps: int = 0
-    is_landed_by_plan: bool = False
-    is_stranded: bool = False
-    is_descending: bool = False
-    unnoticed_landing: Failed | None = None
-    is_disarmed: bool = False
 
 
 @dataclass

@@ -118,7 +118,7 @@ class FlownTask:
             self._executive.pause()
         else:
             self._return_home.stop()
-        self._flight.progress.is_landed_by_plan = False
+        self._flight.progress.leave_ground()
         self.is_interrupted = True
 
     def sense(self, readings: Sequence[tuple[Signal, float]], phase: Phase) -> None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from companion.acting.flight import Flight
+from companion.acting.plan_progress import GroundState
 from companion.acting.positions import tell_positions
 from companion.flight_events.facts import PlaceLost
 from companion.geometry import distance
@@ -74,7 +75,7 @@ class Whereabouts:
         margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
         north, east, down = state.position
         there = flight.guidance.sent(place.position)
-        if flight.progress.is_descending:
+        if flight.progress.ground is GroundState.DESCENDING:
             down = there[2]  # it descends to its marker
         if place.region.away_m(there, (north, east, down)) <= margin_m:
             return None

@@ -222,8 +222,8 @@ def test_what_leaves_the_fence_is_refused_by_the_companions_own_gate(
     flight = start().until_reported(PhaseEntered, phase=Phase.TASK)
     fly = MavlinkVehicle.fly
 
-    def away(vehicle: MavlinkVehicle, setpoint: Setpoint, *more: bool) -> None:
-        fly(vehicle, replace(setpoint, position=(-15.2, 10.0, -3.0)), *more)
+    def away(vehicle: MavlinkVehicle, setpoint: Setpoint, **purpose: bool) -> None:
+        fly(vehicle, replace(setpoint, position=(-15.2, 10.0, -3.0)), **purpose)
 
     monkeypatch.setattr(MavlinkVehicle, "fly", away)
     before = len(flight.setpoints)

@@ -29,8 +29,8 @@ def test_a_hold_does_not_drift_away(seed: int, monkeypatch: pytest.MonkeyPatch) 
     flight.until_reported(PlaceReached, place="A").run(3.0)
     fly = MavlinkVehicle.fly
 
-    def outside(vehicle: MavlinkVehicle, setpoint: Setpoint, *more: bool) -> None:
-        fly(vehicle, replace(setpoint, position=(100.0, 100.0, -3.0)), *more)
+    def outside(vehicle: MavlinkVehicle, setpoint: Setpoint, **purpose: bool) -> None:
+        fly(vehicle, replace(setpoint, position=(100.0, 100.0, -3.0)), **purpose)
 
     monkeypatch.setattr(MavlinkVehicle, "fly", outside)
     flight.until_reported(SetpointRefused, reason="outside the fence").run(STOPS_S)

@@ -78,11 +78,11 @@ def test_the_gate_lets_no_setpoint_out_of_it(monkeypatch: pytest.MonkeyPatch) ->
     flight = kept(corners, POLYGON).until_reported(PhaseEntered, phase=Phase.TASK)
     fly = MavlinkVehicle.fly
 
-    def aside(vehicle: MavlinkVehicle, setpoint: Setpoint, *more: bool) -> None:
+    def aside(vehicle: MavlinkVehicle, setpoint: Setpoint, **purpose: bool) -> None:
         assert vehicle.state is not None
         north, _, _ = vehicle.state.position
         position = (north + 0.9, *setpoint.position[1:])
-        fly(vehicle, replace(setpoint, position=position), *more)
+        fly(vehicle, replace(setpoint, position=position), **purpose)
 
     monkeypatch.setattr(MavlinkVehicle, "fly", aside)
     flight.run(8.0)

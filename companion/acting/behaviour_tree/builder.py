@@ -86,8 +86,8 @@ class ActionNode(Selector):
         flight, retry = self._flight, self.intention.tries.next
         if new_status is not Status.SUCCESS and flight.task.running is self.intention.action:
             flight.task.interrupt()
-            stays_on_ground = retry is not None and retry.began_on_ground
-            flight.progress.is_stranded = flight.progress.is_landed_by_plan and not stays_on_ground
+            if retry is None or not retry.began_on_ground:
+                flight.progress.strand()
 
 
 def build(flight: Flight, lasso: Lasso, assumptions: Assumptions | None) -> Behaviour:

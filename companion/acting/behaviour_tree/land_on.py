@@ -92,7 +92,7 @@ class LandOnMarker(ReachGoals):
         self._corners: list[Ned] = []
         self._why = ""
         self._left = list(self.goals)
-        flight.progress.is_descending = not flight.progress.is_landed_by_plan
+        flight.progress.begin_descent()
 
     def update(self) -> Status:
         """SUCCESS on the ground; FAILURE in the air, at the place."""
@@ -123,7 +123,7 @@ class LandOnMarker(ReachGoals):
 
     def terminate(self, new_status: Status) -> None:
         """Holds where it is when something above interrupts."""
-        self._flight.progress.is_descending = False
+        self._flight.progress.end_descent()
         if new_status is Status.INVALID and self.status is Status.RUNNING:
             self._flight.guidance.hold()
 
@@ -277,7 +277,7 @@ class LandOnMarker(ReachGoals):
         elif then is MarkerState.LEAVING:
             self._flight.report(MarkerAbandoned(name, self._why))
         elif then is MarkerState.LANDING:
-            self._flight.progress.is_landed_by_plan = True
+            self._flight.progress.take_to_ground()
 
     def _square(self) -> list[Ned]:
         """The corners of the square that is searched, about the place, and its middle."""

@@ -16,6 +16,7 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.acting.landing_wait import LandingWait
+from companion.acting.plan_progress import GroundState
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     BatteryCharged,
@@ -48,7 +49,7 @@ class ReachGoals(Leaf):
     def initialise(self) -> None:
         """Begins with the first goal."""
         self._left = list(self.goals)
-        self._flight.progress.is_landed_by_plan = True
+        self._flight.progress.take_to_ground()
 
     def update(self) -> Status:
         """SUCCESS when the last goal is reached."""
@@ -60,7 +61,7 @@ class ReachGoals(Leaf):
         outcome = flight.vehicle.pursue(self._left[0], self.takeoff_up_m)
         if isinstance(outcome, Failed):
             return Status.RUNNING if self._ends_sortie(outcome) else self.fail(outcome.reason)
-        flight.progress.is_disarmed = False
+        flight.progress.take_to_ground()  # and no longer disarmed
         if outcome is Progress.DONE:
             self._left.pop(0)
         if self._left:
@@ -74,10 +75,12 @@ class ReachGoals(Leaf):
         if state is None:
             return False
         if goal is Goal.LANDED and state.mode is Mode.LAND:
-            progress.unnoticed_landing = failed
+            progress.miss_landing(failed)
             return True
-        progress.is_disarmed = goal in (Goal.AIRBORNE, Goal.OFFBOARD) and not state.is_armed
-        return progress.is_disarmed
+        if goal in (Goal.AIRBORNE, Goal.OFFBOARD) and not state.is_armed:
+            progress.ground = GroundState.DISARMED
+            return True
+        return False
 
     @abstractmethod
     def reached(self) -> FlightEvent:
@@ -124,7 +127,7 @@ class TakeOffVehicle(ReachGoals):
 
     def reached(self) -> FlightEvent:
         """The plan may be interrupted again."""
-        self._flight.progress.is_landed_by_plan = False
+        self._flight.progress.leave_ground()
         return VehicleAirborne()
 
 

@@ -33,7 +33,7 @@ from companion.acting.contingencies.changes import (
 )
 from companion.acting.contingencies.hypothetical_charge import HypotheticalCharge
 from companion.acting.contingencies.hypothetical_vehicle import HypotheticalVehicle
-from companion.acting.flight import PlanProgress
+from companion.acting.plan_progress import PlanProgress
 from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
 from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
@@ -97,9 +97,7 @@ class HypotheticalFlight:
     def adopt(self, chosen: ChosenPlan) -> None:
         """Flies a plan from now on, and begins its first action."""
         drop(self._flight, chosen.dropped)
-        self._flight.progress = PlanProgress(
-            is_landed_by_plan=self._flight.progress.is_landed_by_plan
-        )
+        self._flight.progress = PlanProgress(ground=self._flight.progress.ground)
         self._lasso = chosen.lasso
         self._triggers.adopt(chosen.lasso)
         self._begin()
@@ -129,8 +127,10 @@ class HypotheticalFlight:
         if energy is not None and (charge := self._charge) is not None:
             charge.level = level_after(energy.now(is_en_route=True), charge.level, action)
         for step in _primitives(action.execute):
-            if isinstance(step, Land | LandOn | TakeOff):
-                flight.progress.is_landed_by_plan = not isinstance(step, TakeOff)
+            if isinstance(step, Land | LandOn):
+                flight.progress.take_to_ground()
+            elif isinstance(step, TakeOff):
+                flight.progress.leave_ground()
         self._stand_at(action)
         flight.progress.completed += 1
         self._begin()
@@ -149,7 +149,7 @@ class HypotheticalFlight:
         flight.task.begin(action)
         first = next(_primitives(action.execute), None)
         if isinstance(first, Land | LandOn):
-            flight.progress.is_landed_by_plan = True
+            flight.progress.take_to_ground()
 
     def _stand_at(self, action: Action) -> None:
         if action.destination is not None:
@@ -209,7 +209,7 @@ class HypotheticalFlight:
             action.assumes, None if self._retry_s is None else flight.now_s + self._retry_s
         )
         if any(isinstance(step, Land | LandOn) for step in _primitives(action.execute)):
-            flight.progress.is_landed_by_plan = True
+            flight.progress.take_to_ground()
             self._stand_at(action)
             if self._charge is not None and action.charger is not None:
                 self._charge.level -= action.charger.landing + action.charger.take_off

@@ -18,7 +18,7 @@ from companion.acting.authority import (
     not_handed_over,
     why_left_alone,
 )
-from companion.acting.flight import PlanProgress
+from companion.acting.plan_progress import GroundState, PlanProgress
 from companion.errors import CompanionError, LinkError
 from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
@@ -47,7 +47,10 @@ def flight(
     return SimpleNamespace(
         now_s=NOW_S,
         vehicle=SimpleNamespace(takeover=takeover, has_restarted=has_restarted),
-        progress=PlanProgress(is_landed_by_plan=is_landed_by_plan, unnoticed_landing=unnoticed),
+        progress=PlanProgress(
+            ground=GroundState.ON_GROUND if is_landed_by_plan else GroundState.IN_AIR,
+            unnoticed_landing=unnoticed,
+        ),
     )
 
 

@@ -74,7 +74,7 @@ def reason(refusal: Refusal | None) -> str:
 
 
 def test_nothing_interrupts_a_vehicle_on_the_ground_by_its_plan(flown: SortieRig) -> None:
-    flown.rig.flight.progress.is_landed_by_plan = True
+    flown.rig.flight.progress.take_to_ground()
     assert flown.sortie.pause() == flown.sortie.return_home() == ON_THE_GROUND_BY_PLAN
     assert flown.sortie.phase is Phase.TASK
 

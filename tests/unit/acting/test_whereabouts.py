@@ -121,7 +121,8 @@ def test_on_the_ground_and_while_landing_by_plan_nothing_is_lost(is_landed: bool
     rig = busy_at_a()
     blow(rig.vehicle, 3.0)
     rig.vehicle.change(is_landed=is_landed)
-    rig.flight.progress.is_landed_by_plan = not is_landed
+    if not is_landed:
+        rig.flight.progress.take_to_ground()
     tick_for(rig, 3 * OUTSIDE_S)
     assert not rig.of(PlaceLost)
 

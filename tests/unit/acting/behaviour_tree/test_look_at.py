@@ -137,7 +137,8 @@ def test_a_vehicle_that_cannot_turn_fails_and_says_why() -> None:
 def test_where_nothing_can_turn_the_step_begins_at_once(why: str) -> None:
     rig = a_rig()
     point = PointOfInterest("H", (0.2, 0.2)) if why == "too near" else TOWER
-    rig.flight.progress.is_landed_by_plan = why == "on the ground"
+    if why == "on the ground":
+        rig.flight.progress.take_to_ground()
     if why == "no state":
         rig.vehicle.state = None
     rest = Rest(rig.flight, 1.0)

@@ -1,0 +1,76 @@
+"""How far a plan has come, and whether it has the vehicle in the air or on the ground.
+
+1. A plan begins in the air. A vehicle that is on the ground takes off first (`sortie.py`).
+2. While the plan has the vehicle on the ground, nothing interrupts the plan, and a disarmed vehicle
+   is no loss of control.
+3. A run ends in DISARMED or LANDING_UNNOTICED: the vehicle is left to whoever stopped it, or to its
+   autopilot (`authority.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from companion.vehicle.port import Failed
+
+
+class GroundState(Enum):
+    """Where the plan has the vehicle."""
+
+    IN_AIR = "in the air"
+    DESCENDING = "in the air, on its way down to the marker of its place"
+    ON_GROUND = "on the ground; or it lands or takes off"
+    STRANDED = "on the ground, where an action has failed"
+    DISARMED = "on the ground, disarmed in a take-off by somebody else or by a crash"
+    LANDING_UNNOTICED = "the autopilot lands, and does not say that it has landed"
+
+
+@dataclass
+class PlanProgress:
+    """How far a plan has come. Each plan has its own; the nodes of its tree write it.
+
+    Attributes:
+        completed: skills that were completed; `Effects` counts them.
+        laps: laps of the loop; `Effects` counts them.
+        ground: where the plan has the vehicle.
+        unnoticed_landing: why the last landing has failed, in LANDING_UNNOTICED; else None.
+    """
+
+    completed: int = 0
+    laps: int = 0
+    ground: GroundState = GroundState.IN_AIR
+    unnoticed_landing: Failed | None = None
+
+    @property
+    def is_landed_by_plan(self) -> bool:
+        """Whether the plan has the vehicle on the ground, and may not be interrupted."""
+        return self.ground not in (GroundState.IN_AIR, GroundState.DESCENDING)
+
+    def begin_descent(self) -> None:
+        """The vehicle comes down to a marker, unless it is on the ground already."""
+        if not self.is_landed_by_plan:
+            self.ground = GroundState.DESCENDING
+
+    def end_descent(self) -> None:
+        """The descent has ended in the air, if it has not led to the ground."""
+        if self.ground is GroundState.DESCENDING:
+            self.ground = GroundState.IN_AIR
+
+    def take_to_ground(self) -> None:
+        """The plan lands the vehicle, or takes off: it is not interrupted from now on."""
+        self.ground = GroundState.ON_GROUND
+
+    def leave_ground(self) -> None:
+        """The vehicle is in the air; by the plan, or since somebody else has taken it there."""
+        if self.is_landed_by_plan:
+            self.ground = GroundState.IN_AIR
+
+    def strand(self) -> None:
+        """An action has failed; on the ground, the plan cannot go on from there."""
+        if self.ground is GroundState.ON_GROUND:
+            self.ground = GroundState.STRANDED
+
+    def miss_landing(self, failed: Failed) -> None:
+        """The autopilot lands, and does not say that it has."""
+        self.ground, self.unnoticed_landing = GroundState.LANDING_UNNOTICED, failed
