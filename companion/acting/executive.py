@@ -258,8 +258,7 @@ class Executive:
             self.failure = NoPlanError(failed.text)
             self._flight.report(failed)
         elif self._flight.progress.ground is GroundState.STRANDED:
-            progress = self._flight.progress
-            self._flight.progress = PlanProgress(progress.completed, progress.laps)
+            self._flight.progress.leave_ground()
             self.state = ExecutiveState.GROUNDED
 
     # -- planning again ------------------------------------------------------------------------
