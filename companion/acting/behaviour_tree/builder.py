@@ -1,4 +1,4 @@
-"""A lasso as a behaviour tree (Figs. 5 and 6 of the paper).
+"""Builds the behaviour tree of a lasso (Figs. 5 and 6 of the paper).
 
 Sequence (no memory)                        root
 +- as predicted?                            leftmost checking branch (Section IV-C, end)
@@ -12,14 +12,16 @@ Sequence (no memory)                        root
 
 refinement of a flight = Retry(tries) - Sequence: update_param | move_cmd    MAX_TRY(m)
 
-In a tree written by hand a refinement that does not fly is a Sequence (no memory): still there? |
-refinement. A plan needs no such check, as it is replaced when its place is lost.
+In a tree written by hand, a refinement that does not fly is a Sequence (no memory): still there? |
+refinement. A plan needs no such check, because it is replaced when the vehicle loses its place.
 
-A refinement of several steps is a sequence of them; a step that is itself a skill is refined in
-turn, until all leaves are primitives. Whatever a refinement is, all of it is tried so often, each
-time within the time limit; what is tried once has no decorator. What confirms a skill is waited for
-after its last step. Where a skill looks at something, a leaf that flies, commands or waits is a
-Sequence (no memory): LookAt | leaf; a gimbal that looks there too comes between them.
+1. A refinement of several steps is a sequence of them. A step that is itself a skill is refined in
+   turn, until all leaves are primitives.
+2. A try covers the whole refinement, and each try has the time limit. What is tried only once has
+   no decorator.
+3. What confirms a skill is waited for after its last step.
+4. If a skill looks at something, each leaf that flies, commands or waits becomes a Sequence (no
+   memory): LookAt | leaf. A gimbal that also looks there comes between the two.
 """
 
 from __future__ import annotations
@@ -74,7 +76,9 @@ FOR_EVER = -1
 
 
 class ActionNode(Selector):
-    """The selector of one action; left before its end, the task knows that it was interrupted."""
+    """The selector of one action; if it is left before its end, the task learns of the
+    interruption.
+    """
 
     def __init__(self, flight: Flight, intention: Intention) -> None:
         super().__init__(intention.name, memory=True)
@@ -82,7 +86,7 @@ class ActionNode(Selector):
         self.intention = intention
 
     def terminate(self, new_status: Status) -> None:
-        """Failed, or stopped from above."""
+        """Called on failure, or when something above interrupts."""
         flight, retry = self._flight, self.intention.tries.next
         if new_status is not Status.SUCCESS and flight.task.running is self.intention.action:
             flight.task.interrupt()
@@ -96,8 +100,8 @@ def build(flight: Flight, lasso: Lasso, assumptions: Assumptions | None) -> Beha
     Args:
         flight: what the leaves act on.
         lasso: the plan.
-        assumptions: the values of events on which the plan relies; None for a flight to a place in
-            want of a plan, which nothing but a plan ends.
+        assumptions: the values of events on which the plan relies; None for a flight to a place for
+            lack of a plan, which only a new plan ends.
     """
     planned = [Intention(action.name, (action,)) for action in (*lasso.prefix, *lasso.loop)]
     trees = [action_tree(flight, each, assumptions, each is planned[-1]) for each in planned]
@@ -122,9 +126,9 @@ def action_tree(
     Args:
         flight: what the leaves act on.
         intention: what is done.
-        assumptions: those of the plan; None where it relies on none.
+        assumptions: those of the plan; None if it has none.
         ends_lap: whether the action is the last one of the loop.
-        is_by_hand: whether it is of a tree written by hand.
+        is_by_hand: whether it belongs to a tree written by hand.
     """
     action = intention.action
     steps = Refinement(
@@ -170,13 +174,13 @@ def _refinement(
     within_s: float | None = None,
     look_at: PointOfInterest | None = None,
 ) -> Behaviour:
-    """The steps of a skill, so often tried as it says.
+    """The steps of a skill, tried as often as the skill says.
 
     Args:
         flight: what the leaves act on.
         skill: what is done.
         within_s: the time limit of the skill that it refines.
-        look_at: what that skill looks at; its own goes before.
+        look_at: what that skill looks at; the skill's own `look_at` takes precedence.
     """
     limit_s = within_s if skill.timeout_s is None else skill.timeout_s
     once = _one_try(flight, skill, limit_s, skill.look_at or look_at)
@@ -188,9 +192,9 @@ def _refinement(
 def _one_try(
     flight: Flight, skill: Refinement, limit_s: float | None, look_at: PointOfInterest | None
 ) -> Behaviour:
-    """One try: a single step is itself, several are a sequence, in time together.
+    """One try: a single step, or a sequence of several, within one time limit.
 
-    A command among them may take all of that time, and so may a function.
+    A command or a function may take all of that time.
     """
     match skill.steps if skill.confirmed_by is None else ():
         case (Fly(place),):
@@ -215,7 +219,7 @@ def _one_try(
 
 
 def _touches_ground(steps: Many[Step]) -> bool:
-    """Whether they land or take off, so that another try may not begin as the first one did."""
+    """Whether they land or take off, so that another try may begin in another state."""
     return any(
         isinstance(step, Land | LandOn | TakeOff)
         or (isinstance(step, Refinement) and _touches_ground(step.steps))

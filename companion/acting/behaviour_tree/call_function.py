@@ -1,9 +1,9 @@
 """The leaf that calls a function of an installed package, and holds until the function ends.
 
-The journal has the call on the disk before it begins, and each command that the function asks for.
-Whatever leaves the leaf cancels the call: a pause, another plan, a pilot, a landing. The function
-is then called again. If it asks again for a command that it has asked for before, it gets the
-outcome of the first one.
+The journal stores the call on the disk before it begins, and each command that the function
+requests. When the leaf is left (by a pause, another plan, a pilot, a landing), the call is
+cancelled, and later the function is called again. If it then requests a command that it has
+requested before, it gets the outcome of the first one.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from companion.skills.calls import CallRequest, CommandAsked, NotDone, Progresse
 from companion.vehicle.port import Failed, Progress
 
 CALL_S = 60.0
-"""What a call may take where the mission sets no time limit."""
+"""The longest time of a call if the mission sets no limit."""
 TELL_S = 5.0
-"""Time between two pieces of news about how far a call has come."""
+"""Time between two reports of how far a call has come."""
 
 
 class CallFunction(Leaf):
     """Calls a function; SUCCESS when it returns.
 
     Args:
-        flight: in which it is called.
-        step: what is called; all parameters are bound.
-        timeout_s: of a try of the skill; None where it has no limit.
+        flight: the flight in which it is called.
+        step: the call, with all parameters bound.
+        timeout_s: of a try of the skill; None if it has no limit.
     """
 
     does = LeafType.PYTHON
@@ -52,7 +52,7 @@ class CallFunction(Leaf):
         self._command: PayloadCommand | None = None
 
     def initialise(self) -> None:
-        """Writes down what is intended."""
+        """Writes the intention into the journal."""
         flight, text, self._owner = self._flight, self._step.call.text, self.owner()
         self._begun = flight.steps.begin(self._owner, text, flight.now_s)
         self._begun_s, self._told_s = flight.now_s, -math.inf
@@ -92,7 +92,7 @@ class CallFunction(Leaf):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Leaves the call, and the command that it waits for."""
+        """Cancels the call, and stops waiting for its command."""
         flight, begun = self._flight, self._begun
         if new_status is Status.RUNNING or begun is None:
             return
@@ -112,7 +112,7 @@ class CallFunction(Leaf):
         return CallRequest(self._step.call, places, known_vehicle(state))
 
     def _ask(self, asked: CommandAsked, ticket: int) -> None:
-        """Begins with a command that the function asks for, or says why not."""
+        """Begins a command that the function requests, or says why not."""
         payloads, named = self._flight.vehicle.payloads, dict(self._step.components)
         component, number = asked.component, payloads.number(asked.command)
         component_id = named.get(component) if isinstance(component, str) else component
@@ -129,7 +129,7 @@ class CallFunction(Leaf):
             self._command = PayloadCommand(self._flight, owner, command, None)
 
     def _is_answered(self, command: PayloadCommand, ticket: int) -> bool:
-        """Goes on with the command that was asked for; whether its outcome is known."""
+        """Continues with the requested command; returns whether its outcome is known."""
         outcome = command.progress()
         if outcome is Progress.RUNNING:
             return False
@@ -139,7 +139,7 @@ class CallFunction(Leaf):
         return True
 
     def _tell(self) -> None:
-        """Tells how far it has come, the newest, now and then."""
+        """Reports how far the call has come, now and then."""
         flight, news, running = self._flight, self._news, self._flight.task.running
         if news is None or flight.now_s - self._told_s < TELL_S:
             return

@@ -1,4 +1,4 @@
-"""The leaf that waits, after the last step of a skill, for what confirms that it was done."""
+"""The leaf that waits, after the last step of a skill, for the reading that confirms it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from companion.flight_events.tree import LeafType
 from companion.mission.signals import Condition
 
 CONFIRM_S = 10.0
-"""Time to be confirmed in, where the skill says none."""
+"""Time for the confirmation, if the skill gives none."""
 
 
 class Confirm(Leaf):
@@ -21,7 +21,7 @@ class Confirm(Leaf):
 
     Args:
         flight: what it acts on.
-        condition: to be met.
+        condition: the condition to be met.
         timeout_s: the time of the skill; None for CONFIRM_S.
     """
 
@@ -33,7 +33,7 @@ class Confirm(Leaf):
         self._limit_s = CONFIRM_S if timeout_s is None else timeout_s
 
     def initialise(self) -> None:
-        """Starts the time."""
+        """Starts the timer."""
         self._begun_s = now_s = self._flight.now_s
         self._since_s = self._flight.steps.since_s(self.owner().action, now_s)
 

@@ -1,4 +1,4 @@
-"""A time limit over a part of the tree, in the flight's own time; py_trees' is the wall clock's."""
+"""A time limit for a part of the tree, in the flight's own time, unlike py_trees' timeout."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from companion.acting.flight import Flight
 
 
 class Deadline(Decorator):
-    """Fails, and stops what is below, after a time: `timeout_s`."""
+    """Fails after `timeout_s`, and stops the part below."""
 
     def __init__(self, flight: Flight, child: Behaviour, timeout_s: float) -> None:
         super().__init__(f"within {timeout_s:g} s", child)
@@ -19,11 +19,11 @@ class Deadline(Decorator):
         self._end_s = 0.0
 
     def initialise(self) -> None:
-        """Starts the time."""
+        """Starts the timer."""
         self._end_s = self._flight.now_s + self.timeout_s
 
     def postpone(self, duration_s: float) -> None:
-        """The time of a pause does not count."""
+        """Extends the limit by the time of a pause."""
         self._end_s += duration_s
 
     def update(self) -> Status:

@@ -1,4 +1,4 @@
-"""Where a vehicle looks while it flies to a place, and with what heading it arrives."""
+"""The heading of a vehicle while it flies to a place, and on arrival."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from companion.vehicle.port import VehicleState
 
 
 class FlightHeading:
-    """The heading follows the legs, and turns to that of the place, if it has one, at the end.
+    """The heading follows the legs, and at the end turns to the place's heading, if it has one.
 
-    Or the vehicle looks at a point from the beginning to the end, whatever the place says.
+    If there is a point to look at, the vehicle looks at it all the time, whatever the place says.
 
     Args:
-        flight: whose symbols know the heading of each place.
+        flight: its symbols know the heading of each place.
         place: where the flight leads.
-        look_at: the point; None to look where it flies.
+        look_at: the point; None to look in the direction of flight.
     """
 
     def __init__(self, flight: Flight, place: str, look_at: NorthEast | None) -> None:
@@ -28,17 +28,17 @@ class FlightHeading:
         self._look_at = look_at
 
     def wanted(self, sample: Sample, state: VehicleState, is_at_end: bool) -> float | None:
-        """To what heading the vehicle turns now; None to keep the one that it has."""
+        """The heading to which the vehicle turns now; None to keep the present one."""
         final_rad = self._final(state)
         is_final = self._look_at is not None or (is_at_end and final_rad is not None)
         return final_rad if is_final else sample.course_rad
 
     def is_reached(self, state: VehicleState) -> bool:
-        """Whether the vehicle may have arrived with the heading that it has."""
+        """Whether the present heading is good enough to arrive."""
         return self._error_rad(state) <= HEADING_TOLERANCE_RAD
 
     def error_deg(self, state: VehicleState) -> int:
-        """How much it has to turn yet."""
+        """How far the vehicle still has to turn."""
         return round(math.degrees(self._error_rad(state)))
 
     @property
@@ -48,7 +48,7 @@ class FlightHeading:
         return 0.0 if is_free else math.pi / self._flight.profile.yaw_rate_radps
 
     def _final(self, state: VehicleState) -> float | None:
-        """With what it has arrived; None for any."""
+        """The heading on arrival; None for any."""
         if self._look_at is not None:
             return towards(state.position, self._look_at)
         return self._flight.symbols.heading_rad(self._place)

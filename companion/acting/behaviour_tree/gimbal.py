@@ -1,4 +1,4 @@
-"""The leaves that point a gimbal: somewhere, or at what a skill looks at."""
+"""The leaves that point a gimbal: in a direction, or at what a skill looks at."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from companion.vehicle.gimbal_port import Aim, Aimed, NotAimed
 
 
 class _Pointing(Leaf):
-    """Points a gimbal, holding, until it is there."""
+    """Points a gimbal while the vehicle holds, until the gimbal points there."""
 
     does = LeafType.GIMBAL
 
@@ -28,7 +28,7 @@ class _Pointing(Leaf):
         self._ticket: int | None = None
 
     def _point(self, aim: Aim) -> Status:
-        """Begins, or asks how far it has come."""
+        """Begins to point, or checks how far the gimbal has come."""
         gimbals = self._flight.vehicle.gimbals
         if self._ticket is None:
             self._ticket = gimbals.point(self._component, aim, self._timeout_s)
@@ -40,7 +40,7 @@ class _Pointing(Leaf):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Asks for it no longer; the gimbal keeps its direction."""
+        """Stops waiting; the gimbal keeps its direction."""
         if new_status is not Status.RUNNING and self._ticket is not None:
             self._flight.vehicle.gimbals.forget(self._ticket)
             self._ticket = None
@@ -51,8 +51,8 @@ class AimGimbal(_Pointing):
 
     Args:
         flight: what it acts on.
-        step: where to.
-        timeout_s: time for all of it; None for the usual one.
+        step: the direction.
+        timeout_s: time for all of it; None for the default.
     """
 
     def __init__(self, flight: Flight, step: PointGimbal, timeout_s: float | None) -> None:
@@ -68,12 +68,12 @@ class AimGimbal(_Pointing):
 class LookThroughGimbal(_Pointing):
     """Points a gimbal at what a skill looks at, before a step that holds the vehicle.
 
-    From straight above there is no direction, and the gimbal looks down along the heading.
+    From straight above the point has no direction, and the gimbal looks down along the heading.
 
     Args:
         flight: what it acts on.
-        point: what is looked at; its gimbal is said.
-        before: the step; once that is under way nothing is left to do.
+        point: what is looked at; it names the gimbal.
+        before: the step; once that is under way, nothing is left to do.
     """
 
     def __init__(self, flight: Flight, point: PointOfInterest, before: Leaf) -> None:

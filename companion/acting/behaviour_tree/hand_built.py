@@ -1,4 +1,4 @@
-"""The tree of a mission that was written by hand (Section IV-A): its nodes as behaviours."""
+"""Builds the behaviours of a tree that was written by hand in a mission (Section IV-A)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from companion.planning.domain import Action
 
 
 class FactsHold(Leaf):
-    """Some facts hold, and others do not."""
+    """Checks that some facts hold, and others do not."""
 
     does = LeafType.FACTS
 
@@ -47,7 +47,7 @@ class FactsHold(Leaf):
         self._check = check
 
     def update(self) -> Status:
-        """SUCCESS if all is as it was written."""
+        """SUCCESS if all facts are as required."""
         facts, check = self._flight.task.all_facts, self._check
         if check.requires <= facts and not check.forbids & facts:
             return Status.SUCCESS
@@ -55,16 +55,16 @@ class FactsHold(Leaf):
 
 
 class WatchedFacts(FactsHold):
-    """The facts of a watch; what was begun on the ground is finished first."""
+    """The facts of a watch; what was begun on the ground is finished before they count."""
 
     def update(self) -> Status:
-        """SUCCESS while all is as it was written."""
+        """SUCCESS while all facts are as required."""
         is_landed = self._flight.progress.is_landed_by_plan
         return Status.SUCCESS if is_landed else super().update()
 
 
 class Sleep(Leaf):
-    """Succeeds after a time. What the vehicle does meanwhile is not for it."""
+    """Succeeds after a time; does not tell the vehicle what to do meanwhile."""
 
     does = LeafType.WAIT
 
@@ -73,7 +73,7 @@ class Sleep(Leaf):
         self._duration_s = duration_s
 
     def initialise(self) -> None:
-        """Starts the time."""
+        """Starts the timer."""
         self._end_s = self._flight.now_s + self._duration_s
 
     def update(self) -> Status:
@@ -86,7 +86,7 @@ class SubtreeSequence(Sequence):
 
 
 Actions = Mapping[str, tuple[Action, ...]]
-"""By the name in the tree: the action, or those that it is from each place."""
+"""By name in the tree: the action, or one action for each place where it may begin."""
 
 
 def build_by_hand(
@@ -97,8 +97,8 @@ def build_by_hand(
     Args:
         flight: what the leaves act on.
         node: the root, or a part of it.
-        actions: those of the tree.
-        tries: the retries around the node; None without any.
+        actions: the actions of the tree.
+        tries: the retries around the node; None if there are none.
     """
 
     def below(each: Tree) -> Behaviour:
@@ -138,7 +138,7 @@ def build_by_hand(
 def _action(
     flight: Flight, name: str, actions: tuple[Action, ...], tries: Tries | None
 ) -> Behaviour:
-    """An action; one that begins anywhere has nothing to do where its effect holds."""
+    """An action; one that may begin anywhere does nothing if its effect already holds."""
     tree = action_tree(flight, Intention(name, actions, tries), None, is_by_hand=True)
     done = frozenset[Fact].intersection(*(action.adds for action in actions))
     if ANYWHERE not in name or not done or any(action.conditional for action in actions):

@@ -1,4 +1,4 @@
-"""What a part of the tree is there to do: one action, or one of several by where the vehicle is."""
+"""The purpose of a part of the tree: one action, or one of several by where they begin."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from companion.planning.domain import Action
 
 
 class Intention:
-    """An action, or several that differ in where they begin: `move(*, A)`.
+    """An action, or several that differ only in where they begin: `move(*, A)`.
 
     Args:
         name: as people know it.
         actions: one of them is done; all have the same refinement.
-        tries: the retries of a tree written by hand around it; None in a plan.
+        tries: the retries around it in a tree written by hand; None in a plan.
 
     Attributes:
-        action: the one that is done, or was done last.
+        action: the action that is done, or was done last.
     """
 
     def __init__(self, name: str, actions: tuple[Action, ...], tries: Tries | None = None) -> None:
@@ -26,7 +26,7 @@ class Intention:
         self.tries = tries or Tries()
 
     def choose(self, facts: frozenset[Fact]) -> None:
-        """Takes the action that can begin, or the one that lacks least of it."""
+        """Chooses the action that can begin, or the one that misses the fewest facts."""
         self.action = min(
             self.actions, key=lambda each: len(each.requires - facts) + len(each.forbids & facts)
         )

@@ -1,4 +1,4 @@
-"""What is intended is on the disk before it is done, so nothing is done twice after a crash."""
+"""Waits until an intention is on the disk, so that nothing is done twice after a crash."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from companion.acting.flight import Flight
 from companion.vehicle.port import Failed, Outcome, Progress
 
 DISK_S = 10.0
-"""Time in which what is intended has to be on the disk."""
+"""The longest time until an intention is on the disk."""
 
 
 def kept(flight: Flight, intended_s: float) -> Outcome:
-    """DONE once all that was noted in the journal is on the disk; a failure after `DISK_S`.
+    """DONE once everything noted in the journal is on the disk; a failure after `DISK_S`.
 
     Args:
         flight: whose journal it is.
-        intended_s: when it was noted.
+        intended_s: when the intention was noted.
     """
     if flight.journal.is_kept:
         return Progress.DONE

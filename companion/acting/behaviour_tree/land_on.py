@@ -1,13 +1,13 @@
-"""The leaf that lands on a marker: down over it by own setpoints, then the autopilot's land mode.
+"""The leaf that lands on a marker: own setpoints lead down over it, then the autopilot lands.
 
 The setpoints pass the gate like all others, and the mode stays OFFBOARD until the vehicle is low,
-still and over the marker: nobody has to tell a mode of ours from a pilot's. States and what ends
-them are in marker_states.py; which sightings count is in motion/marker_track.py. On the way down
-the plan may be interrupted as in every flight; from the autopilot's landing on it is as on the
-ground (landing.py).
+still and over the marker. So nobody has to tell one of our modes from a pilot's. marker_states.py
+has the states and what ends them, and motion/marker_track.py decides which sightings count. During
+the descent the plan may be interrupted as in any flight; from the autopilot's landing on, it is as
+on the ground (landing.py).
 
-A marker that is lost near the ground (BLIND_M), where no camera sees all of it, is landed on where
-it was seen last. A landing that fails leaves the vehicle in the air, at its place.
+If the marker is lost near the ground (BLIND_M), where no camera sees all of it, the vehicle lands
+where it was last seen. After a landing that fails, the vehicle is in the air, at its place.
 """
 
 from __future__ import annotations
@@ -38,26 +38,26 @@ from companion.outcomes import Refusal
 from companion.vehicle.port import Goal, VehicleState
 
 LOOK_S = 5.0
-"""How long the marker is looked for from the place before it is searched for."""
+"""How long the marker is looked for from the place, before the search for it begins."""
 LOST_S = 1.0
-"""Without a sighting for so long the marker is lost,"""
+"""Without a sighting for so long the marker is lost;"""
 BLIND_S, BLIND_M = 4.0, 1.0
-"""and for so long nearer to it than this."""
+"""nearer to it than this, it is lost only after this time."""
 WAIT_S = 3.0
 """How long a vehicle that has lost it holds before it climbs."""
 LOSSES = 3
-"""So often it may be lost."""
+"""How often the marker may be lost."""
 ALL_S = 120.0
 """The longest time of everything before the autopilot lands."""
 SEARCH_M = 1.5
-"""Half the edge of the square that is searched; the region of the place is the most."""
+"""Half the edge of the square that is searched; limited by the region of the place."""
 SPEED_MPS, SINK_MPS = 0.8, 1.0
 SINK_PER_M, SLOWEST_MPS = 0.4, 0.3
-"""Speed of the descent for each metre above the marker, and the least one."""
+"""Speed of the descent per metre above the marker, and its least value."""
 BESIDE_M, BESIDE_PER_M = 0.15, 0.1
-"""It sinks while it is nearer to the vertical through the marker than this."""
+"""The vehicle sinks while it is at most so far from the vertical through the marker."""
 SETTLED_M, SETTLED_MORE_M, SETTLED_MPS, SETTLED_S = 0.12, 0.05, 0.25, 0.5
-"""Low over the marker it has to be so near to it, more with each second, so slow, for so long."""
+"""Low over the marker it has to be this near (more with each second) and this slow, for so long."""
 NEAR_M, STILL_MPS = 0.3, 0.05
 LEAVE_S = 30.0
 
@@ -78,7 +78,7 @@ class LandOnMarker(ReachGoals):
         self._expected = ExpectedMarker(self._place.position, self._place.region, marker.up_m)
 
     def initialise(self) -> None:
-        """Begins to look, from where the vehicle is."""
+        """Begins to look for the marker, from where the vehicle is."""
         flight = self._flight
         self._state = MarkerState.LOOKING
         self._track = MarkerTrack(self._expected)
@@ -102,7 +102,7 @@ class LandOnMarker(ReachGoals):
         if state is None or self._is_landing:
             return super().update()
         if flight.guidance.stop is not None:
-            return Status.RUNNING  # it still comes to rest from the flight before
+            return Status.RUNNING  # it still brakes from the flight before
         if self._glide is None:
             if problem := self._not_above(state):
                 return self.fail(problem)
@@ -122,13 +122,13 @@ class LandOnMarker(ReachGoals):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Holds where it is when something above interrupts."""
+        """Holds the vehicle where it is when something above interrupts."""
         self._flight.progress.end_descent()
         if new_status is Status.INVALID and self.status is Status.RUNNING:
             self._flight.guidance.hold()
 
     def reached(self) -> VehicleLanded:
-        """The last setpoint is outdated: the vehicle will hold where it takes off."""
+        """Forgets the last setpoint: after taking off, the vehicle will hold where it then is."""
         flight, state, marker = self._flight, self._flight.vehicle.state, self._track.position
         flight.guidance.forget_setpoint()
         if state is not None and marker is not None:
@@ -138,13 +138,13 @@ class LandOnMarker(ReachGoals):
 
     @property
     def _is_landing(self) -> bool:
-        """The autopilot lands."""
+        """Whether the autopilot is landing."""
         return self._state is MarkerState.LANDING
 
     # -- what is known -------------------------------------------------------------------------
 
     def _not_above(self, state: VehicleState) -> str:
-        """Why the vehicle is not where the landing begins; empty if it is."""
+        """Why the vehicle is not where the landing begins; empty if it is there."""
         name, place = self._place.name, self._place
         north, east, _ = state.position
         away_m = place.region.away_m(place.position, (north, east, place.position[2]))
@@ -171,7 +171,7 @@ class LandOnMarker(ReachGoals):
                 flight.report(told)
 
     def _problem(self, state: VehicleState) -> str:
-        """Why nobody may land there; empty if nothing speaks against it."""
+        """Why the vehicle may not land there; empty if there is no reason."""
         marker = self._track.position
         if self._state is MarkerState.LEAVING:
             return ""
@@ -189,7 +189,7 @@ class LandOnMarker(ReachGoals):
         return ""
 
     def _above_m(self, state: VehicleState) -> float:
-        """Of the vehicle above the marker, or above where the mission says that it is."""
+        """Height of the vehicle above the marker, or above its place in the mission."""
         marker = self._track.position
         up_m = -marker[2] if marker is not None else self._marker.up_m
         return -state.position[2] - up_m
@@ -235,10 +235,9 @@ class LandOnMarker(ReachGoals):
         return MarkerCue.TIME_UP
 
     def _is_settled(self, state: VehicleState) -> bool:
-        """Low over the marker, near enough to the vertical through it, and still, for a while.
-
-        A vehicle that is so low that the marker is not seen any more does not wait until it is
-        still: what it holds is a height by an estimate, which drifts.
+        """Whether the vehicle has been low, above the marker, and still, for a while.
+        If it is so low that the marker is no longer seen, it does not wait until it is still,
+        because it then holds an estimated height, which drifts.
         """
         marker, now_s = self._track.position, self._flight.now_s
         assert marker is not None
@@ -280,7 +279,7 @@ class LandOnMarker(ReachGoals):
             self._flight.progress.take_to_ground()
 
     def _square(self) -> list[Ned]:
-        """The corners of the square that is searched, about the place, and its middle."""
+        """The corners of the square that is searched, around the place, and its centre."""
         north, east, down = self._place.position
         half_m = min(SEARCH_M, self._place.inner_m / math.sqrt(2))
         corners = ((1, 1), (1, -1), (-1, -1), (-1, 1), (0, 0))
@@ -288,7 +287,7 @@ class LandOnMarker(ReachGoals):
         return [corner for corner in found if self._flight.routes.is_free(corner)]
 
     def _target(self, state: VehicleState) -> Ned:
-        """Where the setpoint goes."""
+        """The target of the setpoint."""
         assert self._glide is not None
         marker, place = self._track.position, self._place.position
         match self._state:
@@ -308,7 +307,7 @@ class LandOnMarker(ReachGoals):
         return self._glide.position
 
     def _fly(self, state: VehicleState) -> None:
-        """One setpoint; it waits for a vehicle that falls behind."""
+        """Sends one setpoint, which waits for a vehicle that falls behind."""
         flight, glide = self._flight, self._glide
         assert glide is not None
         dt_s, self._stepped_s = flight.elapsed_s(self._stepped_s), flight.now_s

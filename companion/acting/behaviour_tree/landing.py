@@ -1,10 +1,14 @@
 """The leaves that leave the air: landing, charging, taking off again.
 
 While the vehicle is on the ground by its own plan (`PlanProgress.is_landed_by_plan`), nothing
-interrupts the plan, and to be disarmed is no loss of control. A vehicle whose plan fails there
-takes off again before the next plan begins (`sortie.py`). One that was disarmed in its take-off is
-not armed again, since somebody has stopped it, or it has hit something. One whose autopilot lands
-and does not say that it has is left to that: it stands somewhere, with a height that is wrong.
+interrupts the plan, and being disarmed is no loss of control. Special cases:
+
+1. If the plan fails on the ground, the vehicle takes off again before the next plan begins
+   (`sortie.py`).
+2. A vehicle that was disarmed in its take-off is not armed again: somebody has stopped it, or it
+   has hit something.
+3. If the autopilot lands and does not report that it has landed, it is left alone: the vehicle
+   stands somewhere, with a wrong height.
 """
 
 from __future__ import annotations
@@ -33,15 +37,15 @@ from companion.vehicle.port import Failed, Goal, Mode, Progress
 NO_CHARGE_S = 120.0
 """Time without one more percent after which a charger is given up."""
 SLOW_WINDOWS = 2
-"""So often, one after the other, it gives too little in that time: a power cut is no slow dock."""
+"""How many consecutive windows with too little charge are allowed; a power cut is no slow dock."""
 
 
 class ReachGoals(Leaf):
-    """Works towards goals of the vehicle, one after the other."""
+    """Pursues goals of the vehicle, one after the other."""
 
     goals: tuple[Goal, ...] = ()
     takeoff_up_m: float | None = None
-    """Altitude above home to take off to; None for the mission's own."""
+    """Altitude above home for the take-off; None for the mission's own."""
 
     def __init__(self, flight: Flight, name: str) -> None:
         super().__init__(flight, name)
@@ -70,7 +74,7 @@ class ReachGoals(Leaf):
         return Status.SUCCESS
 
     def _ends_sortie(self, failed: Failed) -> bool:
-        """Whether no other try may follow: it lands unnoticed, or was disarmed after our arming."""
+        """Whether no other try may follow: an unnoticed landing, or disarming after our arming."""
         progress, state, goal = self._flight.progress, self._flight.vehicle.state, self._left[0]
         if state is None:
             return False
@@ -84,7 +88,7 @@ class ReachGoals(Leaf):
 
     @abstractmethod
     def reached(self) -> FlightEvent:
-        """Takes over what the last goal means for the flight; returns what has happened."""
+        """Notes what the last goal means for the flight; returns what has happened."""
 
 
 class LandVehicle(ReachGoals):
@@ -95,7 +99,7 @@ class LandVehicle(ReachGoals):
     goals = (Goal.LANDED,)
 
     def initialise(self) -> None:
-        """First it comes to rest."""
+        """Lets the vehicle come to rest first."""
         super().initialise()
         self._wait = LandingWait(self._flight)
 
@@ -105,20 +109,20 @@ class LandVehicle(ReachGoals):
         return Status.RUNNING if is_held else super().update()
 
     def reached(self) -> FlightEvent:
-        """The last setpoint is outdated: the vehicle will hold where it takes off."""
+        """Forgets the last setpoint: after taking off, the vehicle will hold where it then is."""
         self._flight.guidance.forget_setpoint()
         return VehicleLanded()
 
 
 class TakeOffVehicle(ReachGoals):
-    """Arms, climbs to the altitude of its place, and takes the vehicle over in OFFBOARD."""
+    """Arms, climbs to the altitude of its place, and takes control in OFFBOARD."""
 
     does = LeafType.TAKE_OFF
 
     goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
 
     def initialise(self) -> None:
-        """Where the vehicle is, by the plan, is how high it climbs."""
+        """Takes the height of the climb from where the plan has the vehicle."""
         super().initialise()
         task = self._flight.task
         place = task.running.destination if task.running is not None else None
@@ -126,17 +130,17 @@ class TakeOffVehicle(ReachGoals):
         self.takeoff_up_m = self._flight.symbols.up_m(place or at)
 
     def reached(self) -> FlightEvent:
-        """The plan may be interrupted again."""
+        """Allows the plan to be interrupted again."""
         self._flight.progress.leave_ground()
         return VehicleAirborne()
 
 
 class BeginAgain(TakeOffVehicle):
-    """Before each try of a skill that lands or takes off: another try begins as the first one did.
+    """Before each try of a skill that lands or takes off, restores where the first try began.
 
-    The vehicle takes off again for one that has begun in the air, if its charge lasts for that. It
-    does not land where nobody has said so: a skill that has begun on the ground, and has taken off,
-    is not tried again.
+    If the first try began in the air, the vehicle takes off again, if its charge lasts for that. It
+    does not land unless told to: a skill that began on the ground and has taken off is not tried
+    again.
     """
 
     does = LeafType.BEGIN_AGAIN
@@ -158,7 +162,7 @@ class BeginAgain(TakeOffVehicle):
             super().initialise()
 
     def update(self) -> Status:
-        """SUCCESS where the first try began: in the air, or on the ground."""
+        """SUCCESS once the vehicle is where the first try began: in the air, or on the ground."""
         if self._flight.progress.is_landed_by_plan == self._began_on_ground:
             return Status.SUCCESS
         if self._began_on_ground:
@@ -169,11 +173,11 @@ class BeginAgain(TakeOffVehicle):
 
 
 class ChargeBattery(Leaf):
-    """Waits until the battery has so much.
+    """Waits until the battery has reached a level.
 
-    A dock is given up that gives no percent in two minutes, or twice in two minutes less than half
-    of what the mission says of it; where the vehicle cannot go to another one, it waits longer. The
-    event of a line that is ready ends it, once there is enough for the answer.
+    A dock is given up if it gives no percent in two minutes, or twice in a row, in two minutes,
+    less than half of what the mission says. If the vehicle cannot go to another dock, it waits
+    longer. The event of a ready line ends the charge, once there is enough charge for the answer.
     """
 
     does = LeafType.CHARGE
@@ -183,7 +187,7 @@ class ChargeBattery(Leaf):
         self._percent, self._called_percent = percent, called_percent
 
     def initialise(self) -> None:
-        """Starts to watch."""
+        """Starts to measure."""
         self._most = -1
         self._since_s = self._flight.now_s
         self._window: tuple[float, int] | None = None  # its beginning, and the percents then
@@ -191,7 +195,7 @@ class ChargeBattery(Leaf):
         self._is_told = False
 
     def update(self) -> Status:
-        """SUCCESS at the percentage; FAILURE if it does not rise any longer, or too slowly."""
+        """SUCCESS at the percentage; FAILURE if the charge no longer rises, or rises too slowly."""
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
         if percent is not None and percent >= self._percent:
@@ -211,12 +215,12 @@ class ChargeBattery(Leaf):
         return Status.RUNNING
 
     def _is_called(self, percent: int) -> bool:
-        """Whether an event asks for an answer, for which there is enough."""
+        """Whether an event asks for an answer for which there is enough charge."""
         enough = self._called_percent
         return enough is not None and percent >= enough and self._flight.task.is_called
 
     def _await_power(self, percent: int | None) -> Status:
-        """A dock that gives nothing: FAILURE if another one is to be flown to, or in the end."""
+        """At a dock that gives nothing: FAILURE if another dock is to be used, or finally."""
         flight, patience_s = self._flight, self._flight.dock.patience_s
         if flight.now_s - self._since_s > NO_CHARGE_S + patience_s:
             known = "unknown" if percent is None else f"{percent} %"
@@ -224,11 +228,11 @@ class ChargeBattery(Leaf):
         if percent is not None and not self._is_told:
             self._is_told = True
             flight.report(ChargeAwaited(percent, round(patience_s)))
-        self._window, self._slow_windows = None, 0  # what it gives counts from when it gives again
+        self._window, self._slow_windows = None, 0  # measures again from when it gives again
         return Status.RUNNING
 
     def _measure(self, percent: int) -> None:
-        """Compares what two minutes have given with what the mission says; then two more."""
+        """Compares the charge of two minutes with what the mission says, then starts again."""
         now_s = self._flight.now_s
         begun_s, before = self._window or (now_s, percent)
         if now_s - begun_s > NO_CHARGE_S:
@@ -240,7 +244,7 @@ class ChargeBattery(Leaf):
 
 
 class EnoughCharge(Leaf):
-    """Whether the battery has so much that the vehicle need not land."""
+    """Checks that the battery has so much charge that the vehicle need not land."""
 
     does = LeafType.CHARGE
 
@@ -249,7 +253,7 @@ class EnoughCharge(Leaf):
         self._percent = percent
 
     def update(self) -> Status:
-        """SUCCESS in the air with so much."""
+        """SUCCESS in the air with enough charge."""
         flight, state = self._flight, self._flight.vehicle.state
         percent = state.battery_percent if state else None
         if flight.progress.is_landed_by_plan or percent is None:

@@ -1,7 +1,7 @@
-"""The root of all leaves of the tree, and the reason why a tree has failed.
+"""The base class of all leaves of the tree, and the reason why a tree has failed.
 
-A leaf that fails says why in its `feedback_message`, as is usual with py_trees. Nothing else
-carries a reason upwards: who wants to know why a node has failed asks `failure_of`.
+A leaf that fails says why in its `feedback_message`, as is usual with py_trees. No other node
+carries a reason upwards; `failure_of` finds the reason for any node.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ class Leaf(Behaviour):
 
     Attributes:
         does: what kind of leaf it is.
-        nth: of the leaves of its action, from 0.
+        nth: index of the leaf in its action, from 0.
 
     Args:
         flight: what it acts on.
-        name: what it is called on the monitor page.
+        name: its name on the monitor page.
     """
 
     does: LeafType
@@ -37,10 +37,10 @@ class Leaf(Behaviour):
         self._flight = flight
 
     def owner(self, asked: int = 0) -> StepOwner:
-        """Whose step it is, for the action under way.
+        """The identity of a step of this leaf, in the present action.
 
         Args:
-            asked: which of the commands that a function has asked for; 0 for the leaf's own step.
+            asked: which of the commands that a function requested; 0 for the leaf's own step.
         """
         task = self._flight.task
         action = task.running
@@ -53,7 +53,7 @@ class Leaf(Behaviour):
         return Status.FAILURE
 
     def status_of(self, outcome: Outcome) -> Status:
-        """The status that an outcome is, with its reason."""
+        """The status for an outcome, with the outcome's reason."""
         if isinstance(outcome, Failed):
             return self.fail(outcome.reason)
         return Status.SUCCESS if outcome is Progress.DONE else Status.RUNNING
@@ -65,7 +65,7 @@ def leaves_of(node: Behaviour) -> list[Leaf]:
 
 
 def failure_of(node: Behaviour) -> str:
-    """Returns why a node has failed: what the last of its leaves says that did; "" if none does."""
+    """Returns why a node has failed: the message of the last failed leaf; "" if there is none."""
     if node.status is not Status.FAILURE:
         return ""
     if not node.children:

@@ -27,7 +27,7 @@ RUNNING = Status.RUNNING
 
 
 class AssumptionsHold(Leaf):
-    """Leftmost branch: the events that matter to the plan still have their values."""
+    """Leftmost branch: the events that matter to the plan still have their assumed values."""
 
     does = LeafType.ASSUMPTIONS
 
@@ -36,7 +36,7 @@ class AssumptionsHold(Leaf):
         self._assumptions = assumptions
 
     def update(self) -> Status:
-        """FAILURE on the first difference, which replans."""
+        """FAILURE at the first difference, which causes a replan."""
         if self._flight.progress.is_landed_by_plan:
             return Status.SUCCESS  # what was begun on the ground is finished first
         wrong = self._assumptions.wrong
@@ -46,13 +46,13 @@ class AssumptionsHold(Leaf):
 class Precondition(Leaf):
     """Green block: the precondition holds, so the present position is left.
 
-    Before it, nothing of the action has begun: the moment for a better plan, if there may be one,
-    and to wait until it is known whether a line of the task that was dropped can be taken up. After
-    a skill on the ground it waits for a look at what has happened meanwhile. A retry goes on with a
-    flight that has failed from where that has ended.
+    Before that, nothing of the action has begun. So this is the moment for a better plan, if one
+    may exist, and for waiting until it is known whether a dropped line of the task can be kept
+    again. After a skill on the ground it waits until the events have been examined. A retry
+    continues a failed flight from where that ended.
 
     Args:
-        assumptions: of the plan; None where it relies on none.
+        assumptions: those of the plan; None if it has none.
     """
 
     does = LeafType.PRECONDITION
@@ -88,9 +88,9 @@ class Precondition(Leaf):
 
 
 class StillThere(Leaf):
-    """In a tree written by hand: an action at a place ends when the vehicle is elsewhere.
+    """In a tree written by hand: ends an action at a place when the vehicle is elsewhere.
 
-    A plan that loses its place is replaced; a tree by hand is not, so the action fails.
+    A plan that loses its place is replaced. A tree by hand is not replaced, so the action fails.
     """
 
     does = LeafType.STILL_THERE
@@ -100,14 +100,14 @@ class StillThere(Leaf):
         self._intention = intention
 
     def update(self) -> Status:
-        """FAILURE once the task has the action no longer under way."""
+        """FAILURE once the action is no longer under way for the task."""
         if self._flight.task.running is self._intention.action:
             return Status.SUCCESS
         return self.fail(f"{self._intention.name} was interrupted: its place is lost")
 
 
 class Effects(Leaf):
-    """Blue block: takes the effects over into the task's state.
+    """Blue block: applies the effects to the task's state.
 
     Args:
         ends_lap: whether the action is the last one of the loop.
@@ -134,10 +134,10 @@ class Effects(Leaf):
 
 
 class Withdraw(Leaf):
-    """Right branch of Fig. 6: the skill has failed, so what it assumed is not believed.
+    """Right branch of Fig. 6: the skill has failed, so its assumptions are withdrawn.
 
-    A skill that has not begun, because its precondition does not hold, disproves nothing; nor does
-    one that a tree written by hand tries again.
+    Nothing is withdrawn if the skill did not begin because its precondition does not hold, or if a
+    tree written by hand tries it again.
 
     Args:
         left: the left branch of the figure.
@@ -154,7 +154,7 @@ class Withdraw(Leaf):
         self._left = left
 
     def update(self) -> Status:
-        """Always SUCCESS; the inverter above turns it into the FAILURE that replans."""
+        """Always SUCCESS; the inverter above turns it into the FAILURE that causes a replan."""
         flight, action = self._flight, self._intention.action
         self.feedback_message = failure_of(self._left)
         if flight.task.running is not action:
@@ -174,14 +174,14 @@ class Withdraw(Leaf):
 
 
 class UpdateParam(Leaf):
-    """update_param(c, w): grounds the symbol `w` to a waypoint that can be flown to now.
+    """update_param(c, w): chooses for the symbol `w` a waypoint that can be flown to now.
 
-    `c` is always the vehicle's present state, so there is nothing to ground for it. If the flight
-    of the try before has failed, it takes another waypoint.
+    `c` is always the vehicle's present state, so nothing has to be chosen for it. If the flight of
+    the last try has failed, it chooses another waypoint.
 
     Args:
-        move: flies to the waypoint; why it failed the last time says more than that no other
-            waypoint is left.
+        move: flies to the waypoint; the reason why it failed last is more helpful than the message
+            that no other waypoint is left.
     """
 
     does = LeafType.UPDATE_PARAM
@@ -193,7 +193,7 @@ class UpdateParam(Leaf):
         self._grounding: InSlices[bool] | None = None
 
     def initialise(self) -> None:
-        """Begins with the waypoint of before, unless a flight to it has failed."""
+        """Begins with the previous waypoint, unless a flight to it has failed."""
         flight, place, state = self._flight, self._place, self._flight.vehicle.state
         self._before = flight.symbols[place]
         self._has_failed = self._move.failed_at == flight.task.positions
@@ -204,9 +204,9 @@ class UpdateParam(Leaf):
             self._grounding = InSlices(lambda: ground(place, here, flight.now_s, advice))
 
     def update(self) -> Status:
-        """FAILURE if no waypoint of the place can be flown to on the map as it is known now.
+        """FAILURE if no waypoint of the place can be flown to on the present map.
 
-        A search for ways may take some ticks; the vehicle holds meanwhile.
+        The search for routes may take some ticks; the vehicle holds meanwhile.
         """
         flight, place, grounding = self._flight, self._place, self._grounding
         if grounding is not None and not grounding.step():
@@ -220,16 +220,16 @@ class UpdateParam(Leaf):
         return Status.SUCCESS
 
     def terminate(self, new_status: Status) -> None:
-        """Leaves a waypoint that is only tried."""
+        """Drops a waypoint that was only being tried."""
         if self._grounding is not None:
             self._grounding.abandon()
             self._grounding = None
 
 
 class SendCommand(Leaf):
-    """Sends a MAVLink command to a component and waits, holding, for its final answer.
+    """Sends a MAVLink command to a component and holds until its final answer.
 
-    That it is about to be sent is in the journal, on the disk, before it is.
+    The journal has the intention on the disk before the command is sent.
     """
 
     does = LeafType.COMMAND
@@ -241,7 +241,7 @@ class SendCommand(Leaf):
         self._sent: PayloadCommand | None = None
 
     def initialise(self) -> None:
-        """Writes down what is intended, or comes back to what was."""
+        """Writes down the intention, or returns to an earlier one."""
         self._sent = PayloadCommand(self._flight, self.owner(), self._command, self._timeout_s)
 
     def update(self) -> Status:
@@ -251,7 +251,7 @@ class SendCommand(Leaf):
         return self.status_of(self._sent.progress())
 
     def terminate(self, new_status: Status) -> None:
-        """Waits for it no longer."""
+        """Stops waiting for it."""
         if new_status is not RUNNING and self._sent is not None:
             self._sent.leave()
             self._sent = None
@@ -267,7 +267,7 @@ class Rest(Leaf):
         self._duration_s = duration_s
 
     def initialise(self) -> None:
-        """Starts the time."""
+        """Starts the timer."""
         self._end_s = self._flight.now_s + self._duration_s
 
     def update(self) -> Status:

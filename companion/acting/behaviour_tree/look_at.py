@@ -1,4 +1,4 @@
-"""The leaf that turns: a step of a skill with `look_at` begins when the vehicle looks there."""
+"""The leaf that turns the vehicle: a step with `look_at` begins once the vehicle looks there."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from companion.mission.model import PointOfInterest
 from companion.motion.heading import HEADING_TOLERANCE_RAD, error_rad, towards
 
 TURN_TIMEOUT_S = 15.0
-"""How long a turn may take beyond what the vehicle needs for half of one."""
+"""How much longer a turn may take than half a turn of this vehicle."""
 
 
 class LookAt(Leaf):
     """Turns to a point on the spot, until the vehicle looks at it.
 
-    A step that holds the vehicle then keeps the heading, and a flight goes on looking at the point
-    by itself. On the ground, and where the point is too near to be in any direction, nothing turns.
+    A step that holds the vehicle then keeps the heading, and a flight itself keeps looking at the
+    point. The vehicle does not turn on the ground, or if the point is too near to have a direction.
 
     Args:
         flight: what it acts on.
         point: what is looked at.
-        before: the step; once that is under way nothing is left to do.
+        before: the step; once that is under way, nothing is left to do.
     """
 
     does = LeafType.LOOK_AT
@@ -36,7 +36,7 @@ class LookAt(Leaf):
         self._before = before
 
     def initialise(self) -> None:
-        """Starts the time."""
+        """Starts the timer."""
         most_s = TURN_TIMEOUT_S + math.pi / self._flight.profile.yaw_rate_radps
         self._end_s = self._flight.now_s + most_s
 

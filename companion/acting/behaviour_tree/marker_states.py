@@ -1,4 +1,4 @@
-"""What a landing on a marker is doing: its states, what ends each, and where that leads."""
+"""The states of a landing on a marker, what ends each, and the next state."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from companion.transitions import StateTransition, TransitionTable
 
 
 class MarkerState(Enum):
-    """What a landing on a marker is doing."""
+    """The states of a landing on a marker."""
 
     LOOKING = "looking"
     DESCENDING = "descending"
@@ -20,7 +20,7 @@ class MarkerState(Enum):
 
 
 class MarkerCue(Enum):
-    """What ends a state."""
+    """The events that end a state."""
 
     SEEN = "the marker is seen"
     LOST = "the marker is lost"
@@ -55,4 +55,4 @@ TRANSITIONS = TransitionTable(
     _row(_SEARCHING, MarkerCue.TIME_UP, _LEAVING, _BACK),
     _row(_SEARCHING, MarkerCue.REFUSED, _LEAVING, _BACK),
 )
-"""The rows; LEAVING and LANDING end with the skill."""
+"""The transitions; LEAVING and LANDING end with the skill."""

@@ -1,4 +1,4 @@
-"""The leaf that flies: move_cmd of Fig. 6, along a route that stays clear of what is seen."""
+"""The leaf that flies: move_cmd of Fig. 6, along a route that keeps clear of what is seen."""
 
 from __future__ import annotations
 
@@ -29,44 +29,45 @@ from companion.tick import TICK_S
 from companion.vehicle.port import VehicleState
 
 ARRIVAL_M = 0.3
-"""How near to a place the vehicle has to come to be there."""
+"""How near the vehicle has to come to a place in order to be there."""
 ARRIVAL_SIGMAS = 2.0
-"""The same in standard deviations of the position, where that is more: a vehicle that hovers
-wanders by about one of them. The place's own radius is the most."""
+"""The same in standard deviations of the position, if that is more: a hovering vehicle wanders by
+about one of them. It is limited by the place's own radius."""
 ARRIVAL_MPS = 0.5
-"""A vehicle that is faster than this still swings past, towards what stands behind the place."""
+"""A faster vehicle still swings past the place, towards what stands behind it."""
 ARRIVAL_TIMEOUT_S = 15.0
-"""How long it may take to come that near after the trajectory has ended, to catch up, or to come
-nearer to the place where it is taken off its way again and again."""
+"""Time after the end of the trajectory to come that near: to catch up, or, if the vehicle is pushed
+off its path again and again, to come nearer to the place."""
 FOLLOWS_SHARE, WAITS_SHARE = 0.4, 0.7
-"""Of the gate's carrot: distances behind the trajectory from which on it is slowed, and at which it
-waits for the vehicle."""
+"""Shares of the gate's greatest distance: when the vehicle is so far behind its trajectory, the
+trajectory is slowed, and waits for it."""
 ASTRAY_SHARE = 14 / 15
-"""Of the gate's carrot: distance at which a vehicle that has come to rest takes a new way; the gate
-would soon hold it there, away from a trajectory that waits for it."""
+"""Share of the gate's greatest distance: if a resting vehicle is so far off, it gets a new route.
+The gate would soon hold it there, away from a trajectory that waits for it."""
 
 
 class MoveCommand(Leaf):
     """move_cmd(c, w): flies a clear route to a place.
 
-    It begins at the setpoint that the vehicle follows, at its speed, so that no setpoint jumps. The
-    trajectory is slowed for a vehicle that falls behind, and waits, so that its setpoint never runs
-    away; the gate would hold it otherwise. It is slowed to the speed limit in force. A fast vehicle
-    that cannot stop straight ahead on a clear leg comes to rest along the path that it flew, and
-    begins there. An interrupted flight comes to rest so, too.
-
-    When the map has changed, what is left of the trajectory is looked at again. If it is no
-    longer clear there are, in this order: another route, flown into without a stop; a stop
-    straight ahead, and a route from there; failure, since no clear route is left.
+    1. The flight begins at the setpoint that the vehicle follows, at its speed, so no setpoint
+       jumps.
+    2. The trajectory is slowed for a vehicle that falls behind, and waits for it, so that its
+       setpoint never runs away; otherwise the gate would hold the vehicle. It is also slowed to the
+       speed limit in force.
+    3. A fast vehicle that cannot stop straight ahead on a clear leg comes to rest along the path
+       that it flew, and begins there. So does the vehicle of an interrupted flight.
+    4. When the map has changed, the rest of the trajectory is checked again. If it is no longer
+       clear, these are tried in order: another route, entered without a stop; a stop straight
+       ahead, and a route from there; failure, because no clear route is left.
 
     Attributes:
-        failed_at: how many positions the word had when it failed last; None if it never has.
+        failed_at: number of positions of the word when it last failed; None if it never has.
 
     Args:
         flight: what it acts on.
         place: where it flies to.
         timeout_s: longest time; None for no limit.
-        look_at: point that the vehicle looks at; None to look where it flies.
+        look_at: point that the vehicle looks at; None to look in the direction of flight.
     """
 
     does = LeafType.MOVE_CMD
@@ -80,13 +81,13 @@ class MoveCommand(Leaf):
     ) -> None:
         super().__init__(flight, f"move_cmd {place}")
         self.failed_at: int | None = None
-        self._is_searching = False  # for the ways that the last route asked for takes
+        self._is_searching = False  # for the routes that the last request needs
         self._place = place
         self._timeout_s = timeout_s
         self._heading = FlightHeading(flight, place, look_at)
 
     def initialise(self) -> None:
-        """Finds the route from where the vehicle is, and how fast, now."""
+        """Finds the route from where the vehicle is now, at its present speed."""
         state = self._flight.vehicle.state
         self._trajectory: Trajectory | Stop | None = None
         self._is_waiting = False
@@ -97,9 +98,9 @@ class MoveCommand(Leaf):
         self._least_left_m = math.inf
 
     def _begin(self, state: VehicleState) -> None:
-        """A new route; without one at this speed a stop that is under way goes on.
+        """Begins a new route; if there is none at this speed, a stop that is under way continues.
 
-        While the ways are being searched the vehicle holds.
+        While routes are being searched, the vehicle holds.
         """
         departure = self._flight.guidance.departure_of(state)
         now, is_stopping = departure.now, departure.stop is not None
@@ -111,7 +112,7 @@ class MoveCommand(Leaf):
         self._time_s = 0.0
         if self._trajectory is None and not self._is_waiting:
             self._trajectory = self._from_rest(now.position)
-            self._time_s = -TICK_S  # its acceleration is told early; so it grows more gently
+            self._time_s = -TICK_S  # its acceleration is sent early, so it grows more gently
         self._is_braking = False
         self._flown_s, self._rate = self._time_s, 1.0
         self._told: RouteBlocked | None = None
@@ -120,19 +121,21 @@ class MoveCommand(Leaf):
         self._in_time_s = self._flight.now_s
 
     def _wait(self, state: VehicleState) -> None:
-        """Begins when a stop has ended, or leads straight on at last."""
+        """Begins when a stop has ended, or when it leads straight on."""
         is_straight = self._is_turning and not self._flight.guidance.departure_of(state).is_turning
         if self._flight.guidance.stop is None or is_straight:
             self._begin(state)
 
     def _knows_ways(self, start: Ned) -> bool:
-        """Whether a route from there takes no search any more; else does a tick's part of it."""
+        """Whether a route from there needs no further search; if it does, searches for a tick."""
         is_known = self._flight.routes.search(start, self._place, CELLS_PER_TICK)
         self._is_searching = not is_known
         return is_known
 
     def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
-        """A trajectory that begins at some speed; None without one or its ways, or hardly fast."""
+        """A trajectory that begins at some speed; None if there is none or its routes are not
+        known.
+        """
         self._is_searching = False
         if is_slow(now):
             return None
@@ -146,7 +149,7 @@ class MoveCommand(Leaf):
         return from_rest(self._flight.routes, start, self._place, limits)
 
     def update(self) -> Status:
-        """One setpoint along the trajectory; SUCCESS at the place."""
+        """Sends one setpoint along the trajectory; SUCCESS at the place."""
         flight, state = self._flight, self._flight.vehicle.state
         if state is not None and self._is_waiting:
             self._wait(state)
@@ -188,7 +191,7 @@ class MoveCommand(Leaf):
         return f"stuck on the way to {self._place}"
 
     def _gets_nowhere(self) -> bool:
-        """Whether a vehicle that begins anew, off its way, has come no nearer for too long."""
+        """Whether a vehicle that begins again, off its path, has come no nearer for too long."""
         if not isinstance(self._trajectory, Trajectory):
             return False
         left_m = self._trajectory.path.length_m
@@ -197,26 +200,26 @@ class MoveCommand(Leaf):
         return self._flight.now_s - self._nearer_s > ARRIVAL_TIMEOUT_S
 
     def terminate(self, new_status: Status) -> None:
-        """Stays where it is when something above interrupts; notes a failure."""
+        """Holds where the vehicle is when something above interrupts; notes a failure."""
         if new_status is Status.FAILURE:
             self.failed_at = self._flight.task.positions
         if new_status is Status.INVALID and self.status is Status.RUNNING:
             self._brake()
 
     def _advance(self) -> None:
-        """The trajectory's time runs, from one update to the next."""
+        """Advances the trajectory's time from one update to the next."""
         if self._updated_s is not None:
             self._time_s += self._rate * self._flight.elapsed_s(self._updated_s)
 
     def _sample(self) -> Sample:
-        """What may be flown of the trajectory now; sets how fast its time runs."""
+        """The moment of the trajectory that may be flown now; sets how fast its time runs."""
         assert self._trajectory is not None
         led = self._flight.guidance.led(self._trajectory, self._time_s)
         slowed, self._rate = self._flight.speed_limit.slowed(led)
         return slowed
 
     def _is_there(self, gap_m: float, state: VehicleState) -> bool:
-        """Whether the vehicle is at the place, as well as its position can tell, and slow."""
+        """Whether the vehicle is at the place, as far as its position can tell, and slow."""
         wander_m = ARRIVAL_SIGMAS * state.accuracy_m
         near_m = max(ARRIVAL_M, min(wander_m, self._flight.symbols.inner_m(self._place)))
         return gap_m < near_m and math.hypot(*state.velocity) < ARRIVAL_MPS
@@ -227,7 +230,7 @@ class MoveCommand(Leaf):
         return f"at {self._place}, but {self._heading.error_deg(state)} degrees off the heading"
 
     def _brake(self) -> None:
-        """Comes to rest along the path, from the setpoint that was flown last."""
+        """Brakes along the path, from the last setpoint."""
         flight, trajectory = self._flight, self._trajectory
         if isinstance(trajectory, Stop):
             flight.guidance.stop_along(trajectory, self._flown_s)
@@ -240,7 +243,7 @@ class MoveCommand(Leaf):
             flight.guidance.stop_along(stop, 0.0) if stop else flight.guidance.hold()
 
     def _follow_map(self, state: VehicleState) -> None:
-        """Leaves a trajectory that is no longer clear, and goes on from a stop."""
+        """Leaves a trajectory that is no longer clear, and continues from a stop."""
         routes, trajectory = self._flight.routes, self._trajectory
         if trajectory is None:
             return
@@ -257,9 +260,10 @@ class MoveCommand(Leaf):
                 self._avoid(trajectory)
 
     def _avoid(self, trajectory: Trajectory) -> None:
-        """Another route without a stop, or a stop along the path.
+        """Begins another route without a stop, or a stop along the path.
 
-        While the ways are being searched it is flown on as far as it leaves clear room to stop.
+        While routes are being searched, the trajectory is flown on as long as clear room to stop
+        remains.
         """
         now = trajectory.sample(self._time_s).slower(self._rate)
         around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
@@ -293,7 +297,7 @@ class MoveCommand(Leaf):
 
 
 def _following(gap_share: float) -> float:
-    """How fast the time of a trajectory runs for a vehicle so far behind, in shares of the carrot.
+    """How fast the time of a trajectory runs if the vehicle is behind by this share of the limit.
 
     >>> _following(0.3), _following(0.55), _following(0.8)
     (1.0, 0.5, 0.0)
@@ -303,7 +307,7 @@ def _following(gap_share: float) -> float:
 
 
 def _stop(trajectory: Trajectory, t_s: float, now: Sample, limits: SpeedLimits) -> Stop | None:
-    """A stop along the path of a trajectory, from the motion there now; None if there is none."""
+    """A stop along the path of a trajectory, from the present motion; None if there is none."""
     try:
         return Stop(trajectory, t_s, motion_of(now.velocity, now.acceleration), limits)
     except ArithmeticError:

@@ -1,8 +1,8 @@
-"""A pause in a tree that is not replaced: what was under way begins anew when it is over.
+"""Pauses a tree that is not replaced; afterwards what was under way starts again.
 
-Leaves alone are stopped. Sequences, retries and repeats stay where they are, and the actions under
-way stay so: a pause is no failed try. A flight goes on from where the vehicle is, a command where
-it was, a wait begins again.
+Only leaves are stopped. Sequences, retries, repeats and the present actions stay where they are: a
+pause is no failed try. Afterwards a flight continues from where the vehicle is, a command from
+where it was, and a wait starts again.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from companion.acting.behaviour_tree.deadline import Deadline
 
 
 def pause(root: Behaviour) -> None:
-    """Stops what is under way."""
+    """Stops the leaves that are running."""
     for node in root.iterate():
         if not node.children and node.status is Status.RUNNING:
             node.stop(Status.INVALID)
 
 
 def resume(root: Behaviour, paused_s: float) -> None:
-    """The next tick goes on; time limits do not count the pause."""
+    """Lets the next tick continue; time limits do not count the pause."""
     for node in root.iterate():
         if isinstance(node, Deadline) and node.status is Status.RUNNING:
             node.postpone(paused_s)

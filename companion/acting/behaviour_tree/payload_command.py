@@ -10,7 +10,7 @@ from companion.vehicle.port import Failed, Outcome, Progress
 
 
 class PayloadCommand:
-    """A command of the skill under way. After an interruption it is the command of before.
+    """A command of the present skill. After an interruption it is the same command as before.
 
     Args:
         flight: the flight; its payloads get the command.

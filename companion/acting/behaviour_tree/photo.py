@@ -1,8 +1,8 @@
-"""The leaf that makes a photo: done when the camera has it, and made once for each time it is due.
+"""The leaf that takes a photo: done when the camera has stored it, and taken once each time.
 
-A photo is due once for its action, each time that the position of the word is another. A try after
-a failed one, the end of a pause, another plan, or another process after a crash comes back to the
-same photo: the camera's count then says whether it was made.
+A photo is due once for its action at each position of the word. After a failed try, a pause,
+another plan, or a crash of the process, the leaf returns to the same photo; the camera's counter
+then tells whether it was taken.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from companion.vehicle.port import Progress
 
 
 class TakePhoto(Leaf):
-    """Makes a photo, holding.
+    """Takes a photo while the vehicle holds.
 
-    That it is about to be asked for is in the journal, on the disk, before it is.
+    The journal has the intention on the disk before the camera is asked.
 
     Args:
         flight: what it acts on.
-        photo: by which camera.
-        timeout_s: time for all of it; None for the usual one.
+        photo: the camera to use.
+        timeout_s: time for all of it; None for the default.
     """
 
     does = LeafType.PHOTO
@@ -41,7 +41,7 @@ class TakePhoto(Leaf):
         self._intended_s: float | None = None
 
     def initialise(self) -> None:
-        """Asks the camera how many photos it has made."""
+        """Asks the camera for its number of photos."""
         cameras, running = self._flight.vehicle.cameras, self._flight.task.running
         may_repeat = running is not None and running.is_repeatable
         self._ticket = cameras.prepare(
@@ -50,7 +50,7 @@ class TakePhoto(Leaf):
         self._intended_s = None
 
     def update(self) -> Status:
-        """SUCCESS if the photo is there."""
+        """SUCCESS if the photo has been taken."""
         flight, ticket = self._flight, self._ticket
         assert ticket is not None
         flight.guidance.hold()
@@ -65,7 +65,7 @@ class TakePhoto(Leaf):
         return Status.RUNNING
 
     def terminate(self, new_status: Status) -> None:
-        """Asks for it no longer."""
+        """Stops waiting for it."""
         if new_status is not Status.RUNNING and self._ticket is not None:
             self._flight.vehicle.cameras.forget(self._ticket)
             self._ticket = None
@@ -76,7 +76,7 @@ class TakePhoto(Leaf):
         return (owner.action, owner.position, owner.nth)
 
     def _shoot(self, ready: ShotReady, ticket: int) -> Status:
-        """What is intended is written down first."""
+        """Asks for the photo, after the intention was written down."""
         flight = self._flight
         if self._intended_s is None:
             self._intended_s = flight.now_s

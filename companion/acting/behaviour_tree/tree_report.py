@@ -1,8 +1,8 @@
-"""Reports what the tree looks like, and what each of its nodes does, when it changes.
+"""Reports the nodes of the tree once, and then each change of a node's status.
 
-A tree is told node by node, in depth-first order, the first time; later ticks tell only the nodes
-whose status has changed since, by their number in that order. So a tree's whole history can be
-read back, and a tick that changes nothing costs one look at each node.
+The first time, all nodes are reported in depth-first order. Later ticks report only the nodes whose
+status has changed, by their number in that order. So a tree's whole history can be read back, and a
+tick without changes costs one comparison for each node.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ from companion.mission.facts import Fact
 
 
 class TreeReport:
-    """Tells of one tree.
+    """Reports on one tree.
 
     Args:
-        flight: where reports go.
-        root: the tree; it keeps its nodes.
+        flight: receives the reports.
+        root: the tree, whose nodes stay the same.
     """
 
     def __init__(self, flight: Flight, root: Behaviour) -> None:
@@ -51,7 +51,7 @@ class TreeReport:
         self._statuses: list[Status] = []
 
     def tell(self) -> None:
-        """Tells the tree, once, and the nodes whose status has changed since the last call."""
+        """Reports the tree once, and the nodes whose status has changed since the last call."""
         if not self._statuses:
             self._statuses = [Status.INVALID] * len(self._nodes)
             self._flight.report(TreeBuilt(described(self._root)))

@@ -1,6 +1,6 @@
-"""Retries: of the steps of a skill, and of a tree written by hand.
+"""Retries, of the steps of a skill and of a tree written by hand.
 
-An action that fails, and is tried again, has not failed yet: what it assumes is still believed.
+An action that fails and is tried again has not failed yet: its assumptions are still believed.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from companion.acting.flight import Flight
 class RetrySteps(Retry):
     """Tries its child again after a failure, a limited number of times: MAX_TRY(m) of Fig. 6.
 
-    Each try does all of its steps, including those that a failed try has done.
+    Each try does all steps again, including those that were done in the failed try.
     """
 
     def __init__(self, flight: Flight, child: Behaviour, tries: int) -> None:
@@ -31,7 +31,7 @@ class RetrySteps(Retry):
 
 
 class RetryByHand(RetrySteps):
-    """The retry of a tree written by hand.
+    """A retry in a tree written by hand.
 
     Attributes:
         began_on_ground: whether the first try began on the ground.
@@ -48,21 +48,21 @@ class RetryByHand(RetrySteps):
         self.began_on_ground = self._flight.progress.is_landed_by_plan
 
     def terminate(self, new_status: Status) -> None:
-        """There is no other try after something above has interrupted."""
+        """Ends the retries: after an interruption from above there is no other try."""
         if new_status is Status.INVALID:
             self.failures = self.num_failures
 
     @property
     def has_another(self) -> bool:
-        """Whether a failure of the present try is followed by another one."""
+        """Whether another try follows if the present one fails."""
         return self.failures + 1 < self.num_failures
 
 
 class Tries:
-    """The retries around a part of the tree; they are built after it.
+    """The retries around a part of the tree; the builder makes them after that part.
 
     Args:
-        around: those around the innermost one.
+        around: the retries around the innermost one.
     """
 
     def __init__(self, around: Tries | None = None) -> None:
@@ -71,12 +71,12 @@ class Tries:
 
     @property
     def is_any(self) -> bool:
-        """Whether there is a retry at all."""
+        """Whether there is any retry."""
         return self.retry is not None
 
     @property
     def next(self) -> RetryByHand | None:
-        """The innermost retry that would try again after a failure now; None if none would."""
+        """The innermost retry that would try again after a failure now; None if there is none."""
         if self.retry is not None and self.retry.has_another:
             return self.retry
         return self._around.next if self._around is not None else None

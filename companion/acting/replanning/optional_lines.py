@@ -1,8 +1,7 @@
-"""Lines of the task that may be dropped, in flight: which of them the plan keeps from now on.
+"""Applies, in flight, which optional lines of the task the new plan keeps.
 
-Which lines are kept is chosen with each new plan. A plan that does not keep all of them is in use
-until it fails; each time when a skill was completed it is asked whether a line can be taken up
-again.
+Each new plan decides again which lines are kept. A plan that does not keep all of them is used
+until it fails. After each completed skill, it is checked whether a dropped line can be kept again.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ LED_NOWHERE = "several plans in a row led nowhere"
 
 
 def drop(flight: Flight, dropped: tuple[DroppedLine, ...]) -> None:
-    """The plan from now on drops these lines and keeps all others; reports what is new in that."""
+    """From now on drops these lines and keeps all others; reports the changes."""
     before = flight.task.dropped
     now = [each.line for each in dropped]
     anew = flight.task.drop(now)

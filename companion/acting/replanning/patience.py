@@ -25,7 +25,7 @@ from companion.planning.planner import Planner
 
 THE_MAP = "the map"
 APART_S = 2.0
-"""Holds that are further apart belong to two waits; the second begins to glance anew."""
+"""Holds further apart belong to separate waits; the second starts a new turn to and fro."""
 
 
 class Patience:
@@ -50,15 +50,15 @@ class Patience:
         self._held_s = -math.inf
 
     def tell(self, failure: NoPlanError | SearchLimit) -> None:
-        """The vehicle begins to wait, and tells why."""
+        """Reports that the vehicle begins to wait, and why."""
         why = str(failure).splitlines()[0]
         self._flight.report(PlanAwaited(why, round(self.left_s, 1), ", ".join(self.hopes)))
 
     def hold(self) -> None:
         """Holds for a tick; if the map may change, the vehicle turns to and fro.
 
-        The beams of a range finder that stands still miss most of a door 5 m away, and what they
-        miss stays on the map as it was seen last.
+        The beams of a range finder that does not turn miss most of a door 5 m away, and what they
+        miss stays on the map as it was last seen.
         """
         flight = self._flight
         if THE_MAP not in self.hopes:
@@ -79,19 +79,19 @@ class Patience:
 
     @property
     def left_s(self) -> float:
-        """How much of it is left."""
+        """The time that is left."""
         return self._planner.mission.patience_s - (self._flight.now_s - self._since_s)
 
     @property
     def lasts(self) -> bool:
-        """Whether the vehicle holds."""
+        """Whether the vehicle still holds and waits."""
         is_landed = self._flight.progress.is_landed_by_plan
-        is_lost = bool(self._flight.task.violated)  # a clock may have run over meanwhile
+        is_lost = bool(self._flight.task.violated)  # a clock may have run out meanwhile
         may_wait = self.left_s > 0 and bool(self.hopes) and not is_landed and not is_lost
         return may_wait and not self._is_battery_low and not self._is_charge_needed
 
     def _find_hopes(self) -> list[str]:
-        """The changes that may come, if a search finds a plan with all of them; else none."""
+        """The changes that may come, if a search finds a plan with all of them; otherwise none."""
         task, mission = self._flight.task, self._planner.mission
         falling = {
             event.fact
@@ -115,7 +115,7 @@ class Patience:
 
     @property
     def _is_walled_in(self) -> bool:
-        """Whether no place can be reached from here: the position, or the map, is wrong."""
+        """Whether no place can be reached from here: then the position, or the map, is wrong."""
         state, routes = self._flight.vehicle.state, self._flight.routes
         return state is not None and not any(
             routes.is_connected(state.position, place) for place in self._planner.mission.places
@@ -123,7 +123,7 @@ class Patience:
 
     @property
     def _is_charge_needed(self) -> bool:
-        """Whether all charge but the reserve is needed to land at a safe place."""
+        """Whether landing at a safe place needs all charge except the reserve."""
         energy = self._planner.energy
         return energy is not None and energy.is_needed_to_land
 

@@ -1,13 +1,14 @@
-"""The moves that the map leaves, as it is seen now; what only the others assume is not believed.
+"""Which moves the present map allows; beliefs that only other moves assume are given up.
 
-A move without a way does not exist, so no skill can be done any more that assumes what this move
-assumes. Such a belief is given up at once, before a flight has to fail for it, and held again when
-the map shows a way again. A task may speak of it, so the rest of the plan is asked for again.
-
-Moves are instantiated on the map whenever a plan is made. In between a quick look at the map tells
-whether a place was cut off, or can be reached again; only then are they instantiated in flight. The
-place that is flown to is left to the flight itself, which goes round or stops, and fails if there
-is no way (Fig. 6 of the paper).
+1. A move without a route does not exist. So no skill can be done that needs a belief which only
+   such moves assume. That belief is given up at once, before a flight fails because of it, and held
+   again when the map shows a route again. Since a task may mention it, the rest of the plan is
+   checked again.
+2. Moves are instantiated on the map whenever a plan is made. In between, a quick check of the map
+   tells whether a place was cut off, or can be reached again. Only then are they instantiated again
+   in flight.
+3. The place to which the vehicle is flying is left to the flight itself, which flies around or
+   stops, and fails if there is no route (Fig. 6 of the paper).
 """
 
 from __future__ import annotations
@@ -25,18 +26,20 @@ from companion.planning.planner import Planner
 from companion.slices import Question, spent
 
 MAX_PARTS = 200
-"""Of the search for routes on a map that goes on changing: then a plan takes those it has."""
+"""The most parts of the search for routes on a map that keeps changing; then a plan uses those
+found."""
 SHOWN = 6
-"""So many beliefs are named at most."""
+"""The most beliefs that are named."""
 
 
 @dataclass(frozen=True, slots=True)
 class BeliefChange:
-    """What the map has changed in the beliefs that are held, as it is reported.
+    """How the map has changed the beliefs that are held, for reports.
 
     Attributes:
-        cut_off: the beliefs given up, as no move is left that assumes them; None without any.
-        connected: the beliefs held again; None without any.
+        cut_off: the beliefs that were given up, because no move that assumes them is left; None if
+            there are none.
+        connected: the beliefs that are held again; None if there are none.
     """
 
     cut_off: PlacesCutOff | None
@@ -47,7 +50,7 @@ class Reachability:
     """The moves of a planner on the map of a flight.
 
     Attributes:
-        has_changed: another place is cut off, or no longer, than when moves were instantiated.
+        has_changed: whether other places are cut off than when moves were last instantiated.
     """
 
     def __init__(self, planner: Planner, flight: Flight) -> None:
@@ -61,7 +64,7 @@ class Reachability:
         self.has_changed = False
 
     def look(self) -> None:
-        """Takes a quick look at the map, if that is another one than before."""
+        """Checks the map quickly, if it has changed since the last check."""
         version = self._flight.routes.version
         if version != self._looked_at:
             self._looked_at = version
@@ -71,17 +74,17 @@ class Reachability:
 
     @property
     def is_known(self) -> bool:
-        """Whether all routes of the present map were found."""
+        """Whether all routes on the present map have been found."""
         return self._flight.routes.version in (self._instantiated_on, self._searched_on)
 
     def search(self) -> None:
-        """Finds some of the routes that are not known yet: a slice of it."""
+        """Searches for some of the unknown routes, for one slice."""
         version = self._flight.routes.version
         if not self.is_known and self._searching.ask(version, self._find):
             self._searched_on = version
 
     def _find(self, max_parts: int = sys.maxsize) -> bool:
-        """Finds all routes, to other waypoints where the map has taken some away."""
+        """Searches for all routes; if the map has blocked a waypoint, to another waypoint."""
         flight, state = self._flight, self._flight.vehicle.state
         if state is not None:
             for place in flight.symbols.follow_map(state.position, flight.now_s):
@@ -93,9 +96,10 @@ class Reachability:
         return True
 
     def follow(self) -> BeliefChange:
-        """Takes over what moves cost on the map, and at the speed limit, as they are now.
+        """Updates the costs of moves to the present map and speed limit.
 
-        Beliefs that they cut off are given up. It takes long with many places, or without routes.
+        Beliefs that they cut off are given up. It takes long with many places, or if routes are
+        unknown.
         """
         flight, state = self._flight, self._flight.vehicle.state
         is_map_new = self._instantiated_on != flight.routes.version
@@ -122,7 +126,7 @@ class Reachability:
 
     @property
     def unreachable(self) -> frozenset[str]:
-        """The places from which walls divide the vehicle."""
+        """The places that walls separate from the vehicle."""
         state = self._flight.vehicle.state
         if state is None:
             return frozenset()
@@ -132,12 +136,12 @@ class Reachability:
 
 
 def in_words(beliefs: Iterable[Fact], alike: Iterable[Fact], known: Iterable[Fact]) -> str:
-    """Beliefs in few words: all that are known with the same last, or first, argument are one.
+    """Beliefs in few words: all known ones with the same last, or first, argument become one.
 
     Args:
-        beliefs: to be named.
-        alike: those of which the same is true, whether they are news or not.
-        known: all there are.
+        beliefs: the beliefs to be named.
+        alike: those for which the same is true, whether or not they are news.
+        known: all beliefs.
 
     >>> names = ["ok(A, B)", "ok(C, B)", "ok(A, C)", "ok(B, C)", "ok(B, A)", "safe(B)"]
     >>> known = [Fact.parse(name) for name in names]
@@ -158,7 +162,9 @@ def in_words(beliefs: Iterable[Fact], alike: Iterable[Fact], known: Iterable[Fac
 
 
 def _patterns(belief: Fact) -> tuple[str, ...]:
-    """A belief in two places, with any one of them; none for others."""
+    """The patterns for a belief about two places, with either of them replaced by *; none for
+    others.
+    """
     if len(belief.arguments) != 2:
         return ()
     first, second = belief.arguments

@@ -1,13 +1,13 @@
 """Plans again in flight, in slices that each fit into a tick; the vehicle holds meanwhile.
 
-1. A plan waits until the routes on the map are known, but not for ever: a map may go on changing.
-2. The moves are taken over from the map, the lines of the task that can be kept are chosen, and the
-   first plan for them that is found is taken. If there is none, the reason is searched for. Where
-   facts change meanwhile, it begins anew.
-3. An engine from outside is waited for; where it fails, the built-in search is asked.
-4. Plans for failed skills between which no skill is completed lead nowhere; after some in a row all
-   optional lines are dropped, and without any it is given up. A plan for an event is none of them:
-   the one before was not wrong.
+1. A plan waits until the routes on the map are known, but not for ever: a map may keep changing.
+2. The moves are taken from the map, the lines of the task that can be kept are chosen, and the
+   first plan found for them is used. If there is none, the reason is searched for. If facts change
+   meanwhile, it starts again.
+3. It waits for an engine from outside; if that fails, the built-in search is used.
+4. Replans for failed skills without a completed skill in between lead nowhere. After some in a row
+   all optional lines are dropped, and if there are none, the replanner gives up. Replans for events
+   do not count, because the plan before was not wrong.
 """
 
 from __future__ import annotations
@@ -35,19 +35,19 @@ from companion.planning.time_check import time_fault
 from companion.slices import InSlices, Question, spent, wait_a_tick
 
 COMPARED = 1000
-"""Actions of two plans after which they are taken for the same."""
+"""Plans that agree in so many actions count as equal."""
 _ADOPTION_US = 120
-"""Of a plan, for each of its actions: a long plan is adopted in a tick of its own."""
+"""Time for each action of a plan; so a long plan is adopted in a tick of its own."""
 MAX_IDLE_REPLANS = 5
-"""Replans, other than for events, without a completed skill between them: then it is given up."""
+"""Replans, other than for events, without a completed skill in between, before it gives up."""
 MAP_SETTLES_S = 5.0
 """How long a replan waits for a map that goes on changing while the vehicle holds."""
 MAP_HAS_CHANGED = "the map has changed"
-"""Why a plan is looked for again where neither events nor beliefs have changed."""
+"""The reason for a new plan if neither events nor beliefs have changed."""
 
 PlanFailure = NoPlanError | SearchLimit
-"""There is no plan, or none was found within the limits of the search: a value here, which the
-sortie hands out as its failure."""
+"""There is no plan, or none was found within the limits of the search; a value here, which the
+sortie reports as its failure."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,8 +56,8 @@ class DueReplan:
 
     Attributes:
         reason: why, in words for people.
-        since_s: from when on.
-        left_for: why the plan before was left; not `reason` where a plan was waited for.
+        since_s: when it became due.
+        left_for: why the plan before was left; differs from `reason` if a plan was waited for.
     """
 
     reason: str
@@ -66,21 +66,21 @@ class DueReplan:
 
 
 class Replanner:
-    """Makes one plan after the other.
+    """Makes one plan after another.
 
     Attributes:
-        reachability: the moves that the map leaves.
+        reachability: the moves that the map allows.
         is_explaining: whether there is no plan, and the reason is being searched for.
-        is_timed: whether the task has bounds in time.
+        is_timed: whether the task has time bounds.
 
     Args:
         planner: the mission's planner.
-        flight: from where plans are made.
-        assumptions: learns of the beliefs that the map gives back.
+        flight: plans begin at its present state.
+        assumptions: learns of beliefs that the map restores.
         patience: learns why there is no plan.
-        engine: who plans; None for the built-in search, which is asked where an engine fails, and
-            whether the present plan is still the best one.
-        explain: says why a problem has no plan; None for the planner.
+        engine: the planner to use; None for the built-in search, which is also used if an engine
+            fails, and to check whether the present plan is still the best one.
+        explain: explains why a problem has no plan; None for the planner's own explanation.
     """
 
     def __init__(
@@ -111,17 +111,17 @@ class Replanner:
         self._unchanged: object = None
 
     def begin(self, reason: str, left_for: str | None = None) -> DueReplan:
-        """Another plan is due from now on; `left_for` where none was found for that before."""
+        """Begins a replan; `left_for` is given if earlier searches for it found no plan."""
         self.abandon()
         wrong = self._assumptions.wrong
-        if wrong:  # the world has changed: the plan before was none that failed
+        if wrong:  # the world has changed: the plan before did not fail
             self._assumptions.note_replan(wrong)
         else:
             self._count_idle()
         return DueReplan(reason, self._flight.now_s, left_for or reason)
 
     def abandon(self) -> None:
-        """Nobody waits for a plan any more."""
+        """Ends the search, because nobody waits for its plan any more."""
         self._looking.abandon()
         self.is_explaining = False
         self._planned_in = None
@@ -130,18 +130,18 @@ class Replanner:
             self._planning = None
 
     def forgive(self) -> None:
-        """Plans that led nowhere do not count any more: the operator wants to go on."""
+        """Forgets plans that led nowhere, because the operator wants to continue."""
         self._idle_replans = 0
 
     def step(self, due: DueReplan) -> ChosenPlan | PlanFailure | None:
-        """The slice of a tick; the plan, or why there is none, when that is known."""
+        """Works for one slice; returns the plan, or why there is none, once that is known."""
         reachability, flight = self.reachability, self._flight
         reachability.search()
         if not reachability.is_known and flight.now_s < due.since_s + MAP_SETTLES_S:
             return None
         if self._has_become_outdated():
             self.abandon()
-            self._count_idle()  # what flaps must not be asked about for ever
+            self._count_idle()  # flapping facts must not cause endless searches
         if self._planning is None:
             self._planning = InSlices(self._plan)
         if not self._planning.step():
@@ -151,9 +151,10 @@ class Replanner:
         return found
 
     def _has_become_outdated(self) -> bool:
-        """Whether something has changed that the plan in the making does not know of.
+        """Whether something has changed that the plan in the making does not consider.
 
-        Each event makes it begin anew once a second; what it does meanwhile the plan finds wrong.
+        Each event restarts it at most once a second; the finished plan notices later changes as
+        wrong assumptions.
         """
         if self._planned_in is None:
             return False
@@ -210,7 +211,7 @@ class Replanner:
     def _ask(
         self, engine: Engine, problem: Problem, histories: Sequence[Sequence[Letter]]
     ) -> Lasso | EngineFailure:
-        """The answer of an engine, which works beside the loop."""
+        """The answer of an engine, which works outside the loop."""
         job = engine.begin(problem, histories, self._flight.now_s)
         try:
             while (answer := job.answer(self._flight.now_s)) is None:
@@ -220,7 +221,7 @@ class Replanner:
         return answer
 
     def looks_again(self) -> str | None:
-        """What has changed since the last look for a plan, a second ago or more; None: nothing."""
+        """What has changed since the last search, at least a second ago; None if nothing has."""
         flight = self._flight
         self.reachability.search()
         is_early = flight.now_s - self._looked_s < FLAPPING_S
@@ -237,7 +238,7 @@ class Replanner:
         return _what_decides(self._flight.task.problem()[0]) != self._looked_at
 
     def follow_map(self) -> PlacesCutOff | None:
-        """Takes the map over into moves and beliefs; returns what was given up, if anything."""
+        """Updates moves and beliefs from the map; returns the beliefs given up, if any."""
         change = self.reachability.follow()
         if change.connected is not None:
             self._assumptions.note_restored_beliefs()
@@ -248,9 +249,9 @@ class Replanner:
         return self._plan_without(self._flight.task.dropped)
 
     def lateness(self, lasso: Lasso) -> str | None:
-        """What will be late in the rest of a plan, in words, where another plan keeps all bounds.
+        """What will be late in the rest of a plan, in words, if another plan keeps all bounds.
 
-        As from the place left last, with what the clocks show and flights take now.
+        It is judged from the place left last, with the present clocks and flight times.
         """
         self.follow_map()
         task = self._flight.task
@@ -269,14 +270,14 @@ class Replanner:
     def is_possible(self) -> bool:
         """Whether there is a plan for the lines of the task that are never dropped.
 
-        None is made for a mission with a tree of its own, whatever its task.
+        No plan is made for a mission with a tree written by hand, whatever its task.
         """
         is_planned = self._planner.mission.tree is None
         return is_planned and self._plan_without(self._flight.task.optional) is not None
 
     @property
     def line_to_take_up(self) -> str | None:
-        """The most important of the dropped lines that can be kept now; None if there is none."""
+        """The most important dropped line that can be kept now; None if there is none."""
         task = self._flight.task
         return self._planner.solver.line_to_take_up(task.problem()[0], task.dropped)
 
@@ -285,18 +286,20 @@ class Replanner:
         return found if isinstance(found, Lasso) else None
 
     def search_confirms(self, lasso: Lasso) -> bool:
-        """Plans now, as from the place left last: whether that is the rest of the present plan."""
+        """Plans now, from the place left last; returns whether that is the rest of the present
+        plan.
+        """
         new = self.plan_now() if self._flight.task.running is not None else None
         return new is not None and self.is_rest_of(lasso, new)
 
     def is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
-        """Whether a new plan is what is left of the present one."""
+        """Whether a new plan equals the rest of the present one."""
         return new.names(COMPARED) == lasso.names(COMPARED, self._flight.progress.completed)
 
     def _search(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
     ) -> Lasso | SearchLimit | None:
-        """The first plan that is found, the limit at which it was given up, or None for no plan."""
+        """The first plan found, the limit at which the search was given up, or None for no plan."""
         try:
             return self._planner.solver.replan(problem, histories)
         except SearchLimit as limit:
@@ -310,13 +313,12 @@ class Replanner:
 
 
 def as_flown_now(problem: Problem, lasso: Lasso, begun: Action | None = None) -> Lasso:
-    """A plan with what its actions take now, which charge as far as it says.
+    """A plan with the present costs of its actions, charging as far as it says.
 
     Args:
-        problem: with the actions.
+        problem: contains the actions.
         lasso: the plan.
-        begun: a flight that is under way from no place; it takes what it was reckoned to where it
-            began.
+        begun: a flight under way that began at no place; it keeps the cost computed when it began.
 
     >>> from companion.planning.domain import WAIT
     >>> rest = Lasso((), (WAIT,))
@@ -335,6 +337,6 @@ def as_flown_now(problem: Problem, lasso: Lasso, begun: Action | None = None) ->
 
 
 def _what_decides(problem: Problem) -> tuple[object, ...]:
-    """All of a problem that decides on whether there is a plan."""
+    """Everything in a problem that determines whether there is a plan."""
     actions = tuple(action.name for action in problem.actions)
     return actions, problem.facts, problem.withdrawn, problem.automaton_states
