@@ -1,4 +1,4 @@
-"""YAML and data from outside: validated, with the place of every key, errors in plain words."""
+"""YAML and data from outside: validated, with the place of every key, and errors in plain words."""
 
 from companion.documents.diagnostics import did_you_mean, most_similar
 from companion.documents.document import Document, TextDocument, begin_reading, validate

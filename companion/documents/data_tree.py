@@ -1,7 +1,7 @@
-"""Data given as Python values as a tree, in which every key and value knows its path of keys.
+"""Python values as a tree, in which every key and value knows its path of keys.
 
-Allowed is what YAML can say: mappings with texts as keys, lists and tuples, texts, paths, numbers
-that are finite (numpy's too), true and false, and None.
+Allowed is what YAML can express: mappings with texts as keys, lists and tuples, texts, paths,
+finite numbers (numpy's too), true and false, and None.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def tree_of(data: object, keys: Keys = ()) -> Node:
         keys: the path that leads to it.
 
     Raises:
-        MissionError: too deep, or something that YAML cannot say.
+        MissionError: too deep, or something that YAML cannot express.
     """
     where = KeyPath(keys)
     if len(keys) >= MAX_DEPTH:

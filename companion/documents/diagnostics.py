@@ -1,8 +1,8 @@
-"""Diagnostics of a document in plain words, of pydantic's list of errors.
+"""Diagnostics of a document in plain words, made from pydantic's list of errors.
 
-They come in the order of the file, but for unknown keys, which come first: a misspelt key is the
-reason why the right one is missing, which then is not told. What a person can do about it is taken
-from the JSON Schema of the model: the keys that exist there and the description of the field.
+They are in the order of the file, except unknown keys, which come first: a misspelt key is the
+reason why the right one is missing, which is then not reported. The advice comes from the JSON
+Schema of the model: the existing keys, and the description of the field.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from companion.errors import Keys
 Detail = Mapping[str, Any]
 
 NO_NAME = "[key]"
-"""What pydantic adds to the location of a key that is no name."""
+"""What pydantic adds to the location of an invalid key."""
 _SIMILAR = 0.6  # difflib's own cutoff for close matches
 _ELSEWHERE = {
     **dict.fromkeys(("x", "east", "easting"), ("east_m", "east_mps")),
@@ -43,18 +43,18 @@ _ELSEWHERE = {
     **dict.fromkeys(("waypoints", "home"), ("places",)),
     "actions": ("skills",),
 }
-"""What other programs call a key -> ours."""
+"""Key of another program -> ours."""
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
-    """What is wrong, where, and what to do.
+    """What is wrong, where, and what to do about it.
 
     Attributes:
-        what: in one line.
-        keys: of the place in the document.
+        what: the mistake, in one line.
+        keys: its place in the document.
         hint: what to do; may be empty.
-        is_about_key: whether the key is wrong and not its value.
+        is_about_key: whether the key is wrong, not its value.
     """
 
     what: str
@@ -73,7 +73,7 @@ def most_similar(word: str, known: Iterable[str]) -> str:
     def similarity(name: str) -> float:
         return difflib.SequenceMatcher(None, word[:80].lower(), name.lower()).ratio()
 
-    best = max(known, key=similarity, default="")  # the first of equals
+    best = max(known, key=similarity, default="")  # the first one among equals
     return best if similarity(best) >= _SIMILAR else ""
 
 
@@ -94,14 +94,14 @@ def diagnostics(
     position: Callable[..., tuple[int, ...]],
     refused: Container[Keys] = (),
 ) -> list[Diagnostic]:
-    """What is wrong with a document, each mistake once.
+    """The mistakes of a document, each once.
 
     Args:
         error: what pydantic found.
-        model: what was validated.
+        model: that was validated.
         data: the document as plain values.
-        position: what to sort the values at some keys by.
-        refused: keys of what is told already, and not in the data.
+        position: sort key of the value at some keys.
+        refused: keys of values that are reported already and are not in the data.
     """
     details: list[tuple[Keys, Detail]] = [
         (existing_keys(detail["loc"], data), dict(detail))
@@ -113,27 +113,27 @@ def diagnostics(
     details = [each for each in details if (*each[0], *each[1]["loc"][-1:]) not in refused]
     details.sort(key=lambda item: (item[1]["type"] != "extra_forbidden", position(*item[0])))
     schema = model.model_json_schema()
-    alike: dict[tuple[Keys, str], list[Detail]] = {}  # the branches of a union go together
+    alike: dict[tuple[Keys, str], list[Detail]] = {}  # branches of a union belong together
     for keys, detail in details:
         name = str(detail["loc"][-1]) if detail["type"] == "missing" else ""
         alike.setdefault((keys, name), []).append(detail)
     told: dict[Keys, Diagnostic] = {}
     for (keys, name), group in alike.items():
         is_item = bool(keys) and isinstance(keys[-1], int) and not name
-        alike_items = (*keys[:-1], group[0]["type"]) if is_item else keys  # told by the first one
+        alike_items = (*keys[:-1], group[0]["type"]) if is_item else keys  # reported once
         told.setdefault((*alike_items, name), _diagnostic(group, keys, schema, data))
     return list(told.values())
 
 
 def _is_misspelt(keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detail]]) -> bool:
-    """Whether a key is missing where another one is unknown: that one is told."""
+    """Whether a missing key is explained by an unknown one, which is reported."""
     return detail["type"] == "missing" and any(
         other["type"] == "extra_forbidden" and where[:-1] == keys for where, other in details
     )
 
 
 def _is_long_enough(keys: Keys, detail: Detail, data: object) -> bool:
-    """Whether a list counts as too short for the sake of entries that are wrong, which are told."""
+    """Whether a list is too short only because of invalid entries, which are reported."""
     there = _at(data, keys)
     if detail["type"] != "too_short" or not isinstance(there, list):
         return False
@@ -143,7 +143,7 @@ def _is_long_enough(keys: Keys, detail: Detail, data: object) -> bool:
 def _is_other_kind(
     keys: Keys, detail: Detail, details: Sequence[tuple[Keys, Detail]], data: object
 ) -> bool:
-    """Whether a mapping is told to be no text, where another alternative says what it lacks."""
+    """Whether a mapping is called no text although another alternative says what it lacks."""
     if not isinstance(_at(data, keys), dict) or detail["type"] in ("missing", "extra_forbidden"):
         return False
     return any(
@@ -153,7 +153,7 @@ def _is_other_kind(
 
 
 def existing_keys(loc: Sequence[str | int], data: object) -> Keys:
-    """Returns the document's keys in pydantic's location, which names union branches as well."""
+    """The document's keys in pydantic's location, which also names branches of unions."""
     keys: list[str | int] = []
     for part in loc:
         if isinstance(data, dict) and part in data:
@@ -196,14 +196,14 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
 
 
 def meant_key(word: str, known: Sequence[str]) -> str:
-    """The key that was perhaps meant; empty if none is near."""
+    """The key that was probably meant; empty if none is similar."""
     others = _ELSEWHERE.get(re.sub(r"_(m|deg|mps|kmh)$", "", word.lower()), ())
     ours = next((each for each in others if each in known), "")
     return ours or most_similar(word, known)
 
 
 def _explanation(root: Schema, keys: Keys) -> str:
-    """What a value means, or else what the nearest one around it that is described means."""
+    """The description of a value, or of the nearest value around it that has one."""
     for length in range(len(keys), 0, -1):
         if description := schema_at(root, keys[:length]).get("description"):
             inner = keys[:length]
@@ -218,7 +218,7 @@ def _wrong_value(
 ) -> Diagnostic:
     subject = keys[-1] if keys and isinstance(keys[-1], str) else _subject(keys)
     kind, message = details[0]["type"], details[0]["msg"]
-    if kind not in _RULES:  # a validator's own words
+    if kind not in _RULES:  # a validator's own text
         return Diagnostic(f"{subject}: {message.removeprefix('Value error, ')}", keys, "", False)
     expected = dict.fromkeys(
         _RULES[d["type"]](d.get("ctx", {})) for d in details if d["type"] in _RULES
@@ -238,7 +238,7 @@ _TEXTS = {
     r"^[A-Za-z_][A-Za-z0-9_]*$": "letters, digits and _, no digit first",
     r"^[A-Za-z0-9][A-Za-z0-9_-]*$": "letters, digits, - and _",
 }
-"""Patterns of names, in words."""
+"""Patterns of names -> their description in words."""
 
 _RULES: dict[str, Callable[[Schema], str]] = {
     **dict.fromkeys(("string_type", "string_sub_type"), lambda c: "a text"),
@@ -262,7 +262,7 @@ _RULES: dict[str, Callable[[Schema], str]] = {
         c["pattern"], f"a text that matches {c['pattern']}"
     ),
 }
-"""Kind of pydantic's error -> what was expected."""
+"""Type of pydantic's error -> what was expected."""
 
 
 def _at(data: object, keys: Keys) -> object:

@@ -1,12 +1,12 @@
-"""Reads a YAML text, or data given as Python values, as a pydantic model.
+"""Reads a YAML text, or Python values, as a pydantic model.
 
-Out come the validated model and a `Document`, which finds the place of each of its keys and values
-again, for checks that come later: line and column in a text, the path of keys in data. Neither
-opens a file. Missions and the simulator's scenarios are read through here.
+The result is the validated model and a `Document`, which finds the place of each key and value for
+later checks: line and column in a text, the path of keys in data. No file is opened here. Missions
+and the simulator's scenarios are read by this module.
 
-The YAML itself is read by yaml_tree.py, with limits on size and depth. Validation is strict, as
-for JSON: a quoted "3" is no number. Messages name what was expected in plain words; their hint
-is the field's own description, the one that the JSON Schema carries.
+yaml_tree.py reads the YAML itself, with limits of size and depth. Validation is strict, as for
+JSON: a quoted "3" is no number. Messages say in plain words what was expected; their hint is the
+field's description, as in the JSON Schema.
 """
 
 from __future__ import annotations
@@ -42,12 +42,12 @@ def validate(content: str | Mapping[str, object], name: str, model: type[M]) -> 
 
     Args:
         content: the whole text, or the data.
-        name: of the text's file, for messages alone.
+        name: of the text's file, only for messages.
         model: forbids unknown keys (extra="forbid").
 
     Raises:
-        MissionError: the text is not safe YAML, the data cannot be written as YAML, or it is not
-            what the model describes.
+        MissionError: the text is no safe YAML, the data cannot be written as YAML, or it does not
+            fit the model.
     """
     value, document, reading = begin_reading(content, name, model, {})
     reading.tell()
@@ -57,18 +57,18 @@ def validate(content: str | Mapping[str, object], name: str, model: type[M]) -> 
 def begin_reading(
     content: str | Mapping[str, object], name: str, model: type[M], stand_ins: StandIns
 ) -> tuple[M, Document, DocumentReading]:
-    """Reads of a YAML text, or data, what can be read, for checks that find more mistakes.
+    """Reads as much of a YAML text, or data, as possible, for checks that find more mistakes.
 
     Args:
         content, name, model: as in `validate`.
-        stand_ins: values for parts that are needed and unread.
+        stand_ins: values in place of parts that are needed but could not be read.
 
     Returns:
-        The model, where its keys stand, and what is wrong and unread so far.
+        The model, the document, and what is wrong or unread so far.
 
     Raises:
-        MissionError: the text is not safe YAML, the data cannot be written as YAML, or nothing of
-            it is what the model describes.
+        MissionError: the text is no safe YAML, the data cannot be written as YAML, or nothing of it
+            fits the model.
     """
     if isinstance(content, str):
         document: Document = TextDocument(content, name)
@@ -89,11 +89,11 @@ def begin_reading(
 
 
 class Document:
-    """A tree of values whose keys and values can be found again.
+    """A tree of values in which every key and value can be located.
 
     Args:
         root: of the tree.
-        refused: what is no value, and empty in the tree.
+        refused: invalid values, which are empty in the tree.
     """
 
     def __init__(self, root: Node, refused: Refused | None = None) -> None:
@@ -101,32 +101,32 @@ class Document:
         self.refused = refused or {}
 
     def data(self) -> Data:
-        """Returns the content as plain dicts, lists and scalars."""
+        """The content as plain dicts, lists and scalars."""
         return _plain(self._root)
 
     def refusal(self, found: Diagnostic) -> MissionError:
-        """What is wrong, with its place."""
+        """A mistake with its place."""
         at = self.key_at if found.is_about_key else self.where
         return MissionError(found.what, at(*found.keys), found.hint)
 
     def where(self, *keys: Key) -> Location | KeyPath:
-        """Returns the place of a value, or of the nearest parent that exists."""
+        """The place of a value, or of the nearest parent that exists."""
         return self._nearest(keys)[0].where
 
     def key_at(self, *keys: Key) -> Location | KeyPath:
-        """Returns the place of a key itself, of the item for an index, or of the nearest parent."""
+        """The place of a key itself, of the item for an index, or of the nearest parent."""
         parent, _ = self._nearest(keys[:-1])
         if keys and isinstance(parent, MappingNode) and str(keys[-1]) in parent.entries:
             return parent.entries[str(keys[-1])].key_at
         return self.where(*keys) if self._nearest(keys)[1] else self.key_at(*keys[:-1])
 
     def inside(self, offset: int, *keys: Key) -> Location | KeyPath:
-        """Returns the place of one character of a scalar, or of the scalar if that is not known."""
+        """The place of one character of a scalar, or of the scalar if that is unknown."""
         return self.where(*keys)
 
     @contextmanager
     def locating(self, *keys: Key) -> Iterator[None]:
-        """Gives formula errors from the block their place in this scalar."""
+        """Gives formula errors in this context their place in this scalar."""
         try:
             yield
         except FormulaError as error:
@@ -139,7 +139,7 @@ class Document:
             raise first.beside(others) from None
 
     def position(self, *keys: Key) -> tuple[int, ...]:
-        """Returns the rank of a value in the order of the document, to sort by."""
+        """The rank of a value in the order of the document, as a sort key."""
         node, order = self._root, []
         for key in keys:
             if isinstance(node, MappingNode) and str(key) in node.entries:
@@ -151,7 +151,7 @@ class Document:
         return tuple(order)
 
     def _nearest(self, keys: tuple[Key, ...]) -> tuple[Node, bool]:
-        """Returns the node at the keys and True, or the nearest parent and False."""
+        """The node at the keys and True, or the nearest parent and False."""
         node = self._root
         for key in keys:
             if isinstance(node, MappingNode) and str(key) in node.entries:
@@ -159,7 +159,7 @@ class Document:
             elif isinstance(node, SequenceNode) and isinstance(key, int) and key < len(node.items):
                 node = node.items[key]
             elif isinstance(node, ScalarNode) and key in (0, keys[-1]):
-                continue  # one text may stand where a list, or a mapping of it, is expected
+                continue  # a single text may stand for a list, or a mapping of it
             else:
                 return node, False
         return node, True
@@ -170,10 +170,10 @@ class TextDocument(Document):
 
     Args:
         text: the whole file.
-        path: its name, for messages alone.
+        path: its name, only for messages.
 
     Raises:
-        MissionError: not safe YAML (see yaml_tree.py).
+        MissionError: the text is no safe YAML (see yaml_tree.py).
     """
 
     def __init__(self, text: str, path: str) -> None:
@@ -182,7 +182,7 @@ class TextDocument(Document):
         super().__init__(*read_tree(self._text, path))
 
     def inside(self, offset: int, *keys: Key) -> Location | KeyPath:
-        """Returns the place of one character of a scalar, however the scalar is written.
+        """The place of one character of a scalar, however the scalar is written.
 
         YAML folds lines and drops indentation but keeps every other character, so the n-th
         character that is not white space is the same in the file and in the value.
@@ -192,7 +192,7 @@ class TextDocument(Document):
             keys: where the scalar is.
 
         Returns:
-            The start of the scalar if it has escapes, which break the correspondence.
+            The start of the scalar if it has escapes, because then positions do not correspond.
         """
         node, is_found = self._nearest(keys)
         if not is_found or not isinstance(node, ScalarNode) or not isinstance(node.value, str):
@@ -208,7 +208,7 @@ class TextDocument(Document):
         return Location(self._path, line, index - self._text.rfind("\n", 0, index))
 
     def _inner_start(self, scalar: ScalarNode) -> int:
-        """Returns the index after the opening quote, or after the header line of a block scalar."""
+        """The index after the opening quote, or after the header line of a block scalar."""
         opening = self._text[scalar.start]
         if opening in "|>":
             return self._text.index("\n", scalar.start)

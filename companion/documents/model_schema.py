@@ -1,4 +1,4 @@
-"""Parts of the JSON Schema of a model, by the keys of a document."""
+"""Finds parts of a model's JSON Schema by the keys of a document."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ Schema = Mapping[str, Any]
 
 
 def schema_at(root: Schema, keys: Keys) -> Schema:
-    """Returns the part of a JSON Schema that describes the value at some keys; {} without one."""
+    """The part of a JSON Schema that describes the value at some keys; {} if there is none."""
     schema = _unresolved(root, keys)
     resolved = _resolved(root, schema)
     return {**resolved, **{k: v for k, v in schema.items() if k == "description"}}
 
 
 def alone(root: Schema, keys: Keys) -> str:
-    """What may stand there without keys, in words."""
+    """The plain value, without keys, that is allowed there, in words."""
     choices = (c for c in _unresolved(root, keys).get("anyOf", ()) if "$ref" not in c)
     return "".join(f", or {c['description']} alone" for c in choices if "description" in c)
 
@@ -43,7 +43,7 @@ def _step(schema: Schema, key: str | int) -> Schema:
 
 
 def _resolved(root: Schema, schema: Schema) -> Schema:
-    """Follows a reference; of alternatives, to the one that is a mapping or list."""
+    """Follows a reference; among alternatives, to the one that is a mapping or list."""
     for choice in schema.get("anyOf", ()):
         if {"$ref", "items", "properties"} & choice.keys():
             return _resolved(root, choice)

@@ -1,4 +1,4 @@
-"""What to write for a text where a number is expected, and which is nearly one."""
+"""Advice for a text that is nearly a number where a number is expected."""
 
 from __future__ import annotations
 
@@ -8,20 +8,20 @@ from companion.documents.units import number_in_unit, unit_called, unit_of_key
 from companion.errors import Keys
 
 _HEMISPHERE = re.compile(r"\s*(\d+(?:\.\d+)?)\s*°?\s*([NSEW])\s*")
-"""Degrees with the side of the earth."""
+"""Degrees with a hemisphere."""
 _UNIT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*([A-Za-z%°/][A-Za-z0-9/²³^]*)\s*")
-"""A number with a unit behind it."""
+"""A number followed by a unit."""
 _OTHER_MINUS = re.compile(r"\s*[\u2010-\u2015\u2212](\d+(?:\.\d+)?)\s*")
-"""A number behind a dash, or behind the minus of books."""
+"""A number after a dash or a typographic minus."""
 _PERCENT = re.compile(r"\s*(\d+(?:\.\d+)?)\s*%\s*")
 _COMMENT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)#.*")
-"""A number with a comment that no space is before."""
+"""A number followed by a comment without a space."""
 _COMMA = re.compile(r"\s*([-+]?\d+),(\d+)\s*")
 """A number with a decimal comma."""
 
 
 def number_meant(text: str, keys: Keys, is_share: bool = False) -> str:
-    """What to write for a text that is nearly a number; empty if it is none.
+    """What to write instead of a text that is nearly a number; empty if it is none.
 
     >>> number_meant("2,5", ("speed_mps",)), number_meant("fast", ("speed_mps",))
     ('write a point: 2.5.', '')
@@ -31,8 +31,8 @@ def number_meant(text: str, keys: Keys, is_share: bool = False) -> str:
     'write a share: 0.5.'
 
     Args:
-        text: where the number should be.
-        keys: of it; the last name tells the unit.
+        text: what stands in place of the number.
+        keys: of the number; the last name determines the unit.
         is_share: whether the number is a share, 0 to 1.
     """
     if is_share and (percent := _PERCENT.fullmatch(text)):
@@ -50,5 +50,5 @@ def number_meant(text: str, keys: Keys, is_share: bool = False) -> str:
     if (measured := _UNIT.fullmatch(text)) is None:
         return ""
     if wanted is None and measured[2] == "%":
-        wanted = unit_called("%")  # what is no share, and has no unit in its key, is a percentage
+        wanted = unit_called("%")  # other numbers, without a unit in the key, are percentages
     return f"{number_in_unit(measured[1], measured[2], wanted)}."

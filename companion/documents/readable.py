@@ -1,13 +1,12 @@
-"""What can be read of a document with mistakes: the rest, and which of its keys are unread.
+"""Finds what can be read of a document with mistakes, and which of its keys remain unread.
 
-A value that is wrong is taken out. Where the rest is then incomplete, a stand-in takes its place,
-or the part around it is taken out as well. A stand-in means nothing: it keeps a name known, and
-a model whole. Who reads on asks whether a value is unread before it is looked at (reading.py).
-
-A key that is no name takes nothing but its own value along. That there is more than what can be
-read is remembered, so that no other name is said to be unknown.
-
-An unknown key is taken for a misspelling of the one that it resembles, or of any that is absent.
+1. An invalid value is removed. If the rest is then incomplete, a stand-in replaces the value, or
+   the part around it is removed too.
+2. A stand-in has no meaning: it keeps a name known and a model complete. Later readers ask whether
+   a value is unread before they look at it (reading.py).
+3. An invalid key removes only its own value. It is remembered that there is more than could be
+   read, so that no other name is called unknown.
+4. An unknown key counts as a misspelling of the key that it resembles, or of any absent one.
 """
 
 from __future__ import annotations
@@ -24,24 +23,24 @@ from companion.documents.model_schema import Schema, schema_at
 from companion.errors import Keys
 
 StandIns = Mapping[Keys, object]
-"""Keys, `*` for any: what to read there in place of what is unread."""
+"""Keys, `*` for any -> what to read there in place of an unread value."""
 
 M = TypeVar("M", bound=BaseModel)
 
-_ROUNDS = 8  # a value is taken out, then what lacks it, and so on; files nest 5 deep
+_ROUNDS = 8  # each round removes what lacks a removed value; files nest 5 deep
 
 
 def strictly(model: type[M], data: object) -> M:
-    """The model of plain values: a text is no number.
+    """Plain values as the model, strictly: a text is no number.
 
     Raises:
-        ValidationError: they are something else.
+        ValidationError: they do not fit.
     """
     return model.model_validate_json(json.dumps(data), strict=True)
 
 
 def without(data: object, refused: Iterable[Keys], stand_ins: StandIns) -> tuple[object, set[Keys]]:
-    """Plain values from which some are taken out, with stand-ins in their place; and their keys."""
+    """Plain values without some of them, with stand-ins in their place; and the removed keys."""
     data, unread = deepcopy(data), {_whole(keys) for keys in refused}
     for keys in unread:
         _take_out(data, keys, stand_ins)
@@ -51,12 +50,12 @@ def without(data: object, refused: Iterable[Keys], stand_ins: StandIns) -> tuple
 def what_is_readable(
     model: type[M], data: object, error: ValidationError, stand_ins: StandIns
 ) -> tuple[M, set[Keys]] | None:
-    """What is left of a document, and the keys of what is unread; None if nothing can be read.
+    """The rest of a document, and the keys of what is unread; None if nothing can be read.
 
     Args:
         model: of the document.
         data: as plain values.
-        error: why it is not the model's.
+        error: why it does not fit the model.
         stand_ins: for parts that the model needs.
     """
     data, unread, schema = deepcopy(data), set[Keys](), model.model_json_schema()
@@ -67,7 +66,7 @@ def what_is_readable(
         ]
         details.sort(
             key=lambda each: each[1]["type"] != "extra_forbidden"
-        )  # before what is missing
+        )  # before those that are missing
         for keys, detail in details:
             for wrong in _useless(keys, detail, schema, data, stand_ins):
                 unread.add(wrong)
@@ -83,7 +82,7 @@ def what_is_readable(
 def _useless(
     keys: Keys, detail: Detail, schema: Schema, data: object, stand_ins: StandIns
 ) -> Iterator[Keys]:
-    """The keys of what one mistake makes useless."""
+    """The keys of the values that one mistake makes useless."""
     kind, name = detail["type"], detail["loc"][-1] if detail["loc"] else ""
     if _whole(keys) != keys:
         yield _whole(keys)
@@ -105,13 +104,13 @@ def _useless(
 
 
 def _whole(keys: Keys) -> Keys:
-    """The same, but for an item of a list the list: without it others would have its number."""
+    """The list for an item of a list, because removal would renumber the others; else the same."""
     indices = [i for i, key in enumerate(keys) if isinstance(key, int)]
     return keys[: indices[0]] if indices else keys
 
 
 def _take_out(data: object, keys: Keys, stand_ins: StandIns) -> bool:
-    """Takes a value out, or puts its stand-in there; False if it is all that there is."""
+    """Removes a value, or replaces it by its stand-in; False if nothing would be left."""
     if not keys or not isinstance(data, dict):
         return False
     parent = _at(data, keys[:-1])
@@ -137,7 +136,7 @@ def _stand_in(keys: Keys, stand_ins: StandIns) -> object:
 
 
 def _at(data: object, keys: Keys) -> Any:
-    """The value at some keys; an empty mapping where it was taken out."""
+    """The value at some keys; an empty mapping where it was removed."""
     for key in keys:
         data = data.get(key, {}) if isinstance(data, dict) else {}
     return data

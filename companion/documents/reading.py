@@ -1,8 +1,8 @@
-"""One reading of a file: what is wrong with it, told at once, and what of it could not be read.
+"""One reading of a file, which reports several mistakes at once and knows what is unread.
 
-A file is read in stages: keys and values, names, places, events, skills, the task. A mistake in
-one of them does not end the reading. What it makes useless is remembered as unread, by its keys,
-and a later check that needs it is left out: it would tell the same mistake in other words.
+A file is read in stages: keys and values, names, places, events, skills, the task. A mistake in one
+stage does not end the reading. What it makes useless is remembered as unread, by its keys. Later
+checks that need it are skipped, because they would report the same mistake in other words.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from companion.documents.diagnostics import NO_NAME
 from companion.errors import FormulaError, Keys, Location, MissionError
 
 MOST = 10
-"""Mistakes that are told at once."""
+"""Most mistakes that are reported at once."""
 
 T = TypeVar("T")
 
 
 class DocumentReading:
-    """Reads the parts of a file, and tells what is wrong with all of them.
+    """Reads the parts of a file, and reports the mistakes of all.
 
     >>> reading = DocumentReading(unread=[("limits", "speed_mps")])
     >>> reading.read(lambda: 1, "places"), reading.read(lambda: 2, "limits")
@@ -39,7 +39,7 @@ class DocumentReading:
         self._unread = set(unread)
 
     def read(self, part: Callable[[], T], *keys: str | int) -> T | None:
-        """What reading a part gives; None where it cannot be used, or something in it is unread.
+        """The result of reading a part; None if it has a mistake, or if something in it is unread.
 
         Args:
             part: reads it.
@@ -56,7 +56,7 @@ class DocumentReading:
             return None
 
     def knows(self, *keys: str | int) -> bool:
-        """Whether a part is there with all its keys; their values may be unread."""
+        """Whether a part has all its keys; their values may be unread."""
         is_around = any(keys[: len(other)] == other for other in self._unread)
         return not is_around and (*keys, NO_NAME) not in self._unread
 
@@ -66,7 +66,7 @@ class DocumentReading:
         return self.knows(*keys) and not inside
 
     def tell(self) -> None:
-        """Raises what was found, in the order of the file; the first mistakes of many."""
+        """Raises the mistakes in the order of the file; if there are many, the first ones."""
         found = sorted(self._found, key=_place)
         if len(found) > MOST:
             more = MissionError(f"and {len(found) - MOST} more mistakes")
@@ -82,7 +82,7 @@ def _place(error: MissionError) -> tuple[int, int]:
 
 
 def _without_repeats(found: list[MissionError]) -> list[MissionError]:
-    """The same, in which each hint is given once."""
+    """The same mistakes, with each hint only once."""
     told: set[str] = set()
     kept = []
     for each in found:

@@ -1,7 +1,7 @@
 """Where a mission or a scenario comes from: a file, a text, or data.
 
-A door: it opens the file whose path it is given. A text that has a line break, or begins with a
-brace, is YAML itself; any other text is a path.
+A door: it opens the file of a path. A text with a line break, or one that begins with a brace, is
+YAML; any other text is a path.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ Given = Path | str | Mapping[str, object]
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What was given, as far as it can be known without reading it as YAML.
+    """What was given, as far as it is known before it is read as YAML.
 
     Attributes:
         content: a text, or data.
-        name: for messages: the path, or what stands for it.
-        folder: what the names of files in it are relative to.
-        path: of its file; None if it was given itself.
+        name: for messages: the path, or words in its place.
+        folder: to which file names in it are relative.
+        path: of its file; None if there is no file.
     """
 
     content: str | Mapping[str, object]
@@ -36,16 +36,16 @@ class Source:
 
 
 def read_source(given: Given, kind: str, folder: Path | None = None) -> Source:
-    """Reads a file, or takes what was given.
+    """Reads a file, or takes a text or data.
 
     Args:
         given: a path, a YAML text, or data.
         kind: what it is, for messages.
-        folder: what the names of files in it are relative to; by default the file's own folder,
-            or the current one.
+        folder: to which file names in it are relative; by default the file's own folder, or the
+            current one.
 
     Raises:
-        MissionError: the file cannot be read, or it is none of these.
+        MissionError: the file cannot be read, or `given` is of another type.
     """
     if isinstance(given, Mapping):
         return Source(given, kind, folder or Path(), None)
@@ -59,7 +59,7 @@ def read_source(given: Given, kind: str, folder: Path | None = None) -> Source:
 
 
 def _text(path: Path, kind: str) -> str:
-    """Returns the text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate."""
+    """The text of a file; bytes that are not UTF-8 stay, for the YAML reader to locate."""
     try:
         with path.open("rb") as stream:
             return stream.read(MAX_BYTES + 1).decode("utf-8", "surrogateescape")

@@ -1,7 +1,7 @@
-"""Units as people write them, and what a number in one of them is in another.
+"""Units as people write them, and the conversion of numbers between them.
 
-The unit that is wanted is told by a key (`speed_mps`: metres per second) or by MAVLink (`cm/s`).
-A number that is converted keeps as many digits as it was written with, but three at least.
+A key (`speed_mps`: metres per second) or MAVLink (`cm/s`) says which unit is wanted. A converted
+number keeps as many digits as were written, but at least three.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ class Unit:
 
     Attributes:
         name: in the plural.
-        quantity: what is measured in it; units of one quantity can be converted.
-        scale: of one of it, in the quantity's own unit.
+        quantity: what it measures; units of one quantity can be converted.
+        scale: its size in the quantity's base unit.
     """
 
     name: str
@@ -80,12 +80,12 @@ _UNITS: dict[str, Unit] = {
     "c%": Unit("hundredths of a percent", "share", 1e-2),
     "kg": Unit("kilograms", "mass"),
 }
-"""What people write, and keys end with -> the unit."""
+"""What people write, and what keys end with -> the unit."""
 _BY_WORD = {word: unit for words, unit in _UNITS.items() for word in words.split()}
 
 
 def unit_called(word: str) -> Unit | None:
-    """The unit that is written in some way; None if it is not known.
+    """The unit for a spelling; None if it is unknown.
 
     >>> unit_called("km/h").name, unit_called("m/s²").name, unit_called("furlongs")
     ('kilometres per hour', 'metres per second squared', None)
@@ -95,7 +95,7 @@ def unit_called(word: str) -> Unit | None:
 
 
 def unit_of_key(key: str) -> Unit | None:
-    """The unit that a key ends with; None if it ends with none.
+    """The unit with which a key ends; None if it ends with none.
 
     >>> unit_of_key("speed_mps").name, unit_of_key("places")
     ('metres per second', None)
@@ -105,7 +105,7 @@ def unit_of_key(key: str) -> Unit | None:
 
 
 def number_in_unit(number: str, written: str, wanted: Unit | None) -> str:
-    """What to write for a number with a unit behind it.
+    """What to write for a number followed by a unit.
 
     >>> speed = unit_of_key("speed_mps")
     >>> number_in_unit("30", "km/h", speed), number_in_unit("5", "m/s", speed)
@@ -115,8 +115,8 @@ def number_in_unit(number: str, written: str, wanted: Unit | None) -> str:
 
     Args:
         number: as it is written.
-        written: the unit behind it.
-        wanted: the unit in which the number has to be; None if nothing says.
+        written: the unit after it.
+        wanted: the unit that the number must have; None if unknown.
     """
     unit = unit_called(written)
     if unit == wanted:
@@ -130,6 +130,6 @@ def number_in_unit(number: str, written: str, wanted: Unit | None) -> str:
 
 
 def _with_digits(value: float, written: str) -> str:
-    """A number with as many digits as another one was written with, but three at least."""
+    """A number with as many digits as another one was written with, but at least three."""
     digits = max(_LEAST_DIGITS, len(re.sub(r"\D", "", written).lstrip("0")))
     return f"{float(f'{value:.{digits}g}'):.15g}"

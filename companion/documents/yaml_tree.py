@@ -1,14 +1,13 @@
-"""YAML from outside as a tree in which every node knows its place in the text.
+"""Reads untrusted YAML as a tree of plain values, in which every node knows its place.
 
-In goes the text, out comes a tree of plain values in which every key and value knows its place.
-The text is not trusted: its size is limited before anything reads it and its depth while it is
-read; anchors, aliases, tags, directives, second documents, duplicate keys and numbers that are
-not finite are refused, so that what a person reads is what the program gets. A value that is
-refused does not end the reading: it is told with what else is wrong.
+The size of the text is limited before it is read, and its depth while it is read. Anchors, aliases,
+tags, directives, second documents, duplicate keys and numbers that are not finite are refused, so
+that a person and the program read the same. A refused value does not end the reading: it is
+reported with the other mistakes.
 
 Plain scalars follow the core schema of YAML 1.2.2, section 10.3.2: only `true` and `false` are
 truth values, so a place may be called `no` or `on`; a date is a text. Keys are always texts. The
-tokens come from ruamel.yaml. Left out: what the values mean (document.py).
+tokens come from ruamel.yaml. Left out: the meaning of values (document.py).
 """
 
 from __future__ import annotations
@@ -78,15 +77,15 @@ class MappingNode:
 
 Node = ScalarNode | SequenceNode | MappingNode
 Refused = dict[Keys, MissionError]
-"""Why values are not read, which are empty in the tree, by the keys that lead to them."""
+"""Keys of values that are refused, and empty in the tree -> why."""
 
 
 def read_tree(text: str, path: str) -> tuple[Node, Refused]:
-    """Returns the tree of a YAML text, and what of it is refused.
+    """The tree of a YAML text, and its refused values.
 
     Args:
         text: line breaks are "\\n", no byte order mark.
-        path: name of the file, for messages alone.
+        path: name of the file, only for messages.
 
     Raises:
         MissionError: too large, too deep, or not YAML.
@@ -106,7 +105,7 @@ def read_tree(text: str, path: str) -> tuple[Node, Refused]:
         code = ord(text[error.position])
         raise MissionError(
             "the file is not UTF-8 text"
-            if 0xDC80 <= code <= 0xDCFF  # how Python hands on a byte that it could not decode
+            if 0xDC80 <= code <= 0xDCFF  # Python's form of a byte that could not be decoded
             else f"character U+{code:04X} is not allowed in YAML",
             Location(path, line, column),
             "remove this character, or save the file as UTF-8",
@@ -119,7 +118,7 @@ def read_tree(text: str, path: str) -> tuple[Node, Refused]:
         problem = str(error.problem or error.context or "not YAML")
         hint = _hidden_fault(text, where.line) or _syntax_hint(problem, error)
         raise MissionError(f"not YAML: {problem}", where, hint) from None
-    except (ValueError, OverflowError):  # from chr() of the escape "\\U" with too large a number
+    except (ValueError, OverflowError):  # from chr() for an escape "\\U" with too large a number
         raise MissionError("an escape \\U gives no character", Location(path, 1, 1)) from None
 
 
@@ -133,17 +132,17 @@ _SYNTAX_HINTS = (
     ("simple key", "the ':' after the key is missing, or a key spans two lines"),
     ("<block end>", "check the indentation: keys of one mapping begin in the same column"),
 )
-"""Part of ruamel's message -> what to do."""
+"""Part of ruamel's message -> advice."""
 
 
 _NO_SPACE = re.compile(r"^\s*([A-Za-z_]\w*):([^\s/:].*?)\s*$")
-"""A key whose colon no space follows."""
+"""A key without a space after its colon."""
 
 
 _EQUALS = re.compile(r"^\s*([A-Za-z_]\w*)\s*=\s*(\S.*?)\s*$")
 """A key with an equals sign."""
 _DASH = re.compile(r"^\s*[\u2010-\u2015\u2022\u2212]\s")
-"""A list's entry with a dash or a dot of word processors."""
+"""An entry of a list with a dash or a bullet of a word processor."""
 _TAG = re.compile(r"[\[{,]\s*![A-Za-z(]")
 """A text with ! inside brackets."""
 
@@ -157,7 +156,7 @@ def _syntax_hint(problem: str, error: MarkedYAMLError) -> str:
 
 
 def _hidden_fault(text: str, number: int) -> str:
-    """What hardly can be seen in the line of an error, or in the one before it."""
+    """A mistake that is hard to see, in the line of an error or in the one before."""
     lines = text.split("\n")
     for n in (number - 1, number):
         line = lines[n - 1] if 0 < n <= len(lines) else ""
@@ -257,7 +256,7 @@ class _TreeReader:
                 error = MissionError(f"the key {key} is given twice", key_at, hint)
                 self.refused.setdefault((*keys, key), error)
                 continue
-            if isinstance(node, ScalarNode) and node.start == node.end:  # nothing after the colon
+            if isinstance(node, ScalarNode) and node.start == node.end:  # an empty value
                 node = ScalarNode(key_at, node.value, node.start, node.end)
             entries[key], lines[key] = MappingEntry(key_at, node), key_at.line
         return MappingNode(where, entries)
@@ -307,7 +306,7 @@ _LONGEST_NUMBER = 40  # characters; no quantity of ours needs more
 
 
 def _plain_value(text: str, where: Location) -> Value:
-    """Returns the value of a scalar without quotes (YAML 1.2.2, 10.3.2)."""
+    """The value of a scalar without quotes (YAML 1.2.2, 10.3.2)."""
     if text in _WORDS:
         return _WORDS[text]
     if _NOT_FINITE.fullmatch(text):

@@ -1,7 +1,8 @@
-"""Messages of Foxglove as an MCAP file.
+"""Writes messages of Foxglove as an MCAP file.
 
-Written after the flight, never in it: a message takes 0.2 ms, and a file without its end is read by
-few. Messages are JSON, with a JSON Schema for each topic; chunks are packed with zstd.
+It is written after the flight, never during it: a message takes 0.2 ms, and few programs read a
+file without its end. Messages are JSON, with a JSON Schema for each topic; chunks are compressed
+with zstd.
 
 Source: https://mcap.dev/spec; the library writes the records.
 """
@@ -29,13 +30,13 @@ def write_mcap(
     """Writes a file.
 
     Args:
-        stream: where to.
+        stream: to write to.
         start_unix_ns: when the run began.
         messages: in order.
-        attachments: files that go along, by name.
+        attachments: attached files, by name.
 
     Returns:
-        how many messages it has.
+        The number of messages.
     """
     writer = Writer(stream, compression=CompressionType.ZSTD)
     writer.start(library=LIBRARY)
@@ -62,7 +63,7 @@ def write_mcap(
 
 
 def _stamped(message: LogMessage, unix_ns: int) -> dict[str, Any]:
-    """Its content with its time, wherever its schema has one."""
+    """The content of a message, with its time if its schema has one."""
     time = stamp(unix_ns)
     match message.schema:
         case "foxglove.GeoJSON":

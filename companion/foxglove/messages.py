@@ -1,7 +1,7 @@
-"""Values of ours as messages of Foxglove: east, north and up in metres; x forward, y left on board.
+"""Converts our values to messages of Foxglove: metres east, north, up; on board x forward, y left.
 
-Frames: `map` has its origin at the mission's home, x to the east and y to the north. `base_link` is
-the vehicle, level: what a run shows of its attitude is the heading.
+Frames: the origin of `map` is the mission's home, with x to the east and y to the north.
+`base_link` is the vehicle, but level: of its attitude a run shows only the heading.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ Content = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class LogMessage:
-    """A message and where it belongs.
+    """A message with its channel.
 
     Attributes:
         time_s: since the run began.
         topic: of the channel.
         schema: its name.
-        content: its fields, but for a timestamp at the top, which the file puts in.
+        content: its fields, without a timestamp at the top level, which the file adds.
     """
 
     time_s: float
@@ -46,13 +46,13 @@ def stamp(unix_ns: int) -> Content:
 
 
 def vector(ned: Ned) -> Content:
-    """A position in `map`, to a millimetre."""
+    """A position in `map`, rounded to a millimetre."""
     x, y, z = (round(metres, 3) + 0.0 for metres in enu_from_ned(ned))
     return {"x": x, "y": y, "z": z}
 
 
 def heading(yaw_rad: float | None) -> Content:
-    """An orientation in `map`, of a heading from north to the east; None is that of the frame.
+    """An orientation in `map` for a heading from north to east; None is that of the frame.
 
     >>> heading(math.pi / 2) == heading(None)  # to the east, along x
     True

@@ -1,14 +1,14 @@
 """A recorded run as messages of Foxglove, in the order of their times.
 
-    /vehicle/pose, /vehicle/location, /tf    where the vehicle is, five times a second
-    /setpoint    where it was asked to be
-    /plan    the way of the plan under way, with each new one
-    /scene    walls, fence, zones and places; the autopilot's own fence where it is kept;
-           what the lidar saw besides
+    /vehicle/pose, /vehicle/location, /tf    the vehicle's position, five times a second
+    /setpoint    the last setpoint
+    /plan    the route of the present plan, whenever there is a new one
+    /scene    walls, fence, zones and places; the autopilot's own fence if it is kept;
+           what else the lidar saw
     /map    the same on the earth, as GeoJSON, with the whole flight
     /log    events, in words
 
-What is shown is what the monitor page shows, read by the same code (`monitor/follower.py`).
+The content is that of the monitor page, read by the same code (`monitor/follower.py`).
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ SEEN_EVERY_S = 1.0
 LEVELS = {DEBUG: 1, WARNING: 3, ERROR: 4, CRITICAL: 5}
 """MAV_SEVERITY -> level of Log; 2, INFO, for all others."""
 OnProgress = Callable[[int], None]
-"""Called with bytes of the flight that were read."""
+"""Called with the number of bytes of the flight that have been read."""
 
 
 class RecordedRun:
-    """A run that is over, read from its folder.
+    """A finished run, read from its folder.
 
     Args:
         folder: of the run.
-        zero: where the frame `map` lies on the earth, if that is known.
-        geojson: what is shown on the earth, if that is known.
-        progress: told how much was read.
+        zero: where the frame `map` lies on the earth, if known.
+        geojson: the content on the earth, if known.
+        progress: called with the number of bytes read.
 
     Attributes:
         start_unix_ns: when the run began.
@@ -105,14 +105,14 @@ class RecordedRun:
                 yield LogMessage(stamped.time_s, "/log", "foxglove.Log", content)
 
     def _kept(self) -> Iterator[LogMessage]:
-        """The fence of somebody else that the autopilot keeps, when that is known."""
+        """The fence that the autopilot keeps, but that is not the mission's, once it is known."""
         for stamped in self._follower.events:
             if isinstance(stamped.event, FenceKept):
                 areas = kept(self._scene, stamped.event)
                 yield LogMessage(stamped.time_s, "/scene", "foxglove.SceneUpdate", areas)
 
     def _seen(self) -> Iterator[LogMessage]:
-        """What the lidar saw, at most once in SEEN_EVERY_S, and at last."""
+        """What the lidar saw, at most once in SEEN_EVERY_S, and at the end."""
         grid, due_s, time_s, is_told = self._scene.grid, 0.0, 0.0, True
         occupied = np.zeros_like(grid.occupied)
         top_m = ABOVE_M + max((-s.position[2] for s in self._scene.sites.values()), default=0.0)

@@ -1,8 +1,8 @@
 """The world of a run as Foxglove's scene: walls, fence, keep-out zones, places.
 
-What stands still is told once, at the beginning, and what the lidar sees besides when it does.
-Walls of the map have no known height: they are drawn as high as the highest place and a little
-more. Runs of occupied cells are one cube each, so that a hall has hundreds and not ten thousands.
+What stands still is sent once, at the beginning; what else the lidar sees, when it sees it. Walls
+of the map have no known height: they are drawn a little higher than the highest place. Each block
+of occupied cells is one cube, so a hall has hundreds of cubes and not ten thousand.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from companion.motion.routes import PlaceRegion
 
 ABOVE_M = 1.0
 CORNERS = 32
-"""Of a disc."""
+"""Corners of the polygon that stands for a disc."""
 LINE_PIXELS = 2.0
 LABEL_PIXELS = 14.0
 LIFTED_M = 0.05
@@ -37,7 +37,7 @@ PRIMITIVES = "arrows cubes spheres cylinders lines triangles texts models".split
 
 
 class Block(NamedTuple):
-    """Cells of a grid that are next to each other: rows and columns, the last ones not included."""
+    """A rectangle of adjacent cells: ranges of rows and columns, ends excluded."""
 
     row: int
     col: int
@@ -46,7 +46,7 @@ class Block(NamedTuple):
 
 
 def world(scene: Scene) -> Content:
-    """The content of SceneUpdate for all that stands still; times are put in later."""
+    """The content of SceneUpdate for all that stands still; times are added later."""
     top_m = _top_m(scene)
     entities = [entity("walls", cubes=list(_cubes(scene.grid, scene.grid.occupied, top_m, GREY)))]
     entities.append(entity("fence", lines=[_loop(scene.fence, 0.0, GREEN)]))
@@ -87,12 +87,12 @@ def seen(grid: OccupancyGrid, occupied: npt.NDArray[np.bool_], top_m: float) -> 
 
 
 def _top_m(scene: Scene) -> float:
-    """Where what has no known height ends."""
+    """The upper end of what has no known height."""
     return max((-site.position[2] for site in scene.sites.values()), default=0.0) + ABOVE_M
 
 
 def entity(name: str, **primitives: list[Content]) -> Content:
-    """A part of the scene, which stays until another one of its name comes."""
+    """A part of the scene, which stays until another one of the same name replaces it."""
     return {
         "frame_id": MAP,
         "id": name,
@@ -104,7 +104,7 @@ def entity(name: str, **primitives: list[Content]) -> Content:
 
 
 def blocks(occupied: npt.NDArray[np.bool_]) -> list[Block]:
-    """Occupied cells as blocks: runs within a row, those of equal runs in a column together.
+    """Occupied cells as blocks: runs within a row, joined over rows where they are equal.
 
     >>> blocks(np.array([[1, 1, 0], [1, 1, 1]], dtype=bool))
     [Block(row=0, col=0, rows=1, cols=2), Block(row=1, col=0, rows=1, cols=3)]
@@ -140,7 +140,7 @@ def _loop(corners: Sequence[NorthEast], up_m: float, color: Content) -> Content:
 
 
 def line(points: Iterable[Ned], color: Content, is_closed: bool = False) -> Content:
-    """A line as wide on every screen."""
+    """A line of constant width on the screen."""
     return {
         "type": 1 if is_closed else 0,
         "pose": pose((0.0, 0.0, 0.0), math.pi / 2),
@@ -170,7 +170,7 @@ def _middle(corners: Sequence[NorthEast], up_m: float) -> Ned:
 
 
 def _label(text: str, position: Ned, color: Content) -> Content:
-    """A text that faces who looks at it."""
+    """A text that faces the viewer."""
     return {
         "pose": pose(position),
         "billboard": True,

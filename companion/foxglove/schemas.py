@@ -1,8 +1,8 @@
-"""The schemas of Foxglove that a run is told in, as JSON Schema.
+"""The Foxglove schemas of a run's messages, as JSON Schema.
 
-Foxglove picks the panel that shows a message by the name of its schema, and reads the fields that
-its documentation lists. Only those that we write are here; all fields of a message are required,
-as they are there, but for those of LocationFix that we do not know.
+Foxglove chooses the panel for a message by the name of its schema, and reads the documented fields.
+Only the fields that we write are here. All of them are required, except those of LocationFix that
+may be unknown.
 
 Source: https://docs.foxglove.dev/docs/sdk/schemas, field by field.
 """
@@ -20,7 +20,7 @@ FLAG: Schema = {"type": "boolean"}
 
 
 def _object(**fields: Schema) -> Schema:
-    """An object with these fields, each of which is required."""
+    """An object in which each of these fields is required."""
     return {"type": "object", "properties": fields, "required": list(fields)}
 
 

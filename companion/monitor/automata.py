@@ -1,11 +1,11 @@
 """Follows the automata of the task along the recorded word, for drawing.
 
-An automaton has its marks on transitions. To show them on states, as people know Büchi automata,
-a node is a state together with the marks of the transition that has just been taken; a node with
-all marks is accepting. The word is read from the `position` lines, as an audit reads it.
+An automaton has its marks on transitions. To show them on states, as in textbooks, a node is a
+state together with the marks of the transition that was just taken; a node with all marks is
+accepting. The word is read from the `position` lines, as by an audit.
 
-The vehicle is at one place at a time, which the automata need not tell apart: a patrol of ten
-places has 15 transitions then, and 1,028 with a million labels among its nodes otherwise.
+The vehicle is at one place at a time, which the automata may assume: a patrol of ten places then
+has 15 transitions. Otherwise it would have 1,028, with a million labels among its nodes.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from companion.monitor.obligations import Obligations
 from companion.monitor.page_events import Arrow, AutomataMoved, AutomatonDrawing, Edge
 
 Node = tuple[int, frozenset[int]]
-"""A state, and the marks of the transition that has led there."""
+"""A state, and the marks of the transition that led to it."""
 Step = tuple[Node, Node]
 
 
 @dataclass(frozen=True)
 class DrawnAutomaton:
-    """The automaton of one conjunct with its marks on nodes."""
+    """The automaton of one conjunct, with its marks on nodes."""
 
     name: str
     text: str
@@ -39,30 +39,30 @@ class DrawnAutomaton:
 
     @cached_property
     def live(self) -> frozenset[int]:
-        """States from which some word is accepted; others are not drawn."""
+        """States from which some word is accepted; the others are not drawn."""
         return live_states(self.automaton)
 
     @cached_property
     def start(self) -> frozenset[Node]:
-        """Where runs begin, without marks."""
+        """The nodes in which runs begin, without marks."""
         return frozenset((state, frozenset()) for state in self.automaton.initial & self.live)
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
-        """All that can be reached, in the order in which they are met."""
+        """All reachable nodes, in the order in which they are found."""
         found = sorted(self.start, key=_order)
-        for state, _ in found:  # grows meanwhile
+        for state, _ in found:  # `found` grows in the loop
             ends = {(t.target, t.marks) for t in self.automaton.outgoing[state]}
             found += sorted((e for e in ends - set(found) if e[0] in self.live), key=_order)
         return tuple(found)
 
     @cached_property
     def number(self) -> dict[Node, int]:
-        """The place of each node among all."""
+        """The index of each node."""
         return {node: i for i, node in enumerate(self.nodes)}
 
     def steps(self, nodes: Collection[Node], letter: Letter) -> frozenset[Step]:
-        """By which a letter is read."""
+        """The steps with which a letter is read."""
         return frozenset(
             (node, (t.target, t.marks))
             for node in nodes
@@ -71,12 +71,12 @@ class DrawnAutomaton:
         )
 
     def after(self, nodes: Collection[Node], letter: Letter) -> frozenset[Node]:
-        """One letter later."""
+        """The nodes after one letter."""
         return frozenset(end for _, end in self.steps(nodes, letter))
 
     @property
     def drawing(self) -> AutomatonDrawing:
-        """Nodes (accepting or not), and arrows between them with their labels."""
+        """Nodes (accepting or not), and labelled arrows between them."""
         number = self.number
         arrows: dict[Edge, list[Label]] = {}
         for node in self.nodes:
@@ -94,7 +94,7 @@ class DrawnAutomaton:
 
 
 def _told(labels: Sequence[Label]) -> str:
-    """Cubes joined by `or`. What one literal leaves to the others is not repeated.
+    """Cubes joined by `or`, without what one literal already implies for the others.
 
     >>> a, b = frozenset({"a"}), frozenset({"b"})
     >>> _told([Label(a, frozenset()), Label(b, a)])
@@ -111,7 +111,7 @@ def _told(labels: Sequence[Label]) -> str:
 
 
 def _places(formula: Formula) -> frozenset[str]:
-    """The propositions that the vehicle is at a place."""
+    """The propositions that say where the vehicle is."""
     return frozenset(atom for atom in atoms(formula) if Fact.parse(atom).predicate == AT)
 
 
@@ -133,7 +133,7 @@ class TaskReader:
         self._steps: list[frozenset[Step]] = [frozenset() for _ in self.automata]
 
     def read(self, letter: Letter, restarted: Collection[str]) -> None:
-        """One more position; the named conjuncts begin anew with it."""
+        """Reads one more position; the named conjuncts restart with it."""
         self.obligations.read(letter, restarted)
         for i, automaton in enumerate(self.automata):
             before = automaton.start if automaton.name in restarted else self._nodes[i]
@@ -142,9 +142,9 @@ class TaskReader:
 
     @property
     def moved(self) -> AutomataMoved:
-        """Where the automata may be, how they came there, and what is due.
+        """The nodes in which the automata may be, how they came there, and what is due.
 
-        An automaton that may be nowhere is that of a violated conjunct.
+        An automaton without such a node is that of a violated conjunct.
         """
         numbers = [each.number for each in self.automata]
         return AutomataMoved(

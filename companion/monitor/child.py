@@ -1,9 +1,10 @@
-"""The monitor page of a flight, as a process of its own: no browser can delay a tick.
+"""The monitor page of a flight, in its own process, so that no browser can delay a tick.
 
-The flight's process only opens the port, so that its address is known at once and it waits for
-nobody, and hands it on. The child is told by a pipe which run folder to show, and ends when that
-pipe is closed, however the flight's process has ended. If it cannot start it says so itself, and
-the flight goes on.
+1. The flight's process only opens the port, so its address is known at once without waiting, and
+   hands it on.
+2. A pipe tells the child which run folder to show. The child ends when the pipe is closed, however
+   the flight's process has ended.
+3. If the child cannot start, it reports this itself, and the flight continues.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from companion.python_child import python_module
 
 PORTS_TRIED = 50
 STALLED_MS = 10_000
-"""Time after which a browser that reads nothing is let go; its connections have it from here."""
+"""A browser that reads nothing for this long is disconnected; connections inherit this."""
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A socket on this port, or on the next one that is free.
+    """A socket on this port, or on the next free one.
 
     Raises:
         LinkError: there is none.
@@ -50,13 +51,13 @@ def listen(host: str, port: int) -> socket.socket:
 
 
 def url(listener: socket.socket) -> str:
-    """Where a browser finds it."""
+    """The address for a browser."""
     host, port = listener.getsockname()[:2]
     return f"http://{f'[{host}]' if ':' in host else host}:{port}"
 
 
 class Child:
-    """Serves the page on a socket, which it takes over, of the run that was given to it last.
+    """Serves the run that was given last on a socket, which it takes over.
 
     Raises:
         LinkError: no process can be started.
@@ -71,31 +72,31 @@ class Child:
                     stdin=subprocess.PIPE,
                     stdout=subprocess.DEVNULL,
                     pass_fds=[number],
-                    start_new_session=True,  # Ctrl-C is the flight's: the landing is to be seen
+                    start_new_session=True,  # Ctrl-C is for the flight: its landing stays visible
                 )
             except OSError as error:
                 raise LinkError(f"the monitor cannot start: {error}") from error
 
     @property
     def is_running(self) -> bool:
-        """Whether it has not ended, as asked or by itself."""
+        """Whether it still runs; it may end by itself."""
         return self._process.poll() is None
 
     def show(self, folder: Path) -> None:
-        """Shows the run of a folder, which is there with its scene, from now on."""
+        """Shows the run in a folder, which has its scene already."""
         pipe = self._process.stdin
         assert pipe is not None
-        with contextlib.suppress(OSError):  # it has ended, and has said so
+        with contextlib.suppress(OSError):  # it has ended, and has reported that
             pipe.write(f"{folder.absolute()}\n".encode())
             pipe.flush()
 
     def close(self) -> None:
-        """Ends it, after browsers have got what is new. Does not wait."""
+        """Ends it after browsers have received what is new. Does not wait."""
         assert self._process.stdin is not None
         with contextlib.suppress(OSError):
             self._process.stdin.close()
 
     def kill(self) -> None:
-        """Ends it at once, so that its port is free again. Does not wait."""
+        """Kills it, so that its port is free again. Does not wait."""
         self._process.kill()
         self.close()

@@ -1,8 +1,8 @@
-"""Server-sent events for many clients, none of which waits: the run that is shown, and its news.
+"""Server-sent events of the shown run, for many clients, none of which delays another.
 
-A client that connects gets the mission, all events so far and the trail so far; afterwards what
-is new. One that is slow loses snapshots but no event, since each event changes what is shown from
-then on. Nothing is queued for a client: each only has a place in what was read.
+A client that connects gets the mission, all events and the trail so far, and then what is new. A
+slow client loses snapshots but no events, because each event changes what is shown afterwards.
+Nothing is queued for a client: each has only a position in what was read.
 
 Source: HTML Living Standard, 9.2 (server-sent events).
 """
@@ -19,13 +19,13 @@ from companion.monitor.follower import Follower
 from companion.monitor.watching import Snapshot
 
 MOST_AT_ONCE = 25
-"""Snapshots that a client gets when it comes back; of more that it missed some are left out."""
+"""Most snapshots for a client that is late; if it missed more, some are left out."""
 MOST_OF_TRAIL = 6000
-"""Snapshots that a client gets when it connects: 20 minutes of them, or thinned."""
+"""Most snapshots for a client that connects: 20 minutes of them, or a selection."""
 
 
 class Feed:
-    """The run that is shown now, and the news of it."""
+    """The run that is shown, and its news."""
 
     def __init__(self) -> None:
         self.run: Follower | None = None
@@ -35,18 +35,18 @@ class Feed:
         self._history = (-1, "")
 
     def show(self, run: Follower) -> None:
-        """Shows another run from now on."""
+        """Shows another run."""
         self.run = run
         self.tell()
 
     def tell(self) -> None:
-        """Wakes all clients: there is news."""
+        """Wakes all clients, because there is news."""
         self._version += 1
         self._news.set()
         self._news = asyncio.Event()
 
     def close(self) -> None:
-        """Ends all streams, after their last news."""
+        """Ends all streams after their last news."""
         self._is_closed = True
         self.tell()
 
@@ -64,7 +64,7 @@ class Feed:
                 await self._news.wait()
 
     def _news_for(self, cursor: ClientCursor, run: Follower) -> str:
-        """What a client has not got yet; a whole history is written once for all who come."""
+        """What a client has not received yet; a whole history is encoded once for all clients."""
         if cursor.has_begun(run):
             return cursor.news(run)
         version, text = self._history
@@ -82,16 +82,16 @@ class ClientCursor:
         self._run: Follower | None = None
 
     def has_begun(self, run: Follower) -> bool:
-        """Whether it has got the beginning of a run."""
+        """Whether it has received the beginning of a run."""
         return run is self._run
 
     def skip(self, run: Follower) -> None:
-        """It has got all that there is."""
+        """Marks everything as received."""
         self._run = run
         self._events, self._snapshots = len(run.events), len(run.snapshots)
 
     def news(self, run: Follower) -> str:
-        """What this client has not got yet."""
+        """What this client has not received yet."""
         text = ""
         most = MOST_AT_ONCE
         if not self.has_begun(run):
@@ -108,7 +108,7 @@ class ClientCursor:
 
 
 def thinned(snapshots: Sequence[Snapshot], most: int) -> Sequence[Snapshot]:
-    """At most so many of some snapshots, evenly, the last one included.
+    """At most `most` of some snapshots, evenly chosen, the last one included.
 
     >>> thinned(list(range(10)), 4)
     [0, 3, 6, 9]

@@ -1,9 +1,9 @@
 """Follows a run in order: its folder read as it grows, or from beginning to end.
 
-Everything shown comes out of what the run recorded. Some events are derived here and join the
-run's own (page_events.py): the task's automata come with the first plan, where they may be with
-each position of the word, the way along which the plan leads with its tree, and the cells that
-the lidar saw when it did.
+Everything that is shown follows from what the run recorded. Some events are derived here and join
+the run's own (page_events.py): the task's automata with the first plan, their present nodes with
+each position of the word, the route of a plan with its tree, and the cells that the lidar saw, at
+their times.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ from companion.motion.routes import PlaceRegion
 from companion.record.events import EVENTS_FILE
 
 PERIOD_S = 0.2
-"""Between snapshots, in the flight's time."""
+"""Time between snapshots, by the flight's clock."""
 SHADE_LIMIT_M = 3.0
-"""Distance to the next obstacle from which on a cell is white."""
+"""A cell farther than this from the next obstacle is white."""
 _ROUNDING_S = 1e-3
 
 
@@ -64,8 +64,8 @@ class Follower:
     Attributes:
         mission: what does not change: names, map, places.
         events: what happened so far.
-        snapshots: the vehicle so far, 5 for each second of its time.
-        ways: along which the plans lead, each with the time from which on it is flown.
+        snapshots: the vehicle so far, 5 per second of flight time.
+        ways: the routes of the plans, each with the time at which it begins.
 
     Args:
         folder: the run folder.
@@ -97,16 +97,16 @@ class Follower:
             up_m=scene.up_m,
         )
         self._task: TaskReader | None = None
-        self._is_written = False  # the tree is the mission's own, and no way is planned
+        self._is_written = False  # the tree is the mission's own, without a planned route
         self._next_s = 0.0
         self._is_live = is_live
         self._settled_s = -math.inf if is_live else math.inf
 
     def read(self) -> bool:
-        """Takes what is new; whether more can be read at once.
+        """Reads what is new; returns whether more can be read at once.
 
-        An event reaches the disk before the frames of its time. So while the run goes on, events
-        that are ahead of the frames wait for them, until the next call at most.
+        An event reaches the disk before the frames of the same time. So during the run, events that
+        are ahead of the frames wait for them, until the next call at most.
         """
         self._waiting.extend(self._lines.news())
         batches, is_more = self._frames.news()
@@ -138,14 +138,14 @@ class Follower:
             self.events.append(Stamped(round(now_s, 3), CellsChanged(cells)))
 
     def _happen(self, until_s: float) -> None:
-        """Tells the events up to a time, each with what is derived from it."""
+        """Passes on the events up to a time, each with those derived from it."""
         while self._waiting and self._waiting[0].time_s < until_s:
             stamped = self._waiting.popleft()
             self.events.append(stamped)
             try:
                 derived = list(self._derived(stamped.event, stamped.time_s))
             except (CompanionError, KeyError):
-                continue  # a formula or a place that is none; `companion audit` says where
+                continue  # an invalid formula or place; `companion audit` locates it
             self.events += [Stamped(stamped.time_s, event) for event in derived]
 
     def _derived(self, event: FlightEvent, time_s: float) -> Iterator[FlightEvent]:
@@ -174,7 +174,7 @@ class Follower:
                 yield WayPlanned(tuple(map(_on_the_page, legs)))
 
     def _legs(self, tree: TreeBuilt) -> Iterator[list[Ned]]:
-        """The way of each action that flies somewhere."""
+        """The route of each action that flies somewhere."""
         at: Ned | None = self._watcher.position
         for node in tree.nodes:
             place = node.destination if isinstance(node, ActionTreeNode) else None
@@ -233,6 +233,6 @@ def _outline(site: PlaceRegion) -> dict[str, Any]:
 
 
 def _shade(grid: OccupancyGrid) -> npt.NDArray[np.uint8]:
-    """(rows, cols) 0 on obstacles, 1 to 255 from near to far; the northmost row first."""
+    """(rows, cols) 0 on obstacles, 1 to 255 with growing distance; the northmost row first."""
     far = np.clip(grid.distance_m / SHADE_LIMIT_M, 0.0, 1.0)
     return np.where(grid.occupied, 0, 1 + 254 * far).astype(np.uint8)[::-1]

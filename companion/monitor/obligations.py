@@ -1,9 +1,11 @@
-"""What is still due, in words: the part of the task that the flight so far has left to be done.
+"""What is still due, in words: what the task demands of the rest of the flight.
 
-Goals that recur for ever (`G F p`) are due once in each lap: a lap is over as soon as each of them
-has been met, and the next one begins with the position after that. What other lines demand is what
-formula progression leaves of them (`companion/ltl/progression.py`); what always holds, such as
-`G !at(D)`, is a rule and not due. Lines that plans do not keep are not due, and no part of a lap.
+1. Goals that recur for ever (`G F p`) are due once per lap. A lap is over when each of them has
+   been met; the next one begins with the following position.
+2. What other lines demand is what formula progression leaves of them
+   (`companion/ltl/progression.py`).
+3. What must always hold, such as `G !at(D)`, is a rule and never due.
+4. Lines that plans do not keep are not due, and do not belong to laps.
 """
 
 from __future__ import annotations
@@ -18,11 +20,11 @@ from companion.ltl.semantics import Letter
 from companion.mission.facts import AT, Fact
 
 MOST_TOLD, MOST_KEPT = 60, 1000
-"""Nodes of what is left of a line: nobody would read more, and more is not kept."""
+"""Most nodes of the rest of a line that are shown; and that are kept."""
 
 
 class DueLine:
-    """A conjunct of the task as it is read: what it is, and what is left of it."""
+    """A conjunct of the task with what is left of it."""
 
     def __init__(self, name: str, formula: Formula) -> None:
         self.name = name
@@ -33,11 +35,11 @@ class DueLine:
 
     @property
     def is_met(self) -> bool:
-        """Each recurring goal was met in this lap, or need not be any more."""
+        """Whether each recurring goal has been met in this lap, or is not demanded any more."""
         return self.rest is TRUE or self.met.issuperset(self.goals)
 
     def read(self, letter: Letter, is_restarted: bool) -> None:
-        """One more position; a line that begins anew with it has met nothing before."""
+        """Reads one more position; a line that restarts with it has met nothing before."""
         if is_restarted:
             self.rest, self.met = self.formula, set()
         rest = progressed(self.rest, letter)
@@ -51,7 +53,7 @@ class DueLine:
 
     @property
     def words(self) -> list[str]:
-        """What is due of a line that does not recur, in words."""
+        """What is due of a line without recurring goals, in words."""
         if _size(self.rest) > MOST_TOLD:
             return []
         left_over = [each for each in conjuncts(self.rest) if each.operator is not Operator.ALWAYS]
@@ -63,9 +65,9 @@ class DueLine:
 
 
 def _recurring(formula: Formula) -> tuple[tuple[Formula, ...], tuple[Formula, ...]]:
-    """The goals that have to hold again and again, and what may be done instead.
+    """The goals that must hold again and again, and what may be done instead.
 
-    None, if the line is not of this kind: `G F p & ...`, and that or something else.
+    None if the line is not `G F p & ...`, or that `|` something else.
     """
     choices = formula.operands if formula.operator is Operator.OR else (formula,)
     for choice in choices:
@@ -76,20 +78,20 @@ def _recurring(formula: Formula) -> tuple[tuple[Formula, ...], tuple[Formula, ..
 
 
 def _goal(part: Formula) -> Formula:
-    """p of `G F p`; true of everything else."""
+    """p of `G F p`; true for all others."""
     inner = part.operands[0] if part.operator is Operator.ALWAYS else TRUE
     goal = inner.operands[0] if inner.operator is Operator.EVENTUALLY else TRUE
     return TRUE if _is_temporal(goal) else goal
 
 
 class Obligations:
-    """Reads the word of a flight, and says what is due."""
+    """Reads the word of a flight and says what is due."""
 
     def __init__(self, lines: Sequence[tuple[str, Formula]]) -> None:
         self.lines = [DueLine(name, formula) for name, formula in lines]
 
     def read(self, letter: Letter, restarted: Collection[str]) -> None:
-        """One more position; the named lines begin anew with it."""
+        """Reads one more position; the named lines restart with it."""
         recurring = [each for each in self.lines if each.goals and not each.is_dropped]
         if all(each.is_met for each in recurring):
             for each in recurring:
@@ -98,14 +100,14 @@ class Obligations:
             each.read(letter, each.name in restarted)
 
     def drop(self, name: str, is_dropped: bool) -> None:
-        """Plans do not keep a line any more, or keep it again."""
+        """Notes whether plans keep a line."""
         for each in self.lines:
             if each.name == name:
                 each.is_dropped = is_dropped
 
     @property
     def due(self) -> tuple[tuple[str, str], ...]:
-        """The name of a line and what is due of it, each in words; goals of a line together."""
+        """The name of each line and what is due of it, in words; goals of a line together."""
         kept = (each for each in self.lines if not each.is_dropped)
         kinds = groupby(kept, key=lambda each: (each.name, bool(each.goals), each.otherwise))
         return tuple(
@@ -127,7 +129,7 @@ def _due_in_lap(goals: Sequence[Formula], otherwise: Sequence[Formula]) -> list[
 
 
 def in_words(formula: Formula) -> str:
-    """What a formula demands, as people say it.
+    """What a formula demands, in plain words.
 
     >>> from companion.ltl.parser import parse
     >>> [in_words(parse(text)) for text in ("at(A) | alarm", "F G at(Home)", "!at(B) U at(A)")]
@@ -161,7 +163,7 @@ def in_words(formula: Formula) -> str:
 
 
 def _together(operands: tuple[Formula, ...]) -> str:
-    """What holds at once, and then what comes later; rules that always hold are left out."""
+    """What must hold now, then what must come later; rules that always hold are left out."""
     now = [in_words(each) for each in operands if not _is_temporal(each)]
     later = [each for each in operands if _is_temporal(each)]
     due = [in_words(each) for each in later if each.operator is not Operator.ALWAYS]
@@ -174,5 +176,5 @@ def _size(formula: Formula) -> int:
 
 
 def _is_temporal(formula: Formula) -> bool:
-    """Whether it speaks of other positions too."""
+    """Whether it refers to other positions too."""
     return any(each.operator in TEMPORAL for each in subformulas(formula))

@@ -1,8 +1,8 @@
-"""By which names the page may be asked for: addresses, and the names of this machine.
+"""The names under which the page may be requested: addresses, and the names of this machine.
 
-A web page elsewhere can have its own name lead to this machine (DNS rebinding), and its scripts
-would then read the page as their own. A browser says which name it asked for, so a request under a
-foreign name is refused. An address is no name, and cannot be rebound.
+A foreign web page can make its own name lead to this machine (DNS rebinding); its scripts could
+then read the page as their own. A browser says which name it requested, so a request under a
+foreign name is refused. An address is no name and cannot be rebound.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class OwnNamesOnly:
     """Refuses requests under a foreign name.
 
     Args:
-        app: answers all others.
+        app: answers all other requests.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -43,7 +43,7 @@ def is_own(host: str, machine: str) -> bool:
     """Whether the Host of a request is an address or a name of this machine.
 
     Args:
-        host: as the browser says it, with or without a port.
+        host: as the browser sends it, with or without a port.
         machine: the machine's name.
 
     >>> [is_own(host, "drone") for host in ("127.0.0.1:8000", "[::1]", "localhost", "DRONE.local")]

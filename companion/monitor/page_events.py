@@ -1,6 +1,6 @@
-"""Events that the monitor derives from those of the run, for the page alone.
+"""Events for the page alone, which the monitor derives from those of the run.
 
-They join the run's own events under kinds of their own, and are written in the same form.
+They join the run's own events under their own kinds, in the same form.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from companion.flight_events.event import FlightEvent
 EastNorth = tuple[float, float]
 """Metres east and north of home."""
 Leg = tuple[EastNorth, ...]
-"""The corners of the way of one action."""
+"""The corners of the route of one action."""
 
 
 class DerivedEvent(FlightEvent):
@@ -26,11 +26,11 @@ class DerivedEvent(FlightEvent):
 
 
 Edge = tuple[int, int]
-"""From one node to another, by their numbers."""
+"""From one node to another, by their indices."""
 
 
 class Arrow(NamedTuple):
-    """The transitions between two nodes, by their numbers, and what they are labelled with."""
+    """The transitions between two nodes, given by index, with their labels."""
 
     start: int
     end: int
@@ -42,8 +42,8 @@ class AutomatonDrawing:
     """The automaton of one conjunct.
 
     Attributes:
-        initial: nodes in which it begins.
-        accepting: of each node.
+        initial: the nodes in which it begins.
+        accepting: for each node.
     """
 
     conjunct: str
@@ -64,11 +64,11 @@ class AutomataDrawn(DerivedEvent):
 
 @dataclass(frozen=True, slots=True)
 class AutomataMoved(DerivedEvent):
-    """The automata may be in these nodes, a list for each of them.
+    """The automata may be in these nodes, with a list for each automaton.
 
     Attributes:
-        taken: the edges by which they have come there, from node to node.
-        due: what is still to be done, in words: the name of a line of the task, and of it.
+        taken: the edges by which they came there, from node to node.
+        due: what is still to be done, in words: the name of a line of the task, and its demand.
     """
 
     kind = "states"
@@ -80,7 +80,7 @@ class AutomataMoved(DerivedEvent):
 
 @dataclass(frozen=True, slots=True)
 class WayPlanned(DerivedEvent):
-    """The plan leads along this way on the map as it is known now."""
+    """The plan has this route on the map as known now."""
 
     kind = "path"
 
@@ -97,7 +97,7 @@ class SeenCell(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class CellsChanged(DerivedEvent):
-    """Cells have become occupied or free by what the lidar saw."""
+    """Cells became occupied or free by what the lidar saw."""
 
     kind = "cells"
 

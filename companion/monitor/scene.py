@@ -31,16 +31,16 @@ NO_BAND = (-math.inf, -math.inf)
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """What the mission says of the world.
+    """What the mission says about the world.
 
     Attributes:
-        start_unix_s: t_s 0 of the events on the clock of flight.tlog.
-        fence: north-east corners.
-        keep_out: the same of zones that are not entered, by name.
-        walls: those that are low.
+        start_unix_s: t_s 0 of the events, by the clock of flight.tlog.
+        fence: corners, north and east.
+        keep_out: corners of the keep-out zones, by name.
+        walls: the low ones.
         speed_limits: by which routes are chosen.
-        clearance_m: that routes keep from obstacles.
-        up_m: the altitude band in which they lead over walls.
+        clearance_m: distance of routes from obstacles.
+        up_m: the altitude band for routes over walls.
         anchor: where north 0, east 0 lies on the earth, if the mission says so.
     """
 
@@ -96,7 +96,7 @@ def _scene(data: dict[str, Any]) -> Scene:
         raise ValueError(f"{len(packed)} bytes of cells")
     bits = np.unpackbits(np.frombuffer(packed, dtype=np.uint8), count=shape[0] * shape[1])
     origin = (float(about["north_m"]), float(about["east_m"]))
-    is_open = bool(about.get("open", False))  # absent at first
+    is_open = bool(about.get("open", False))  # earlier scenes lack it
     cells = bits.reshape(shape).astype(np.bool_)
     walls = [Wall(_polygon(w["corners"]), float(w["up_m"])) for w in data.get("low_walls", ())]
     grid = walled(OccupancyGrid(cells, float(about["cell_m"]), origin, is_open), walls)
@@ -108,7 +108,7 @@ def _scene(data: dict[str, Any]) -> Scene:
     }
     fence = _polygon(data["fence"])
     keep_out = {str(zone): _polygon(each) for zone, each in data.get("keep_out", {}).items()}
-    profile = VehicleProfile()  # what follows was absent at first
+    profile = VehicleProfile()  # earlier scenes lack what follows
     clearance_m = float(data.get("clearance_m", profile.clearance_m))
     usual = SpeedLimits(profile.speed_mps, profile.acceleration_mps2, profile.jerk_mps3)
     told = data.get("speed_limits", asdict(usual))

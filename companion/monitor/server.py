@@ -1,10 +1,10 @@
-"""The monitor's web server: one page, its files, and one stream. It only reads.
+"""The monitor's web server: one page, its files, and one stream. It is read-only.
 
     GET /          the page        GET /NAME    its scripts and styles
     GET /stream    server-sent events (feed.py)
 
-Its content security policy lets the page load nothing from elsewhere, and it answers under an
-address or a name of this machine alone (own_names.py).
+Its content security policy lets the page load nothing from elsewhere. It answers only under an
+address or a name of this machine (own_names.py).
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ HEADERS = {
     "Cache-Control": "no-cache",
 }
 MOST_CONNECTIONS = 256
-"""A browser has up to six; more than so many are answered with 503."""
+"""Most connections; a browser has up to six. Further ones are answered with 503."""
 NICENESS = 10
-"""The flight goes first."""
+"""The flight has priority."""
 LAST_WORDS_S = 0.2
-"""Time that clients get to read the end."""
+"""Time for clients to read the end."""
 
 
 def application(feed: Feed) -> Starlette:
@@ -87,7 +87,7 @@ def replay(listener: socket.socket, folder: Path) -> None:
 
 
 def follow(listener: socket.socket) -> None:
-    """Serves the runs whose folders are named on standard input, a line each, until its end."""
+    """Serves the runs whose folders are named on standard input, one per line, until its end."""
     os.nice(NICENESS)
 
     async def runs() -> AsyncIterator[Follower]:
@@ -101,7 +101,7 @@ def follow(listener: socket.socket) -> None:
 
 
 async def _serve(listener: socket.socket, runs: AsyncIterator[Follower]) -> None:
-    """Serves the newest of some runs until there are no more, or a signal comes."""
+    """Serves the newest of some runs until there are no more, or a signal arrives."""
     feed = Feed()
     config = uvicorn.Config(
         application(feed),
@@ -122,7 +122,7 @@ async def _serve(listener: socket.socket, runs: AsyncIterator[Follower]) -> None
     serving = asyncio.create_task(server.serve(sockets=[listener]))
     await asyncio.wait({reading, taking, serving}, return_when=asyncio.FIRST_COMPLETED)
     if feed.run is not None and not serving.done():
-        for _ in range(2):  # the second time brings what had waited
+        for _ in range(2):  # the second time reads the events that waited
             feed.run.read()
     feed.close()
     await asyncio.sleep(0 if serving.done() else LAST_WORDS_S)
@@ -136,7 +136,7 @@ async def _serve(listener: socket.socket, runs: AsyncIterator[Follower]) -> None
 
 
 async def _read(feed: Feed) -> None:
-    """Reads what is new, five times a second or as fast as it goes."""
+    """Reads what is new, five times a second, or faster while there is more."""
     while True:
         is_more = feed.run is not None and feed.run.read()
         feed.tell()

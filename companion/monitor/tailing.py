@@ -1,8 +1,8 @@
-"""Reads what was added to a run folder's growing files since they were looked at last.
+"""Reads what was added to a run folder's growing files since the last look.
 
-`events.jsonl` is read by whole lines, `flight.tlog` by whole records: eight bytes of time and one
-MAVLink frame. What is not whole yet waits for the next look, so a file that is being written, or
-was cut off in the middle, is read as far as it goes. A door: it opens the files of a run folder.
+`events.jsonl` is read in complete lines, `flight.tlog` in complete records: eight bytes of time and
+one MAVLink frame. An incomplete end waits for the next look, so a file that is being written, or
+was cut off, is read as far as possible. A door: it opens the files of a run folder.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from companion.flight_events.reading import read_line
 from companion.mavlink.framing import frame_size
 
 CHUNK_BYTES = 1 << 19
-"""At most so much of flight.tlog is read at once: 15 s of a flight."""
+"""Most bytes of flight.tlog that are read at once: 15 s of a flight."""
 _STAMP = struct.Struct(">Q")  # microseconds since 1970
 
 
@@ -28,7 +28,7 @@ class EventLines:
         self._at = 0
 
     def news(self) -> list[Stamped]:
-        """The events since the last call; a line that is none is left out."""
+        """The events since the last call; invalid lines are left out."""
         whole, newline, _ = _read(self._path, self._at, -1).rpartition(b"\n")
         self._at += len(whole) + len(newline)
         return [event for event in map(_event, whole.splitlines()) if event is not None]
@@ -43,11 +43,11 @@ class TlogFrames:
         self._is_damaged = False
 
     def news(self) -> tuple[list[tuple[float, list[bytes]]], bool]:
-        """Frames since the last call, as (seconds since 1970, those of one time), and whether more
-        can be read at once.
+        """Frames since the last call, as (seconds since 1970, frames of that time), and whether
+        more can be read at once.
 
-        The newest time waits until a later one has begun: not all of its frames may be there yet.
-        Nothing is read behind a damaged record.
+        The newest time waits until a later one has begun, because some of its frames may be
+        missing. Nothing is read after a damaged record.
         """
         if self._is_damaged:
             return [], False
@@ -73,7 +73,7 @@ class TlogFrames:
 
 
 def _read(path: Path, at: int, size: int) -> bytes:
-    """Bytes of a file from a place on; none if it is not there (yet)."""
+    """Bytes of a file from an offset on; empty while the file does not exist."""
     try:
         with path.open("rb") as file:
             file.seek(at)
@@ -83,7 +83,7 @@ def _read(path: Path, at: int, size: int) -> bytes:
 
 
 def _event(line: bytes) -> Stamped | None:
-    """A line's event; None if it is not as documented: `companion audit` says why."""
+    """The event in a line; None if it is not as documented: `companion audit` says why."""
     try:
         return read_line(line)
     except MissionError:

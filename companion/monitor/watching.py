@@ -1,7 +1,7 @@
-"""Snapshots of the vehicle: the newest of what it and the companion said on the wire.
+"""Snapshots of the vehicle: the newest state that it and the companion sent over the link.
 
-Frames of one time in flight.tlog are those of one tick, so the state and the map as sensed are
-read here as the companion itself has read them, by the same code.
+Frames of one time in flight.tlog belong to one tick. So the state and the map as sensed are read
+here as in the companion itself, by the same code.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _WANTED = _CONTINUAL | {
     dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
 }
 SETPOINT_OLD_S = 1.0
-"""Age from which on a setpoint is not shown: nothing is streamed any more."""
+"""Age from which a setpoint is not shown, because none are streamed any more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +53,8 @@ class Snapshot:
 
     Attributes:
         time_s: since the run began.
-        setpoint: where it was last asked to be; None if nothing is streamed.
-        clearance_m: to the nearest obstacle at its altitude on the map as it is known; inf if none.
+        setpoint: the last one; None if none are streamed.
+        clearance_m: to the nearest obstacle at its altitude on the map as known; inf if none.
         link_age_s: time since the autopilot was heard.
     """
 
@@ -92,7 +92,7 @@ def _rounded(ned: Ned) -> list[float]:
 
 
 class Watcher:
-    """Hears what is recorded, tick by tick.
+    """Reads the recorded frames, tick by tick.
 
     Args:
         told: the map of the mission.
@@ -113,17 +113,17 @@ class Watcher:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The map as it is known now."""
+        """The map as known now."""
         return self._surroundings.grid
 
     @property
     def position(self) -> Ned | None:
-        """Where the vehicle is, as far as was heard."""
+        """The vehicle's position, if known."""
         state = self._telemetry.state
         return state.position if state else None
 
     def hear(self, now_s: float, frames: list[bytes]) -> None:
-        """Takes the frames of one tick."""
+        """Reads the frames of one tick."""
         for frame in choose(frames, _WANTED, _CONTINUAL):
             self._take(now_s, message_of(frame))
         accuracy_m, below_m = self._telemetry.accuracy_m, self._telemetry.below_m(now_s)
@@ -150,7 +150,7 @@ class Watcher:
             self._setpoint = (now_s, (message.x, message.y, message.z))
 
     def snapshot(self, now_s: float) -> Snapshot | None:
-        """What is known now; None until the vehicle's state is."""
+        """The present snapshot; None until the vehicle's state is known."""
         state = self._telemetry.state
         if state is None:
             return None

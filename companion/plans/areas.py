@@ -1,12 +1,12 @@
-"""Areas on the earth: circles as polygons, and several inclusion areas as the one that all share.
+"""Areas on the earth: circles as polygons, and several inclusion areas as their intersection.
 
-A vehicle has to be in every inclusion area at once (PX4, and ArduPilot unless told otherwise). What
-is inside two convex polygons is one, found by clipping (Sutherland and Hodgman, 1974). Where one is
-not convex, what is inside both may have several parts; that is refused, unless the other contains
-it whole.
+A vehicle must be in every inclusion area at once (PX4, and ArduPilot by default). The intersection
+of two convex polygons is one polygon, found by clipping (Sutherland and Hodgman, 1974). If one is
+not convex, the intersection may have several parts; this is refused, unless the other one contains
+it completely.
 
-All of it is reckoned in metres about a point near by: degrees are no plane, and across the 180th
-meridian they jump.
+All computations are in metres about a nearby point: degrees are not a plane, and longitudes jump at
+the 180th meridian.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from companion.motion.polygons import do_overlap
 from companion.plans.route_plan import ItemRefused, LatLon, PlanArea
 
 SIDES = 32
-"""Of the polygon that stands for a circle: 0.5 % of the radius smaller, or larger."""
+"""Corners of the polygon that replaces a circle: 0.5 % of the radius smaller, or larger."""
 STRAIGHT_M = 0.01
-"""A corner so near to the line through its neighbours is none."""
+"""A corner this near to the line through its neighbours is none."""
 MAX_RADIUS_M = 20_000.0
 
 
 def circle(item: str, centre: LatLon, radius_m: float, is_inclusion: bool) -> tuple[LatLon, ...]:
-    """The corners of a polygon inside a circle, or around it if it must not be entered.
+    """The corners of a polygon inside a circle, or around it for an exclusion.
 
     Args:
         item: its name in messages.
         centre: degrees.
         radius_m: of the circle.
-        is_inclusion: whether it must not be left.
+        is_inclusion: whether the vehicle must stay inside.
 
     Raises:
-        ItemRefused: no such circle.
+        ItemRefused: there is no such circle.
     """
     if not 0 < radius_m <= MAX_RADIUS_M:
         raise ItemRefused(item, f"a circle of {radius_m:g} m", f"draw 0 to {MAX_RADIUS_M:g} m")
@@ -48,7 +48,7 @@ def circle(item: str, centre: LatLon, radius_m: float, is_inclusion: bool) -> tu
 
 
 def box(points: Sequence[LatLon], margin_m: float) -> tuple[LatLon, ...]:
-    """The corners of an area, from south to north and from west to east, around some points."""
+    """The corners of a box around some points, with edges from south to north and west to east."""
     about = GlobalOrigin(*points[0], 0.0)
     local = [_local(about, point) for point in points]
     south, north = min(n for n, _ in local) - margin_m, max(n for n, _ in local) + margin_m
@@ -74,10 +74,10 @@ def do_meet(one: Sequence[LatLon], other: Sequence[LatLon]) -> bool:
 
 
 def common(areas: Sequence[PlanArea]) -> PlanArea:
-    """What is inside all of some areas.
+    """The intersection of some areas.
 
     Raises:
-        ItemRefused: nothing is, or that may have several parts, or it has no area.
+        ItemRefused: it is empty, or may have several parts.
     """
     about = GlobalOrigin(*areas[0].corners[0], 0.0)
     first, *others = areas
@@ -90,8 +90,8 @@ def common(areas: Sequence[PlanArea]) -> PlanArea:
 def _drawn(area: PlanArea, about: GlobalOrigin) -> list[NorthEast]:
     """The corners at which an area turns, counterclockwise.
 
-    An edge cut in two leaves a corner on a line, by rounding on either side of it. Only what is
-    left without such corners tells whether an area is convex.
+    An edge cut in two leaves a corner on a line, which rounding moves to either side. Only without
+    such corners can it be decided whether an area is convex.
     """
     bends = _bends([_local(about, corner) for corner in area.corners])
     if len(bends) < 3:
@@ -100,9 +100,9 @@ def _drawn(area: PlanArea, about: GlobalOrigin) -> list[NorthEast]:
 
 
 def _bends(corners: Sequence[NorthEast]) -> list[NorthEast]:
-    """The corners at which a polygon turns, one of those that nearly coincide.
+    """The corners at which a polygon turns, only one of those that nearly coincide.
 
-    Each is compared with the neighbours that are left, so that of two in one place one stays.
+    Each corner is compared with its remaining neighbours, so one of two in the same place stays.
     """
     kept, index, passed = list(corners), 0, 0
     while len(kept) > 2 and passed < len(kept):
@@ -131,7 +131,7 @@ def _both(one: list[NorthEast], other: list[NorthEast], item: str) -> list[North
 
 
 def _clipped(polygon: list[NorthEast], window: list[NorthEast]) -> list[NorthEast]:
-    """What of a polygon is inside a convex one, which runs counterclockwise."""
+    """The part of a polygon inside a convex one, which runs counterclockwise."""
     for a, b in pairwise([*window, window[0]]):
         kept: list[NorthEast] = []
         for p, q in pairwise([*polygon, *polygon[:1]]):
@@ -146,23 +146,23 @@ def _clipped(polygon: list[NorthEast], window: list[NorthEast]) -> list[NorthEas
 
 
 def _side(a: NorthEast, b: NorthEast, p: NorthEast) -> float:
-    """More than 0 if p lies on the left of the way from a to b, seen from above."""
+    """Positive if p is to the left of the line from a to b, seen from above."""
     return (b[1] - a[1]) * (p[0] - a[0]) - (b[0] - a[0]) * (p[1] - a[1])
 
 
 def _area(polygon: Sequence[NorthEast]) -> float:
-    """Square metres; more than 0 if it runs counterclockwise, seen from above."""
+    """Square metres; positive if it runs counterclockwise, seen from above."""
     return sum(_side((0, 0), a, b) for a, b in pairwise([*polygon, polygon[0]])) / 2
 
 
 def is_counterclockwise(corners: Sequence[LatLon]) -> bool:
-    """Whether the corners run so, seen from above (the right-hand rule of RFC 7946)."""
+    """Whether the corners run counterclockwise, seen from above (right-hand rule of RFC 7946)."""
     about = GlobalOrigin(*corners[0], 0.0)
     return _area([_local(about, corner) for corner in corners]) > 0
 
 
 def _is_convex(polygon: Sequence[NorthEast]) -> bool:
-    """Of a polygon without crossings that runs counterclockwise."""
+    """Whether a polygon without crossings, which runs counterclockwise, is convex."""
     corners = [*polygon, *polygon[:2]]
     return all(
         _side(a, b, c) >= 0 for a, b, c in zip(corners, corners[1:], corners[2:], strict=False)

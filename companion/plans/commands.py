@@ -1,7 +1,7 @@
-"""The items of a flight plan, and the route that they add up to.
+"""The items of a flight plan, and the route that they make together.
 
-A `CommandItem` has the fields of MAVLink's MISSION_ITEM, which .plan, .mission and WPL files have
-alike. What each of them adds to a `PlannedRoute` is in meanings.py.
+A `CommandItem` has the fields of MAVLink's MISSION_ITEM, which .plan, .mission and WPL files share.
+meanings.py says what each of them adds to a `PlannedRoute`.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ TERRAIN_FRAMES = frozenset(
 )
 LEAVE_OUT = "correct the plan, or leave items out by their numbers: --leave-out 3,7"
 PAYLOADS = "payloads"
-"""Stands for the numbers of all commands for payloads where items are left out."""
+"""Stands for the numbers of all payload commands where items are left out."""
 
 
 def not_an_item(number: str) -> ItemRefused:
-    """That what shall be left out is not there."""
+    """The error for an item to leave out that does not exist."""
     what = f"has no item {number[:20]!r} that could be left out"
     advice = "items have the numbers that messages give them, as in --leave-out 3,3.2"
     return ItemRefused("", what, advice)
@@ -43,12 +43,12 @@ def not_an_item(number: str) -> ItemRefused:
 
 @dataclass(frozen=True, slots=True)
 class CommandItem:
-    """A line of a plan.
+    """An item of a plan.
 
     Attributes:
-        number: its place in the plan, e.g. "7", or "7.2" within a survey.
-        params: seven; None where the plan says nothing.
-        jump_id: by which a jump refers to it.
+        number: its place in the plan, such as "7", or "7.2" within a survey.
+        params: seven; None where the plan has no value.
+        jump_id: the id by which a jump refers to it.
     """
 
     number: str
@@ -71,17 +71,17 @@ class CommandItem:
 
     @property
     def is_payload(self) -> bool:
-        """Whether it is a command that a payload takes."""
+        """Whether it is a command for a payload."""
         entry = dialect.enums["MAV_CMD"].get(self.command)
         return entry is not None and entry.name in PAYLOAD_COMMANDS
 
     def param(self, number: int) -> float:
-        """A parameter from 1 to 7; 0 where the plan says nothing."""
+        """A parameter from 1 to 7; 0 where the plan has no value."""
         return self.params[number - 1] or 0.0
 
     @property
     def position(self) -> LatLon | None:
-        """Where it is; None for "here"."""
+        """Its position; None for "here"."""
         latitude, longitude = self.param(5), self.param(6)
         if latitude == longitude == 0:
             return None
@@ -89,10 +89,10 @@ class CommandItem:
 
     @property
     def height(self) -> Height:
-        """How high it is.
+        """Its height.
 
         Raises:
-            ItemRefused: by something that the vehicle does not know.
+            ItemRefused: the height refers to something that the vehicle does not know.
         """
         if self.frame in TERRAIN_FRAMES:
             what = f"its altitude is above the terrain (frame {self.frame}), which no mission knows"
@@ -105,13 +105,13 @@ class CommandItem:
         return Height(self.params[6], self.frame in AMSL_FRAMES)
 
     def refused(self, why: str) -> ItemRefused:
-        """That the item is not imported."""
+        """The error for an item that cannot be imported."""
         return ItemRefused(self.item, f"{self.name} {why}", LEAVE_OUT)
 
 
 @dataclass
 class PlannedRoute:
-    """What the items up to now have asked for; as in `RoutePlan`."""
+    """What the items so far have asked for; fields as in `RoutePlan`."""
 
     takeoff: Height | None = None
     takeoff_item: str = ""
@@ -127,7 +127,7 @@ class PlannedRoute:
     payload_items: list[ItemRefused] = field(default_factory=list)
 
     def visit(self, item: CommandItem, position: LatLon) -> None:
-        """Goes on to a point."""
+        """Adds a waypoint."""
         name = f"W{item.number.replace('.', '_')}"
         radius_m = item.param(2) if item.command == dialect.MAV_CMD_NAV_WAYPOINT else 0.0
         self.waypoints.append(
@@ -135,7 +135,7 @@ class PlannedRoute:
         )
 
     def do(self, act: Act) -> None:
-        """Does something where the route has led to; before the first waypoint, at home."""
+        """Adds an act at the last waypoint; before the first one, at home."""
         self.acts.setdefault(len(self.waypoints) - 1, []).append(act)
 
     def plan(
@@ -147,10 +147,10 @@ class PlannedRoute:
         areas: tuple[PlanArea, ...] = (),
         rally: tuple[Waypoint, ...] = (),
     ) -> RoutePlan:
-        """The plan, with what else its file says.
+        """The plan, with the other content of its file.
 
         Args:
-            home_amsl_m: 0 is what ground stations write where they do not know it.
+            home_amsl_m: 0 counts as unknown, because ground stations write it so.
         """
         home_note = ""
         if home is None and self.takeoff_at is not None:

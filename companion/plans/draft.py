@@ -1,14 +1,14 @@
-"""A mission made of a flight plan, as data; mission_text.py writes it as YAML.
+"""Makes a mission of a flight plan, as data; mission_text.py writes it as YAML.
 
     waypoints    places, and a task: in this order, in any order, or again and again
     waits, commands    a skill at the place, and a fact that the task asks for on the way
-    fence        what all inclusion areas share; without one, a box around all places
+    fence        the intersection of all inclusion areas; without one, a box around all places
     exclusions   keep-out zones
-    rally points places that the task does not mention, to land at where there is no plan
+    rally points places that the task does not mention, where to land without a plan
     other points places that the task does not mention
 
-Nothing is guessed that a vehicle would be flown by: a height that the file does not say has to be
-given, and so has home.
+Nothing that affects the flight is guessed: heights that the file does not have must be given, and
+so must home.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from companion.plans.route_plan import (
 )
 
 MAX_PLACES, MAX_STOPS = 60, 200
-"""Of a route: the plan for either takes 10 s, and grows with the square."""
+"""Limits of a route: planning either takes 10 s, and grows with the square."""
 MAX_RALLY = 31
-"""With home as many as a mission's safe places may be, and a PX4 has room for."""
+"""With home, the number of safe places that a mission may have, and a PX4 can store."""
 MAX_AREAS = 100
 FENCE_MARGIN_M = 20.0
 BAND_M, AMSL_BAND_M = 3.0, 15.0
@@ -44,14 +44,14 @@ USUAL_UP_M, USUAL_REACH_M = 500.0, 5_000.0
 
 @dataclass
 class Draft:
-    """A mission that is being made.
+    """A mission in the making.
 
     Attributes:
         data: the mission.
         items: by the keys of a place, of the fence or of a keep-out zone, its name in the file.
-        told: what its reader has to know.
-        route_m: how far the route leads, and then the way back to where it ends, in straight lines;
-            None where the plan leaves the order open.
+        told: notes for the reader of the mission.
+        route_m: length of the route, and then of the way to its end, in straight lines; None if the
+            plan leaves the order open.
     """
 
     data: dict[str, Any]
@@ -61,22 +61,22 @@ class Draft:
 
 
 def draft(plan: RoutePlan, given: Given, name: str) -> Draft:
-    """The mission that a plan means.
+    """The mission that a plan describes.
 
     Args:
-        plan: of a file.
-        given: beside it.
+        plan: from a file.
+        given: what the user has added.
         name: of the mission.
 
     Raises:
-        ItemRefused, ItemsRefused: something cannot be meant, or is missing.
+        ItemRefused, ItemsRefused: a mission cannot express something, or something is missing.
     """
     return _Drafting(plan, given).draft(name)
 
 
 @dataclass
 class _Drafting:
-    """The places and the task of one plan."""
+    """Drafts the places and the task of one plan."""
 
     plan: RoutePlan
     given: Given
@@ -123,7 +123,7 @@ class _Drafting:
         return Draft(data, self.items | places, self.told, placed.route_m)
 
     def _stops(self) -> Iterator[Callable[[], None]]:
-        """Steps that add the waypoints, up to one place too many."""
+        """Steps that add the waypoints, up to one place more than allowed."""
         for waypoint in self.plan.waypoints:
             yield partial(self._placed.stop, waypoint)
             if len(self.places) - 1 > MAX_PLACES:
@@ -177,7 +177,7 @@ class _Drafting:
                 )
 
     def _rally(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> list[str]:
-        """Places that the task does not mention, to land at where there is no plan."""
+        """Adds rally points: places outside the task, where to land without a plan."""
         rally = len(self.plan.rally)
         if rally > MAX_RALLY:
             self.told.append(f"{rally} rally points: the first {MAX_RALLY} are safe places")
@@ -192,7 +192,7 @@ class _Drafting:
         return safe
 
     def _spare(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> None:
-        """Places that the task does not mention."""
+        """Adds other places that the task does not mention."""
         spare = len(self.plan.spare)
         if spare > MAX_PLACES:
             self.told.append(f"nothing flies to {spare} points; the first {MAX_PLACES} are places")
@@ -208,7 +208,7 @@ class _Drafting:
         fence: tuple[LatLon, ...],
         zones: dict[str, tuple[LatLon, ...]],
     ) -> str | None:
-        """The place at a point, which may be new; None where the vehicle may not be."""
+        """The place at a point, which may be new; None where the vehicle must not be."""
         height = point.height
         if height is None and self.given.up_m is None:
             height = self.places[HOME].height
@@ -258,13 +258,13 @@ class _Drafting:
 
 
 def _to_move(place: Waypoint) -> str:
-    """What to do where a place and an area do not agree."""
+    """Advice for a place and an area that contradict each other."""
     advice = "correct one of the two"
     return f"{advice}, or {OTHER_HOME}" if place.name == HOME else advice
 
 
 def _all(steps: Iterable[Callable[[], object]]) -> None:
-    """Takes some steps, and tells of all that are refused, each once."""
+    """Runs some steps, and reports all refused items, each once."""
     refused: dict[tuple[str, str], ItemRefused] = {}
     for step in steps:
         try:

@@ -27,18 +27,18 @@ SAY_AMSL = "say it: --home LAT,LON,AMSL"
 OTHER_HOME = "say where the mission begins: --home LAT,LON"
 RADIUS_M = 2.0
 SHOWN = 8
-"""Points that are listed in one line."""
+"""Most points that are listed in one line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """What the user says beside the file.
+    """What the user says in addition to the file.
 
     Attributes:
         home: where the mission begins.
-        home_amsl_m: how high that is above the sea.
-        up_m: the height of what has none in the file, above home.
-        payload: MAVLink component id that takes the commands for payloads.
+        home_amsl_m: its height above sea level.
+        up_m: height above home of points that have none in the file.
+        payload: MAVLink component id for the payload commands.
     """
 
     home: LatLon | None = None
@@ -52,7 +52,7 @@ class Places:
     """The places of one plan.
 
     Attributes:
-        told: what the reader of the mission has to know.
+        told: notes for the reader of the mission.
         places: by their names, home first.
         stops: of the route.
     """
@@ -65,10 +65,10 @@ class Places:
     _again: list[str] = field(default_factory=list)
 
     def begin(self) -> None:
-        """Adds home, and what is done there before the first waypoint.
+        """Adds home, and its acts before the first waypoint.
 
         Raises:
-            ItemRefused: nobody says where it is, or how high.
+            ItemRefused: the position or the height of home is unknown.
         """
         plan, first = self.plan, next(iter(self.plan.waypoints), None)
         home = self.given.home or plan.home
@@ -94,7 +94,7 @@ class Places:
             self.stops.append(RouteStop(HOME, self._sent(plan.start_acts), "start"))
 
     def stop(self, waypoint: Waypoint) -> None:
-        """Adds a waypoint of the route: a place, or the place that it is within a metre of.
+        """Adds a waypoint of the route: at a new place, or at one within a metre.
 
         Raises:
             ItemRefused: it is too far away, too low, or above or below another place.
@@ -115,9 +115,9 @@ class Places:
         self.stops.append(RouteStop(name, self._sent(waypoint.acts), waypoint.name))
 
     def _sent(self, acts: tuple[Act, ...]) -> tuple[Act, ...]:
-        """The same acts, with positions as a command to a payload has them.
+        """The same acts, with positions as in a command to a payload.
 
-        It has no frame, so that its altitude is above the sea (COMMAND_LONG).
+        COMMAND_LONG has no frame, so its altitude is above sea level.
         """
         return tuple(
             replace(act, params=(*act.params[:6], self._amsl_m(act.height, act)))
@@ -148,7 +148,7 @@ class Places:
         return name
 
     def near(self, waypoint: Waypoint) -> str | None:
-        """The place that a point is within a metre of, on the ground."""
+        """The place within a metre of a point, horizontally."""
         for name, place in self.places.items():
             if are_same(place.position, waypoint.position):
                 return name
@@ -156,15 +156,14 @@ class Places:
 
     @property
     def end(self) -> str:
-        """The place where the flight ends; to be asked before repeated stops are dropped."""
+        """The place where the flight ends; call it before `drop_repeats`."""
         return self.stops[-1].place if self.stops and self.plan.lands_at_last else HOME
 
     @property
     def route_m(self) -> tuple[float, float] | None:
-        """How far it is along the stops, and then to where the flight ends, in straight lines.
+        """Length of the way along the stops and then to the end, in straight lines.
 
-        None where there are no stops, or where their order is left to the planner. To be asked
-        after repeated stops are dropped.
+        None without stops, or if the planner chooses their order. Call it after `drop_repeats`.
         """
         is_fixed = self.plan.is_ordered or len(self.stops) == 1
         if not self.stops or not is_fixed or self.plan.repeats_from is not None:
@@ -176,11 +175,11 @@ class Places:
 
     @property
     def _landing(self) -> Waypoint | None:
-        """The waypoint where the flight ends on the ground, from whatever height."""
+        """The waypoint where the flight ends on the ground, from any height."""
         return self.plan.waypoints[-1] if self.plan.lands_at_last and self.plan.waypoints else None
 
     def _raise(self, name: str, waypoint: Waypoint) -> None:
-        """Lets the vehicle take off as high as a waypoint above home is; no other place moves."""
+        """Makes the vehicle take off to a waypoint's height above home; moves no other place."""
         place = self.places[name]
         is_takeoff = name == HOME and place.height == self.plan.takeoff
         if not is_takeoff or self.up_m(waypoint) < self.up_m(place):
@@ -194,7 +193,7 @@ class Places:
         )
 
     def drop_repeats(self) -> None:
-        """Drops stops where the vehicle is already, and the way home where it comes home anyway."""
+        """Drops stops where the vehicle is already, and a way home that it takes anyway."""
         if self._again:
             more = f" and {len(self._again) - SHOWN} more" if len(self._again) > SHOWN else ""
             shown = ", ".join(self._again[:SHOWN])
@@ -211,9 +210,9 @@ class Places:
             del self.stops[-1]
 
     def of_known_height(self) -> Iterator[Waypoint]:
-        """The waypoints of which is known how high above home they are.
+        """The waypoints whose height above home is known.
 
-        A landing has the height of the waypoint before, and is not told for it.
+        A landing has the height of the waypoint before, and is not reported for that.
         """
         for waypoint in self.plan.waypoints:
             height = waypoint.height
@@ -223,10 +222,10 @@ class Places:
                 yield waypoint
 
     def with_height(self, waypoint: Waypoint) -> Waypoint:
-        """A waypoint with its height, or the one that was given for what has none.
+        """A waypoint with its own height, or the height given for points without one.
 
         Raises:
-            ItemRefused: it has none, or is not above home.
+            ItemRefused: it has no height, or is not above home.
         """
         height = waypoint.height
         if height is None:
@@ -259,7 +258,7 @@ class Places:
         return self._home_amsl_m is None or abs(self.up_m(place) - self.up_m(other)) >= SAME_M
 
     def tell_unused(self) -> None:
-        """That heights of the file are not used, and what stands in their place."""
+        """Adds a note on heights of the file that are not used, and what replaces them."""
         up_m = self.given.up_m
         instead = "the height of Home" if up_m is None else f"{up_m:g} m above home, by --up-m"
         for above in dict.fromkeys(each.above for each in self.plan.unused):
@@ -275,7 +274,7 @@ class Places:
         return self.plan.home_amsl_m
 
     def up_m(self, place: Waypoint) -> float:
-        """Above home."""
+        """Height of a place above home."""
         assert place.height is not None
         if not place.height.is_amsl:
             return place.height.metres
@@ -284,7 +283,7 @@ class Places:
 
     @property
     def spare(self) -> set[str]:
-        """Places that nothing flies to."""
+        """Places to which nothing flies."""
         used = {HOME, *(stop.place for stop in self.stops)}
         return set(self.places) - used
 
@@ -305,7 +304,7 @@ class Places:
 
 
 def _in_words(heights: Sequence[UnusedHeight]) -> str:
-    """Heights above the same.
+    """Heights above the same reference, in words.
 
     >>> _in_words([UnusedHeight(metres, " above the ground") for metres in (12.0, 25.0, 18.0)])
     '12 to 25 m above the ground'

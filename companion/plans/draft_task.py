@@ -1,8 +1,8 @@
 """The skills and the task of a drafted mission.
 
-A stop of the route at which nothing is done holds as at(X). Where the vehicle waits or commands a
-payload there is a skill for it, and the stop holds as the fact that the skill brings about; leaving
-the place takes that fact back, so that it stands for this stop and no other time.
+A stop without acts is satisfied by at(X). Where the vehicle waits or commands a payload, there is a
+skill, and the stop is satisfied by the fact that this skill makes true. Leaving the place makes the
+fact false again, so that it counts only for this stop.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from companion.plans.route_plan import Act, RoutePlan
 
 HOME = "Home"
 MAX_ORDERED = 20
-"""From here on `sequenced_visit`: its automaton is a tenth as large, and the plan is the same."""
+"""From this number on `sequenced_visit`: a tenth of the automaton, and the same plan."""
 
 
 class RouteStop(NamedTuple):
@@ -32,17 +32,17 @@ class RouteStop(NamedTuple):
 
     @property
     def done(self) -> str:
-        """The fact that the acts bring about."""
+        """The fact that the acts make true."""
         return f"done_{self.name}"
 
     @property
     def holds(self) -> str:
-        """What holds when the stop is made."""
+        """What is true when the stop has been made."""
         return self.done if self.acts else f"at({self.place})"
 
 
 def skills_of(stops: Sequence[RouteStop]) -> dict[str, Any]:
-    """What the vehicle can do: move, and the acts of each stop."""
+    """The skills: `move`, and one for the acts of each stop."""
     working = [stop for stop in stops if stop.acts]
     leaving = "".join(f" & !{stop.done}" for stop in working)
     skills: dict[str, Any] = {
@@ -66,12 +66,12 @@ def skills_of(stops: Sequence[RouteStop]) -> dict[str, Any]:
 
 
 def task_of(plan: RoutePlan, stops: Sequence[RouteStop], end: str) -> dict[str, str]:
-    """What must hold.
+    """The lines of the task.
 
     Args:
-        plan: that the stops are of.
-        stops: of it, and before them what is done at home.
-        end: the place where the flight ends, if it does.
+        plan: the plan of the stops.
+        stops: of the plan, after those at home.
+        end: the place where the flight ends, if it ends.
     """
     if plan.repeats_from is None:
         rest = {"home" if end == HOME else "end": f"F G at({end})"}
@@ -82,7 +82,7 @@ def task_of(plan: RoutePlan, stops: Sequence[RouteStop], end: str) -> dict[str, 
 
 
 def _visited(stops: Sequence[RouteStop], is_ordered: bool) -> str:
-    """The formula for the stops, once."""
+    """The formula for visiting the stops once."""
     places = [stop.place for stop in stops]
     if not is_ordered:
         return " & ".join(f"F {stop.holds}" for stop in stops)
@@ -94,7 +94,7 @@ def _visited(stops: Sequence[RouteStop], is_ordered: bool) -> str:
 
 
 def _patrolled(stops: Sequence[RouteStop]) -> str:
-    """The formula for the stops, again and again."""
+    """The formula for visiting the stops again and again."""
     places = list(dict.fromkeys(stop.place for stop in stops))
     if any(stop.acts for stop in stops) or len(places) < 2:
         return " & ".join(_always_again(stops))

@@ -1,7 +1,7 @@
-"""What is drawn of a mission or a run in other programs: places, fence, plan and flown way.
+"""What other programs show of a mission or a run: places, fence, plan and flown track.
 
-All positions are degrees. The route of a plan is where its actions fly to; what else they do is
-left to the mission: a drawing shows it, and does not replace it.
+All positions are in degrees. The route of a plan consists of the places to which its actions fly;
+other actions are left out: a drawing shows the mission, and does not replace it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ class DrawnPlace:
     """A place.
 
     Attributes:
-        radius_m: of the disc about it that its region holds.
+        radius_m: of the disc about it that lies in its region.
     """
 
     name: str
@@ -32,7 +32,7 @@ class DrawnPlace:
 
 @dataclass(frozen=True, slots=True)
 class DrawnVisit:
-    """A flight to a place, and how long the vehicle waits there."""
+    """A flight to a place, and how long the vehicle then waits."""
 
     place: str
     hold_s: float = 0.0
@@ -40,16 +40,16 @@ class DrawnVisit:
 
 @dataclass(frozen=True)
 class Drawing:
-    """What is drawn.
+    """The content of a drawing.
 
     Attributes:
         start: the name of the place where it begins.
-        home_amsl_m: how high home lies above the sea, if that is known.
-        is_planned: whether there is a plan; one that only takes off leads nowhere.
-        prefix: where the plan leads once.
-        loop: where it then leads again and again.
-        safe: places to land at where there is no plan, other than the start.
-        flown: where the vehicle was.
+        home_amsl_m: height of home above sea level, if known.
+        is_planned: whether there is a plan; one that only takes off has no route.
+        prefix: the route that is flown once.
+        loop: the route that is then flown again and again.
+        safe: places where to land without a plan, except the start.
+        flown: the vehicle's track.
     """
 
     name: str
@@ -72,7 +72,7 @@ def drawing_of(mission: Mission, plan: PlannedLasso | None, zero: GlobalOrigin) 
 
     Args:
         mission: in its own metres.
-        plan: for it, if there is one.
+        plan: of the mission, if there is one.
         zero: where north 0, east 0 lies on the earth.
     """
     start = start_of(mission)
@@ -97,7 +97,7 @@ def start_of(mission: Mission) -> str:
 
 
 def safe_places_of(mission: Mission) -> tuple[str, ...]:
-    """The places that a mission names to land at, but for where it begins."""
+    """The places where a mission says to land, except its start."""
     return tuple(name for name in mission.safe_places if name != start_of(mission))
 
 
@@ -114,11 +114,11 @@ def _place(place: Place, zero: GlobalOrigin) -> DrawnPlace:
 
 
 def route(mission: Mission, actions: Sequence[PlannedAction]) -> Iterator[DrawnVisit]:
-    """Where some actions fly to, one after the other, and how long they wait there."""
+    """The places to which some actions fly, in order, and how long they wait there."""
     visit: DrawnVisit | None = None
     for action in actions:
         skill = mission.skills.get(action.skill)
-        if skill is None:  # rest
+        if skill is None:  # the vehicle rests
             continue
         for step in _steps(mission, skill, action.arguments):
             if isinstance(step, float) and visit is not None:
@@ -132,7 +132,7 @@ def route(mission: Mission, actions: Sequence[PlannedAction]) -> Iterator[DrawnV
 
 
 def _steps(mission: Mission, skill: Skill, arguments: Sequence[str]) -> Iterator[str | float]:
-    """The places that a skill flies to, and the seconds that it waits."""
+    """The places to which a skill flies, and the seconds that it waits."""
     names = (name for name, _ in skill.parameters)
     bound = dict(zip(names, arguments, strict=True))
     for step in skill.execute:

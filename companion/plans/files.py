@@ -1,7 +1,7 @@
-"""Reads the files of ground stations and mapping tools, and writes missions of them.
+"""Reads files of ground stations and mapping tools, and writes missions from them.
 
-A door: it opens the file whose path it is given. Which reader a file is for is known by its ending,
-and where an ending says nothing by its first characters.
+A door: it opens the file of a path. The file's ending determines its reader; if the ending is
+ambiguous, its first characters do.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ Reader = Callable[[bytes, frozenset[str]], RoutePlan]
 def import_plan(
     path: Path | str, given: Given, leave_out: frozenset[str] = frozenset(), name: str = ""
 ) -> tuple[str, Draft]:
-    """The YAML text of the mission that a file means, which can be flown, and what it was made of.
+    """The YAML text of the mission that a file describes, which can be flown, and its draft.
 
     Args:
         path: of the file.
-        given: what it does not say.
+        given: what the file does not say.
         leave_out: numbers of items that are not imported.
-        name: of the mission; by default it is that of the file.
+        name: of the mission; by default the name of the file.
 
     Raises:
-        MissionError: it cannot be read, or a mission cannot mean it: its item and why.
-        CompanionError: an argument is of another kind.
+        MissionError: it cannot be read, or a mission cannot express it; names the item.
+        CompanionError: an argument has a wrong type or value.
     """
     check_kind(given, Given, "what the file does not say, as Given has it")
     path = path_of(path, "the path of a plan")
@@ -76,7 +76,7 @@ def _name(path: Path) -> str:
 
 
 def _check(drafted: Draft, path: Path) -> Mission:
-    """The mission, if it can be flown as it is; problems are told by the items of the plan."""
+    """The mission, if it can be flown as it is; problems are named by the items of the plan."""
     try:
         return load_mission(drafted.data)
     except MissionError as error:
@@ -117,7 +117,7 @@ def _text(data: bytes) -> str:
 
 
 def _plan(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
-    """A .plan or .mission file."""
+    """Reads a .plan or .mission file."""
     text = _text(data)
     if text.lstrip().startswith("<"):
         raise ItemRefused("", "is XML, and no mission of QGroundControl", "save it in QGC anew")
@@ -127,7 +127,7 @@ def _plan(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
 
 
 def _lines(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
-    """A file of lines."""
+    """Reads a file of lines."""
     text = _text(data)
     if is_fence(text):
         return _drawn(lambda _: read_fence(text))(data, leave_out)

@@ -1,10 +1,10 @@
 """GeoJSON (RFC 7946) as a flight plan: points, lines and polygons with their properties.
 
-Coordinates are [lon, lat]. A third one is metres above the ellipsoid, which is tens of metres from
-the sea and from home; it is not used, and that is told. Heights are properties: `up_m` above home,
-`amsl_m` above the sea. Other properties: `name`, `kind` (shapes.py), `radius_m`. A MultiPoint,
-MultiLineString or MultiPolygon is its parts, one by one; mapping tools save single polygons as
-MultiPolygons.
+Coordinates are [lon, lat]. A third one is metres above the ellipsoid, which differs by tens of
+metres from sea level; it is not used, and a note says so. Heights are properties: `up_m` above
+home, `amsl_m` above sea level. Other properties: `name`, `kind` (shapes.py), `radius_m`. A
+MultiPoint, MultiLineString or MultiPolygon stands for its parts; mapping tools save single polygons
+as MultiPolygons.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def read_geojson(text: str) -> RoutePlan:
     """The plan of a GeoJSON file.
 
     Raises:
-        ItemRefused: a mission cannot mean it.
+        ItemRefused: a mission cannot express it.
     """
     file = JsonObject(read_json(text), "")
     kind = file.text("type")
@@ -111,7 +111,7 @@ def _position(value: Any, item: str) -> LatLon:
 
 
 def _corner(value: Any, item: str, said: Height | None) -> tuple[LatLon, DrawnHeight]:
-    """A position, and its height: the one that the properties say, or one that is not used."""
+    """A position, and its height: that of the properties, or one that is not used."""
     longitude, latitude, *rest = numbers(value, item, "a position", 2)
     height: DrawnHeight = said
     if said is None and rest and rest[0] != 0:

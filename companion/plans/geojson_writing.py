@@ -1,10 +1,10 @@
-"""A drawing as GeoJSON (RFC 7946): one feature for each place, area and line, with its `kind`.
+"""Writes a drawing as GeoJSON (RFC 7946): one feature per place, area and line, with its `kind`.
 
     home, place, rally    a point, with name, radius_m, and up_m or amsl_m; a safe place that the
-        plan visits is two of them, a place and a rally point
+        plan visits gives two of them, a place and a rally point
     fence, keep_out    a polygon, counterclockwise and closed
-    route, loop    where the plan leads once, and then again and again
-    flown    where the vehicle was
+    route, loop    the route flown once, and the one flown again and again
+    flown    the vehicle's track
 
 Coordinates are [lon, lat] in degrees, to a tenth of a millimetre. There is no third one: it would
 be the height above the ellipsoid, which a mission does not know.
@@ -66,7 +66,7 @@ def _polygon(corners: Sequence[LatLon], about: dict[str, Any]) -> dict[str, Any]
 
 
 def _line(kind: str, way: Sequence[LatLon]) -> list[dict[str, Any]]:
-    """A line; none of fewer than two points (3.1.4)."""
+    """A line; none for fewer than two points (RFC 7946, 3.1.4)."""
     if len(way) < 2:
         return []
     return [_feature("LineString", [_position(point) for point in way], {"kind": kind})]

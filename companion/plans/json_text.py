@@ -1,4 +1,4 @@
-"""JSON from strangers: size and depth are limited, and what is read is asked for by its type."""
+"""Reads untrusted JSON: size and depth are limited, and values are requested by their type."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ MAX_DEPTH = 40
 
 
 def read_json(text: str) -> dict[str, Any]:
-    """The object that a text is.
+    """The JSON object in a text.
 
     Raises:
-        ItemRefused: it is none, nests too deep, has a key twice, or a number that is not finite.
+        ItemRefused: it is no object, nests too deep, has a key twice, or a number that is not
+            finite.
     """
     if _depth(text) > MAX_DEPTH:
         raise ItemRefused("", f"nests deeper than {MAX_DEPTH} levels", "is this the right file?")
@@ -26,7 +27,7 @@ def read_json(text: str) -> dict[str, Any]:
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}"
         raise ItemRefused("", f"is not JSON: {error.msg}, {where}", "save the file anew") from None
-    except (ValueError, RecursionError):  # a number of thousands of digits
+    except (ValueError, RecursionError):  # such as a number of thousands of digits
         raise ItemRefused("", "is not JSON that can be read", "save the file anew") from None
     if not isinstance(data, dict):
         raise ItemRefused("", "is JSON, but no object", "is this the right file?")
@@ -34,7 +35,7 @@ def read_json(text: str) -> dict[str, Any]:
 
 
 def _depth(text: str) -> int:
-    """The deepest nesting; brackets in texts count too, of which there are few."""
+    """The deepest nesting; brackets in texts, of which there are few, count too."""
     depth = deepest = 0
     for character in text:
         if character in "[{":
@@ -59,14 +60,14 @@ def _not_finite(word: str) -> NoReturn:
 
 
 class JsonObject:
-    """An object of a file, of which keys are asked for by their type.
+    """A JSON object whose values are requested by their type.
 
     Args:
-        data: what stands there.
+        data: the value.
         item: its name in messages.
 
     Raises:
-        ItemRefused: it is no object; and, of each method, the value is missing or another type.
+        ItemRefused: it is no object; in each method, the value is missing or of another type.
     """
 
     def __init__(self, data: object, item: str) -> None:
@@ -104,7 +105,7 @@ class JsonObject:
         return value
 
     def object(self, key: str) -> JsonObject:
-        """An object within."""
+        """An object in the object."""
         return JsonObject(self._present(key), f"{self.item}, {key}" if self.item else key)
 
     def list(self, key: str) -> list[Any]:
@@ -139,7 +140,7 @@ def number(value: object, item: str, name: str) -> float:
 
 
 def numbers(value: object, item: str, name: str, least: int) -> list[float]:
-    """A list of at least so many numbers.
+    """A list of at least `least` numbers.
 
     Raises:
         ItemRefused: it is something else.

@@ -1,13 +1,13 @@
 """KML and KMZ as a flight plan: the points, lines and polygons of placemarks.
 
-The text goes through expat directly, which says line and column of what is not well formed. A
-document type is refused as soon as it begins: entities are declared nowhere else, so none is ever
-expanded, and nothing is fetched. Depth, elements and characters are limited.
-
-Heights count where altitudeMode is absolute (above the sea, as QGroundControl takes it). By default
-a shape is clamped to the ground, and has none; a number that stands there all the same, and one
-above the ground, is not used, and that is told. The altitude of home is that of the ground there. A
-placemark's `kind` may stand in its ExtendedData.
+1. The text goes directly through expat, which gives line and column of a syntax error.
+2. A document type is refused as soon as it begins. Entities are declared nowhere else, so none is
+   ever expanded, and nothing is fetched. Depth, elements and characters are limited.
+3. Heights count only if altitudeMode is absolute (above sea level, as QGroundControl assumes). By
+   default a shape is clamped to the ground and has no height. A number that is given nevertheless,
+   or that is relative to the ground, is not used, and a note says so.
+4. The altitude of home is that of the ground there. A placemark's `kind` may be in its
+   ExtendedData.
 
 Source: OGC 12-007r2 (KML 2.3), sections 9 to 11.
 """
@@ -45,7 +45,7 @@ UNREADABLE = (
     EOFError,
     ValueError,
 )
-"""What reading an archive may raise."""
+"""The exceptions that reading an archive may raise."""
 ABSOLUTE, CLAMPED = "absolute", frozenset({"clampToGround", "clampToSeaFloor"})
 ABOVE = {
     "relativeToGround": " above the ground",
@@ -66,18 +66,18 @@ class Element:
 
     @property
     def text(self) -> str:
-        """What stands in it."""
+        """Its text content."""
         return "".join(self.texts).strip()
 
     def child(self, *tags: str) -> Element | None:
-        """The first of the elements that a path of tags leads to."""
+        """The first element at a path of tags."""
         found: Element | None = self
         for tag in tags:
             found = next((c for c in found.children if c.tag == tag), None) if found else None
         return found
 
     def all(self, *tags: str) -> Iterator[Element]:
-        """Every element within with one of the tags, itself too; not within each other."""
+        """The elements with one of the tags, itself included; not those inside another match."""
         if self.tag in tags:
             yield self
             return
@@ -89,7 +89,7 @@ def read_kml(data: bytes) -> RoutePlan:
     """The plan of a KML file.
 
     Raises:
-        ItemRefused: it is not well formed, or a mission cannot mean it.
+        ItemRefused: it is not well formed, or a mission cannot express it.
     """
     root = _Builder().read(data)
     if root.tag != "kml":
@@ -103,7 +103,7 @@ def read_kml(data: bytes) -> RoutePlan:
 
 
 def _on_the_ground(plan: RoutePlan) -> RoutePlan:
-    """The plan, with the altitude of a home that is drawn as that of the ground there."""
+    """The plan; if its home is drawn with an altitude, this is that of the ground there."""
     drawn = plan.takeoff
     if drawn is None:
         return plan
@@ -113,7 +113,7 @@ def _on_the_ground(plan: RoutePlan) -> RoutePlan:
 
 
 def read_kmz(data: bytes) -> RoutePlan:
-    """The plan of a KMZ file: of the first KML file in the archive.
+    """The plan of a KMZ file, from the first KML file in the archive.
 
     Raises:
         ItemRefused: as `read_kml`, or it is no such archive.
@@ -126,7 +126,7 @@ def read_kmz(data: bytes) -> RoutePlan:
             if archive.getinfo(name).compress_type not in PACKED:
                 raise ItemRefused("", "is packed in a way that KMZ does not know", "zip it anew")
             with archive.open(name) as stream:
-                text = stream.read(MAX_BYTES + 1)  # the size that the archive states may be false
+                text = stream.read(MAX_BYTES + 1)  # the archive may state a false size
     except UNREADABLE as error:
         raise ItemRefused("", f"is no archive that can be read: {error}", "zip it anew") from None
     if len(text) > MAX_BYTES:
@@ -135,7 +135,7 @@ def read_kmz(data: bytes) -> RoutePlan:
 
 
 class _Builder:
-    """Makes elements of what expat reads."""
+    """Builds elements from expat's events."""
 
     def __init__(self) -> None:
         self._root = Element("", {})

@@ -1,7 +1,7 @@
 """What the commands of a flight plan mean in a mission: one class for each kind of meaning.
 
-What flies the vehicle in another way than to a point, or depends on what happens, has no place in
-a list that a task replaces, and is refused.
+A task replaces the list of items. So a command that flies the vehicle otherwise than to a point, or
+that depends on what happens, cannot be expressed and is refused.
 
 Source: https://mavlink.io/en/messages/common.html#mav_commands.
 """
@@ -32,22 +32,22 @@ from companion.plans.route_plan import (
 
 CLIMB, DESCENT = dialect.SPEED_TYPE_CLIMB_SPEED, dialect.SPEED_TYPE_DESCENT_SPEED
 FLOWN = range(dialect.MAV_CMD_NAV_WAYPOINT, dialect.MAV_CMD_NAV_LAST + 1)
-"""Numbers of the commands that lead the vehicle; the others are done on the way."""
+"""Numbers of the commands that lead the vehicle; the others are executed on the way."""
 
 
 class Meaning(Protocol):
-    """What a command means."""
+    """The meaning of a command."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """Adds it to the route.
+        """Adds the command to the route.
 
         Raises:
-            ItemRefused: it cannot be meant.
+            ItemRefused: a mission cannot express it.
         """
 
 
 def required(item: CommandItem) -> LatLon:
-    """The position of an item that has to have one.
+    """The position of an item that needs one.
 
     Raises:
         ItemRefused: it has none.
@@ -59,10 +59,10 @@ def required(item: CommandItem) -> LatLon:
 
 
 class LoiterItem:
-    """A wait at a position, or without one where the vehicle is."""
+    """A wait at a position; without one, where the vehicle is."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """A place, and a wait."""
+        """Adds a place and a wait."""
         if (position := item.position) is not None:
             route.visit(item, position)
         if item.param(1) > 0:
@@ -72,12 +72,12 @@ class LoiterItem:
 
 @dataclass(frozen=True, slots=True)
 class VisitItem:
-    """A point; `told` says what is not kept of it."""
+    """A point; `told` says what is lost of it."""
 
     told: str = ""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """A place, and a wait if the vehicle holds there."""
+        """Adds a place, and a wait if the vehicle holds there."""
         route.visit(item, required(item))
         if item.param(1) > 0:
             route.do(Hold(item.param(1)))
@@ -86,10 +86,10 @@ class VisitItem:
 
 
 class TakeOffItem:
-    """The height of home; a place, if it is not at home."""
+    """The height of home; also a place, if it is not at home."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """Only at the beginning."""
+        """Accepts it only at the beginning."""
         if route.takeoff is not None or route.waypoints:
             raise item.refused("in the middle of a plan means nothing to a mission")
         route.takeoff, route.takeoff_at = item.height, item.position
@@ -99,18 +99,18 @@ class TakeOffItem:
 
 
 class ReturnHomeItem:
-    """The end, at home."""
+    """The end of the flight, at home."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """Nothing may follow."""
+        """Ends the route; nothing may follow."""
         route.ends = item.item
 
 
 class LandThereItem:
-    """The end: at a position, or without one where the vehicle is."""
+    """The end of the flight: at a position; without one, where the vehicle is."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """A place at the height of the waypoint before, from which the vehicle lands."""
+        """Adds a place at the height of the waypoint before, from which the vehicle lands."""
         route.lands_at_last = bool(route.waypoints)
         if (position := item.position) is not None:
             before = route.waypoints[-1].height if route.waypoints else route.takeoff
@@ -123,10 +123,10 @@ class LandThereItem:
 
 
 class SpeedItem:
-    """The speed; -1 keeps the one before."""
+    """A speed; -1 keeps the one before."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """The least of all speeds is the mission's; those of climbs and descents are left out."""
+        """Takes the lowest speed as the mission's; ignores those of climbs and descents."""
         if item.param(1) in (CLIMB, DESCENT):
             route.told.append(f"{item.item}: a speed of climbs or descents; left out")
         elif item.param(2) > 0:
@@ -137,7 +137,7 @@ class JumpItem:
     """An endless loop."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """Back to an item, for ever."""
+        """Repeats the route from an item for ever."""
         if item.param(2) >= 0:
             raise item.refused(f"{item.param(2):g} times: a mission repeats for ever or not at all")
         index = route.first_waypoint.get(int(item.param(1)))
@@ -150,7 +150,7 @@ class DelayItem:
     """A wait where the vehicle is."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """For some seconds; a time of day is refused."""
+        """Adds a wait in seconds; refuses a time of day."""
         if item.param(1) <= 0:
             raise item.refused("waits for a time of day")
         route.do(Hold(item.param(1)))
@@ -160,7 +160,7 @@ class PayloadItem:
     """A command to a payload."""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """Noted; who gets it is not in the plan."""
+        """Adds the command; the plan does not say who receives it."""
         entry = dialect.enums["MAV_CMD"][item.command]
         params = [item.param(number) for number in range(1, 8)]
         height = item.height if entry.has_location and item.position is not None else None
@@ -175,12 +175,12 @@ class PayloadItem:
 
 @dataclass(frozen=True, slots=True)
 class RefusedItem:
-    """What a mission has no word for."""
+    """A command that a mission cannot express."""
 
     why: str
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
-        """Never."""
+        """Always refuses."""
         raise item.refused(self.why)
 
 
@@ -203,7 +203,7 @@ MEANINGS: dict[int, Meaning] = {
     92: RefusedItem("hands the vehicle to another program"),
     94: RefusedItem("lands until a load touches the ground"),
 }
-"""Number of a command -> what it means. Commands for payloads are all the same."""
+"""Number of a command -> its meaning. All payload commands have the same one."""
 
 
 def meaning_of(item: CommandItem) -> Meaning:
@@ -216,16 +216,16 @@ def meaning_of(item: CommandItem) -> Meaning:
 def route_of(
     items: Iterable[CommandItem], leave_out: frozenset[str], groups: Iterable[str] = ()
 ) -> PlannedRoute:
-    """What the items of a plan ask for, one after the other.
+    """What the items of a plan ask for, in order.
 
     Args:
         items: of the plan.
         leave_out: their numbers, or `PAYLOADS`.
-        groups: numbers of more than an item, left out by the reader.
+        groups: numbers of groups of items that the reader has left out.
 
     Raises:
-        ItemRefused: a number to leave out is none of an item.
-        ItemsRefused: some cannot be meant.
+        ItemRefused: no item has a number that is to be left out.
+        ItemsRefused: a mission cannot express some items.
     """
     route, refused = PlannedRoute(), list[ItemRefused]()
     numbers = {PAYLOADS, *groups}
@@ -241,7 +241,7 @@ def route_of(
             meaning_of(item).add(item, route)
         except ItemRefused as error:
             refused.append(error)
-            if item.command in FLOWN:  # so that what follows is not refused for it as well
+            if item.command in FLOWN:  # so that what follows is accepted
                 route.waypoints.append(Waypoint(item.item, "refused", (0.0, 0.0), Height(0.0)))
     if unknown := sorted(leave_out - numbers):
         raise not_an_item(unknown[0])

@@ -1,4 +1,4 @@
-"""A drafted mission as YAML to read and edit: what comes from where stands in its comments."""
+"""Writes a drafted mission as YAML to read and edit; comments say where each part comes from."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def mission_text(draft: Draft, source: str) -> str:
 
     Args:
         draft: the mission.
-        source: what it was made of, in words.
+        source: what it was made from, in words.
     """
     root = CommentedMap()
     for key, value in draft.data.items():
@@ -46,14 +46,14 @@ def mission_text(draft: Draft, source: str) -> str:
     for name in places:
         places.yaml_add_eol_comment(printable(draft.items["places", name]), name)
     writer = YAML()
-    writer.width = 4096  # flow sequences of corners stay on their line
+    writer.width = 4096  # keeps flow sequences of corners on one line
     text = io.StringIO()
     writer.dump(root, text)
     return text.getvalue()
 
 
 def _node(value: Any, depth: int, key: str) -> Any:
-    """A value with its style: points and corners on one line each."""
+    """A value with its style: each point and corner on one line."""
     if isinstance(value, Mapping):
         made = CommentedMap((k, _node(v, depth + 1, str(k))) for k, v in value.items())
         if key == "parameters" or "lat_deg" in value or "land_at" in value:

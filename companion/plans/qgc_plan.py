@@ -1,9 +1,9 @@
 """Plans of QGroundControl: .plan files, and the .mission files of its first versions.
 
-As QGC reads them (src/MissionManager): an item has seven params, or four and a coordinate, or
-param1 to param4 and a coordinate. The altitude that is flown is the seventh param in the item's
-`frame`; AltitudeMode is what a person saw, and its numbers have changed over the years. Fences and
-rally points of another version than 2 are ignored, as QGC does, but with a word.
+Read as QGC reads them (src/MissionManager): an item has seven params, or four and a coordinate, or
+param1 to param4 and a coordinate. The flown altitude is the seventh param in the item's `frame`;
+AltitudeMode is what the user saw, and its numbers have changed over the years. Like QGC, this
+reader ignores fences and rally points of other versions than 2, but adds a note.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ from companion.plans.route_plan import (
 )
 
 COPTERS = frozenset({0, 2, 3, 4, 13, 14, 15, 29, 35})
-"""MAV_TYPE of what hovers; 0 is generic."""
+"""MAV_TYPEs of vehicles that hover; 0 is generic."""
 RELATIVE_MODE, ABOVE_SEA_MODE = 1, 2
 SURVEYS = {"survey": 5, "CorridorScan": 2}
-"""Complex items that are flown point by point, and the newest version of each that is known."""
+"""Complex items that are flown point by point -> the newest known version of each."""
 
 
 def read_plan(text: str, leave_out: frozenset[str]) -> RoutePlan:
@@ -42,7 +42,7 @@ def read_plan(text: str, leave_out: frozenset[str]) -> RoutePlan:
         leave_out: numbers of items.
 
     Raises:
-        ItemRefused, ItemsRefused: a mission cannot mean it.
+        ItemRefused, ItemsRefused: a mission cannot express it.
     """
     file = JsonObject(read_json(text), "")
     if "MAV_AUTOPILOT" in file or ("items" in file and "fileType" not in file):
@@ -92,7 +92,7 @@ def _check_vehicle(mission: JsonObject) -> None:
 
 
 def _home(listed: list[Any]) -> tuple[LatLon | None, float | None]:
-    """Where home is planned, and how high above the sea; None if nobody has said it."""
+    """The planned home, and its height above sea level; None if unknown."""
     latitude, longitude = numbers(listed[:2], "the planned home", "its position", 2)
     if latitude == longitude == 0:
         return None, None
@@ -139,7 +139,7 @@ def _simple(fields: JsonObject, name: str, told: list[str]) -> CommandItem:
 
 
 def _doubts(fields: JsonObject, item: CommandItem) -> Iterator[str]:
-    """Where the altitude that a person saw is not the one that an autopilot gets."""
+    """Notes where the altitude that the user saw is not the one that the autopilot gets."""
     mode, is_amsl = fields.integer("AltitudeMode"), item.frame in AMSL_FRAMES
     if mode not in (RELATIVE_MODE, ABOVE_SEA_MODE):
         return
@@ -156,7 +156,7 @@ def _doubts(fields: JsonObject, item: CommandItem) -> Iterator[str]:
 
 
 def _params(fields: JsonObject) -> tuple[float | None, ...]:
-    """The seven params, whatever the version of the item."""
+    """The seven params, in any version of the item."""
     if "params" in fields:
         listed = fields.list("params")
     else:
@@ -170,7 +170,7 @@ def _params(fields: JsonObject) -> tuple[float | None, ...]:
 
 
 def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[CommandItem]:
-    """The points of a survey that QGC has worked out."""
+    """The points of a survey, as QGC has computed them."""
     kind = fields.text("complexItemType")
     leave_out = f"leave it out: --leave-out {index}"
     known = SURVEYS.get(kind)

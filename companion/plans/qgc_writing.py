@@ -1,8 +1,8 @@
-"""A drawing as a .plan of QGroundControl, to look at.
+"""Writes a drawing as a .plan of QGroundControl, for display.
 
-The prefix becomes a takeoff and waypoints; a loop begins anew by a jump without an end; a plan that
-ends at rest returns, or lands where it is. Safe places are rally points, on the ground: uploaded,
-they change where the autopilot returns to, as the mission's own are once it was flown.
+The prefix becomes a takeoff and waypoints. A loop becomes an endless jump. A plan that ends at rest
+returns, or lands where it is. Safe places become rally points on the ground; if uploaded, they
+change where the autopilot returns to, as a flight of the mission would.
 
 Source: as qgc_plan.py; MAVSDK's importer asks for `type`, `frame` and seven params.
 """
@@ -47,7 +47,7 @@ def plan_text(drawing: Drawing) -> str:
 
 
 def _rally(drawing: Drawing, name: str) -> list[float]:
-    """A rally point, whose altitude is that of the ground, above home."""
+    """A rally point, at the altitude of the ground, above home."""
     return [*drawing.places[name].position, 0.0]
 
 
@@ -57,7 +57,7 @@ def _polygon(corners: tuple[LatLon, ...], is_inclusion: bool) -> dict[str, Any]:
 
 
 def _items(drawing: Drawing) -> list[dict[str, Any]]:
-    """Numbered from 1, as jumps count."""
+    """The items, numbered from 1, as jumps count."""
     if not drawing.is_planned:
         return []
     items = [_at(drawing, DrawnVisit(drawing.start), dialect.MAV_CMD_NAV_TAKEOFF)]
@@ -102,7 +102,7 @@ def _at(
 
 
 def _do(command: int, *params: float) -> dict[str, Any]:
-    """An item that is nowhere."""
+    """An item without a position."""
     return {
         "type": "SimpleItem",
         "autoContinue": True,

@@ -1,8 +1,8 @@
-"""A flight plan from elsewhere, as far as a mission can mean it.
+"""A flight plan from another program, as far as a mission can express it.
 
-Every reader makes a `RoutePlan` of its file, and mission_data.py makes a mission of a `RoutePlan`.
-Positions are degrees (WGS 84), as the files have them. Each thing knows the name that its file
-gives it ("item 7", "feature 2"), so that whatever cannot be meant is refused by it.
+Every reader converts its file into a `RoutePlan`, from which draft.py makes a mission. Positions
+are in degrees (WGS 84), as in the files. Each part knows its name in the file ("item 7", "feature
+2"), by which it is refused if it cannot be expressed.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from companion.geometry import GlobalOrigin
 from companion.motion.polygons import MAX_CORNERS
 
 SHOWN = 20
-"""Refusals that are listed in one message."""
+"""Most refusals that are listed in one message."""
 
 SAME_M = 1.0
-"""Points that are nearer to each other are one place."""
+"""Points nearer to each other than this are one place."""
 
 MAX_POINTS = 2000
-"""Of a file; each is compared with every place. Plans of 800 waypoints exist."""
+"""Most points of a file; each is compared with every place. Plans of 800 waypoints exist."""
 
 LatLon = tuple[float, float]
 """Degrees north, degrees east."""
@@ -31,7 +31,7 @@ LatLon = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Height:
-    """How high something is.
+    """A height.
 
     Attributes:
         metres: above home, or above mean sea level.
@@ -44,11 +44,11 @@ class Height:
 
 @dataclass(frozen=True, slots=True)
 class UnusedHeight:
-    """A height that a file has, above something of which a mission does not know where it is.
+    """A height in a file, above something whose height a mission does not know.
 
     Attributes:
         metres: as the file has it.
-        above: what it is above, with what leads over to it: " above the ground".
+        above: its reference, with the words before it: " above the ground".
     """
 
     metres: float
@@ -57,13 +57,13 @@ class UnusedHeight:
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Stay for a time."""
+    """Wait for a time."""
 
     seconds: float
 
     @property
     def step(self) -> str:
-        """As a step of a skill."""
+        """The step of a skill."""
         return f"wait({self.seconds:g})"
 
 
@@ -73,7 +73,7 @@ class Send:
 
     Attributes:
         item: its name in messages.
-        height: of the position that the command has; None if it has none.
+        height: of the command's position; None if it has none.
     """
 
     command: str
@@ -83,7 +83,7 @@ class Send:
 
     @property
     def step(self) -> str:
-        """As a step of a skill."""
+        """The step of a skill."""
         numbers = "".join(f", {value:.9g}" for value in self.params)
         return f"command(payload, {self.command}{numbers})"
 
@@ -94,13 +94,13 @@ Act = Hold | Send
 
 @dataclass(frozen=True, slots=True)
 class Waypoint:
-    """A point that is flown to.
+    """A waypoint.
 
     Attributes:
-        item: its name in messages, e.g. "item 7".
-        name: a name for its place, a word.
-        radius_m: that the file asks for; None if it does not.
-        unused: what the file has in place of a height that counts.
+        item: its name in messages, such as "item 7".
+        name: a name for its place, one word.
+        radius_m: as in the file; None if it has none.
+        unused: the height in the file that is not used.
     """
 
     item: str
@@ -114,7 +114,7 @@ class Waypoint:
 
 @dataclass(frozen=True, slots=True)
 class PlanArea:
-    """A polygon that is not left, or not entered; its last corner is not the first one again."""
+    """A polygon to stay in, or out of; its last corner differs from the first one."""
 
     item: str
     name: str
@@ -124,28 +124,28 @@ class PlanArea:
 
 @dataclass(frozen=True, slots=True)
 class RoutePlan:
-    """What a file says.
+    """The content of a file.
 
     Attributes:
         kind: of the file, in words.
         home: where the flight begins; None if the file does not say it.
-        home_amsl_m: how high that lies above the sea.
-        home_note: what the reader of a mission that begins there has to know.
-        takeoff: the height of the first hover.
-        takeoff_item: that says it.
-        start_acts: what is done before the first waypoint.
+        home_amsl_m: its height above sea level.
+        home_note: a note for the reader of a mission that begins there.
+        takeoff: height of the take-off.
+        takeoff_item: the item that says it.
+        start_acts: acts before the first waypoint.
         waypoints: in the order of the flight.
-        is_ordered: whether this order is meant.
-        repeats_from: index of the waypoint with which an endless loop begins; None without one.
-        lands_at_last: whether the flight ends at the last waypoint; else it comes home.
-        speeds_mps: that the file asks for.
+        is_ordered: whether this order matters.
+        repeats_from: index of the waypoint where an endless loop begins; None without a loop.
+        lands_at_last: whether the flight ends at the last waypoint; otherwise at home.
+        speeds_mps: all speeds in the file.
         areas: inclusions and exclusions.
         rally: rally points; they have no acts.
-        spare: other points that nothing flies to; so have they.
-        unused: heights of the file in whose place others stand.
-        told: what a reader of the mission has to know, a line each.
-        unaddressed: the commands for payloads, as they are refused where nobody says who gets them.
-        correction: what to do about an item that cannot be meant.
+        spare: other points that are not flown to; they have no acts.
+        unused: heights in the file that are replaced by others.
+        told: notes for the reader of the mission, one line each.
+        unaddressed: errors for the payload commands if their receiver is unknown.
+        correction: advice for an item that cannot be expressed.
     """
 
     kind: str
@@ -170,11 +170,11 @@ class RoutePlan:
 
 
 class ItemRefused(Exception):
-    """Something of a file that a mission cannot mean.
+    """A part of a file that a mission cannot express.
 
     Args:
-        item: its name, e.g. "item 7"; empty for the whole file.
-        what: is wrong with it.
+        item: its name, such as "item 7"; empty for the whole file.
+        what: what is wrong with it.
         hint: what to do.
     """
 
@@ -184,7 +184,7 @@ class ItemRefused(Exception):
 
 
 class ItemsRefused(Exception):
-    """Several such things."""
+    """Several parts of a file that a mission cannot express."""
 
     def __init__(self, refused: Sequence[ItemRefused]) -> None:
         super().__init__(refused)
@@ -192,7 +192,7 @@ class ItemsRefused(Exception):
 
 
 def refusal_of(path: str, refused: Sequence[ItemRefused]) -> MissionError:
-    """What is told of a file that is not imported.
+    """The error for a file that is not imported.
 
     >>> print(refusal_of("field.plan", [ItemRefused("item 7", "is for planes", "leave it out")]))
     field.plan: item 7: is for planes
@@ -209,15 +209,15 @@ def refusal_of(path: str, refused: Sequence[ItemRefused]) -> MissionError:
 
 
 def check_degrees(item: str, latitude: float, longitude: float) -> LatLon:
-    """A position, if there is such a one on the earth, with a longitude from -180 to 180.
+    """A valid position on the earth, with a longitude from -180 to 180.
 
-    Maps that are drawn across the 180th meridian count on beyond it.
+    Maps drawn across the 180th meridian continue to count beyond it.
 
     >>> check_degrees("point 1", -16.8, 180.25)
     (-16.8, -179.75)
 
     Raises:
-        ItemRefused: there is none.
+        ItemRefused: the position is invalid.
     """
     if not (abs(latitude) <= 90 and abs(longitude) <= 360):
         what = f"latitude {latitude:g}, longitude {longitude:g} is nowhere on the earth"
@@ -226,7 +226,7 @@ def check_degrees(item: str, latitude: float, longitude: float) -> LatLon:
 
 
 def ring(item: str, corners: Iterable[LatLon]) -> tuple[LatLon, ...]:
-    """The corners of a polygon, without the last one if that is the first one again.
+    """The corners of a polygon, without a last one that repeats the first.
 
     Raises:
         ItemRefused: fewer than three are left, or there are too many.
@@ -243,10 +243,10 @@ def ring(item: str, corners: Iterable[LatLon]) -> tuple[LatLon, ...]:
 
 
 def check_points(count: int) -> None:
-    """Whether a file has no more points than are looked at.
+    """Refuses a file with more points than `MAX_POINTS`.
 
     Raises:
-        ItemRefused: it has.
+        ItemRefused: it has too many points.
     """
     if count > MAX_POINTS:
         raise ItemRefused("", f"has {count} points, more than {MAX_POINTS}", "split it")
@@ -258,5 +258,5 @@ def are_same(a: LatLon, b: LatLon) -> bool:
 
 
 def metres_between(a: LatLon, b: LatLon) -> float:
-    """Distance on the ground."""
+    """The horizontal distance."""
     return math.hypot(*GlobalOrigin(*a, 0.0).to_local(*b, 0.0)[:2])

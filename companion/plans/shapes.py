@@ -1,12 +1,14 @@
 """Points, lines and polygons of a mapping tool as a flight plan: a class for each.
 
-A point is a place. A line is an order: its corners are places, those within a metre of a point that
-point. Points without a line are places in any order. One polygon without a `kind` is the fence.
+1. A point is a place.
+2. A line is an order: its corners are places; a corner within a metre of a point is that point.
+3. Points without a line are places in any order.
+4. A single polygon without a `kind` is the fence.
 
     kind        of a polygon: fence or keep_out; of a point: place, home or rally;
                 of a line: route, loop (repeated for ever) or flown (left out)
 
-A point that is named Home, and says no kind, is home where no other one is of that kind.
+A point named Home without a kind is home, if no other point has this kind.
 """
 
 from __future__ import annotations
@@ -32,13 +34,13 @@ from companion.plans.route_plan import (
 FENCE, KEEP_OUT = "fence", "keep_out"
 HOME = "home"
 DrawnHeight = Height | UnusedHeight | None
-"""What a file says of how high a point is."""
+"""The height of a point in a file."""
 NO_WORD = re.compile(r"[^A-Za-z0-9_]+")
 
 
 @dataclass
 class Drawn:
-    """What the shapes up to now have drawn."""
+    """What the shapes so far have drawn."""
 
     homes: list[Waypoint] = field(default_factory=list)
     named_home: list[Waypoint] = field(default_factory=list)
@@ -55,10 +57,10 @@ class Shape(Protocol):
     """One shape of a file."""
 
     def draw(self, drawn: Drawn) -> None:
-        """Adds it.
+        """Adds the shape.
 
         Raises:
-            ItemRefused: it cannot be meant.
+            ItemRefused: a mission cannot express it.
         """
 
 
@@ -74,7 +76,7 @@ class Point:
     radius_m: float | None = None
 
     def draw(self, drawn: Drawn) -> None:
-        """As its kind says."""
+        """Adds it by its kind."""
         point = _waypoint(self.item, self.name, self.position, self.height, self.radius_m)
         if not self.kind and self.name.lower() == HOME:
             drawn.named_home.append(point)
@@ -98,7 +100,7 @@ class Line:
     corners: tuple[tuple[LatLon, DrawnHeight], ...]
 
     def draw(self, drawn: Drawn) -> None:
-        """Each corner is a waypoint."""
+        """Adds each corner as a waypoint."""
         if self.kind == "flown":
             drawn.told.append(f"{self.item}: a way that was flown; left out")
             return
@@ -118,7 +120,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Polygon:
-    """The fence or a keep-out zone, with its holes, into which the vehicle may not fly."""
+    """The fence or a keep-out zone, with holes into which the vehicle must not fly."""
 
     item: str
     name: str
@@ -127,7 +129,7 @@ class Polygon:
     holes: tuple[tuple[LatLon, ...], ...] = ()
 
     def draw(self, drawn: Drawn) -> None:
-        """As its kind says."""
+        """Adds it by its kind."""
         if self.kind not in ("", FENCE, KEEP_OUT):
             raise _unknown(self.item, self.kind, f"{FENCE} or {KEEP_OUT}")
         if self.kind == KEEP_OUT and self.holes:
@@ -145,7 +147,7 @@ class Polygon:
 def _waypoint(
     item: str, name: str, position: LatLon, height: DrawnHeight, radius_m: float | None = None
 ) -> Waypoint:
-    """A point, with its height if that is one which counts."""
+    """A waypoint with its height, if that is used."""
     if isinstance(height, UnusedHeight):
         return Waypoint(item, name, position, None, (), radius_m, unused=height)
     return Waypoint(item, name, position, height, (), radius_m)
@@ -156,7 +158,7 @@ def _unknown(item: str, kind: str, known: str) -> ItemRefused:
 
 
 def word(name: str) -> str:
-    """A name as missions spell names; empty if nothing is left of it.
+    """A name as missions spell names; empty if no valid character is left.
 
     >>> word("North gate, 2"), word("2nd"), word("...")
     ('North_gate_2', '_2nd', '')
@@ -171,10 +173,10 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
     Args:
         kind: of their file, in words.
         shapes: in the order of the file.
-        told: of its reader.
+        told: notes for its reader.
 
     Raises:
-        ItemRefused: they cannot be meant.
+        ItemRefused: a mission cannot express them.
     """
     drawn = Drawn(told=list(told))
     for shape in shapes:
@@ -212,7 +214,7 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
 
 
 def _home(drawn: Drawn) -> tuple[Waypoint | None, str]:
-    """The point where the mission begins, and what is told of it.
+    """The point where the mission begins, and a note on it.
 
     Raises:
         ItemRefused: there are several.
@@ -230,7 +232,7 @@ def _home(drawn: Drawn) -> tuple[Waypoint | None, str]:
 
 
 def _as_point(corner: Waypoint, points: Sequence[Waypoint]) -> Waypoint:
-    """The point that a corner of the line stands for, if there is one."""
+    """The waypoint for a corner of the line: at the point near it, if there is one."""
     for point in points:
         if are_same(point.position, corner.position):
             height, unused = point.height or corner.height, point.unused or corner.unused

@@ -1,8 +1,8 @@
-"""A commented mission to start from, and its world: for `companion new`.
+"""A commented mission as a starting point, and its world: for `companion new`.
 
-What is chosen are a space and a task; each pair is a mission that is whole, passes the check and
-flies in the simulator as it stands. Places are named as the task asks; their coordinates are there
-to be replaced. The texts of the tasks stand in starter_tasks.py.
+The user chooses a space and a task. Each pair gives a complete mission, which passes the check and
+flies in the simulator as it is. Places have the names that the task uses; the user replaces their
+coordinates. starter_tasks.py has the texts of the tasks.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ SPACES = {
 
 @dataclass(frozen=True)
 class Starter:
-    """Two files.
+    """The two files.
 
     Attributes:
         mission: the text of NAME.yaml.
@@ -47,13 +47,13 @@ class Starter:
 
 @dataclass(frozen=True)
 class _Layout:
-    """A space in numbers: metres east and north of Home, which is (0, 0), and above it.
+    """A space in numbers: metres east, north and up of Home, which is (0, 0).
 
     Attributes:
-        about: what a reader has to know of it, as comments.
-        sites: the places that the task names, in its order.
+        about: what the reader has to know about it, as comments.
+        sites: the places of the task, in its order.
         fence: corners.
-        walls: of the map, one a line; None where there is no map.
+        walls: of the map, one per line; None without a map.
     """
 
     about: tuple[str, ...]

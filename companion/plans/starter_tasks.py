@@ -1,4 +1,4 @@
-"""The tasks that `companion new` knows, as parts of a mission's text and of its world's."""
+"""The tasks of `companion new`, as parts of a mission's text and of its world's text."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ class StarterTask:
     """A task in text.
 
     Attributes:
-        question: what it is, in a line.
+        question: what it does, in a line.
         story: for the head of the mission.
         sites: three places besides Home.
         sets: lines under `sets`.
         before_skills: components and events.
-        skills: beside `move`.
+        skills: besides `move`.
         task: the section `task` with its comments.
-        world: lines of the scenario, for where the sites are.
+        world: lines of the scenario, given the positions of the sites.
     """
 
     question: str

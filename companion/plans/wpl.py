@@ -1,10 +1,10 @@
 """Text files of waypoints: QGC WPL 110, and the bare fence files of ArduPilot.
 
-A line of WPL is `seq current frame command p1 p2 p3 p4 lat lon alt autocontinue`, with tabs or
-blanks between; lines may be comments (#). Item 0 is home where it is a waypoint above the sea, as
-ArduPilot writes it. Fences and rally points that are saved as WPL are items too: each corner of a
-polygon says in p1 how many the polygon has, a circle its radius. An older fence file has `lat lon`
-in each line: where ArduPilot returns to, and then the corners.
+A line of WPL is `seq current frame command p1 p2 p3 p4 lat lon alt autocontinue`, separated by tabs
+or blanks; lines may be comments (#). Item 0 is home if it is a waypoint above sea level, as
+ArduPilot writes it. Fences and rally points saved as WPL are items too: p1 is the number of corners
+at each corner of a polygon, and the radius of a circle. An older fence file has `lat lon` in each
+line: first ArduPilot's return point, then the corners.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def read_wpl(text: str, leave_out: frozenset[str]) -> RoutePlan:
     """The plan of a WPL file.
 
     Raises:
-        ItemRefused, ItemsRefused: a mission cannot mean it.
+        ItemRefused, ItemsRefused: a mission cannot express it.
     """
     first, *lines = text.splitlines() or [""]
     version = HEADER.match(first)
@@ -82,7 +82,7 @@ def read_wpl(text: str, leave_out: frozenset[str]) -> RoutePlan:
 
 
 def _drawn(items: list[CommandItem]) -> tuple[tuple[PlanArea, ...], tuple[Waypoint, ...]]:
-    """The areas and the rally points of which these are the corners, circles and points."""
+    """The areas and rally points that these items draw."""
     areas, rally = list[PlanArea](), list[Waypoint]()
     while items:
         first = items[0]
@@ -104,7 +104,7 @@ def _drawn(items: list[CommandItem]) -> tuple[tuple[PlanArea, ...], tuple[Waypoi
 
 
 def _polygon(items: list[CommandItem]) -> list[CommandItem]:
-    """The corners of the polygon with which some items begin, as many as its first one says."""
+    """The corners of the polygon at the start of some items, as many as the first one says."""
     first, count = items[0], int(items[0].param(1))
     same = list(takewhile(lambda item: item.command == first.command, items))
     if not 0 < count <= len(same):
@@ -132,7 +132,7 @@ def read_fence(text: str) -> RoutePlan:
     """The fence of a bare fence file.
 
     Raises:
-        ItemRefused: it is none.
+        ItemRefused: it is no fence file.
     """
     points = []
     rows = [line.partition("#")[0].split() for line in text.splitlines()]
