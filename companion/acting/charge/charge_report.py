@@ -1,6 +1,6 @@
-"""Reports the charge of the battery: what its gauge says, and what the plan under way reckons with.
+"""Reports the charge of the battery: what the gauge says, and what the present plan expects.
 
-Both are for programs: the record, the monitor page, flight.png. Nothing is decided by them.
+Both are for programs: the record, the monitor page, flight.png. No decision depends on them.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 
 EVERY_S = 1.0
-"""Least time between two readings of the gauge that are told."""
+"""Least time between two reported readings of the gauge."""
 
 
 class ChargeReport:
-    """Tells what is new of the charge.
+    """Reports changes of the charge.
 
     Args:
-        flight: whose battery it is.
-        energy: of the mission; None where plans know of none.
+        flight: the flight.
+        energy: of the mission; None if plans ignore energy.
     """
 
     def __init__(self, flight: Flight, energy: MissionEnergy | None) -> None:
@@ -32,7 +32,7 @@ class ChargeReport:
         self._told: tuple[Lasso | None, int] = (None, 0)
 
     def look(self, lasso: Lasso | None) -> None:
-        """Once a tick.
+        """Reports changes; called once a tick.
 
         Args:
             lasso: the present plan; None without one.

@@ -1,8 +1,9 @@
-"""The charge of the battery, as its gauge tells it, in units of energy.
+"""The charge of the battery as its gauge shows it, in units of energy.
 
-What was never told is full. A gauge that is silent for 5 s is gone on from with what a hover takes.
-One that jumps in flight is believed as far as it is the lower one: a higher charge than before is
-no charge of a battery that nobody has charged, and what it tells then counts down from there.
+1. A charge that was never reported counts as full.
+2. If the gauge is silent for 5 s, the level continues with the energy of a hover.
+3. If the gauge jumps in flight, the lower level counts: nobody has charged the battery, so a higher
+   charge is not believed, and later readings count down from the lower level.
 """
 
 from __future__ import annotations
@@ -14,16 +15,16 @@ from companion.flight_events.energy import GaugeJumped
 from companion.planning.energy.mission_energy import MissionEnergy
 
 HALF_STEP = 0.005
-"""Of a gauge of whole percents."""
+"""Half a step of a gauge that shows whole percents."""
 SILENT_S = 5.0
 JUMP = 0.05
 
 
 class Gauge:
-    """The battery of a flight; fulfils `ChargeSource`.
+    """The level of a flight; fulfils `ChargeSource`.
 
     Args:
-        flight: of the vehicle.
+        flight: the flight.
         energy: of its mission.
     """
 
@@ -34,28 +35,28 @@ class Gauge:
         self._too_much = 0.0
 
     def least(self) -> int:
-        """The least that there may be, in units; on the ground without what taking off takes."""
+        """The lowest level that is possible; on the ground, without the energy for the take-off."""
         state = self._flight.vehicle.state
         is_landed = state is not None and state.is_landed
         taken = self._energy.to_take_off() if is_landed else 0
         return max(0, self._level(-HALF_STEP) - taken)
 
     def most(self) -> int:
-        """The most that there may be."""
+        """The highest level that is possible."""
         return self._level(HALF_STEP)
 
     def middle(self) -> int:
-        """What there is, about."""
+        """The most likely level."""
         return self._level(0.0)
 
     def listen(self) -> None:
-        """Takes what is told now; it may be called as often as one likes."""
+        """Takes the present reading; it may be called any number of times."""
         flight, state = self._flight, self._flight.vehicle.state
         if state is None or state.battery_percent is None:
             return
         told = state.battery_percent / 100
         if state.is_landed:
-            self._too_much = 0.0  # charged, or another battery
+            self._too_much = 0.0  # it was charged, or the battery was changed
         elif self._told is not None and abs(told - self._told) > JUMP:
             before = self._known
             self._too_much = max(0.0, told - before)

@@ -1,11 +1,12 @@
-"""What flights take of the battery, against what plans say, and the factor that follows from it.
+"""Measures the energy that flights take, compares it with plans, and learns a factor from that.
 
-Each action that flies or hovers is measured from its beginning to its end, or as far as it came: by
-voltage times current where the autopilot tells both, and by the gauge. What is measured beside it,
-the way down to a charge and up again, holds and waits, is in no figure. Late flights count like
-thirsty ones: what is predicted of a leg is for the time that was planned. By voltage and current a
-minute is enough, by the gauge it takes all from one charge to the next. Where the gauge jumps, what
-is measured begins anew.
+1. Each action that flies or hovers is measured from its beginning to its end, or as far as it came:
+   by voltage times current if the autopilot reports both, and by the gauge.
+2. Descents to charge, take-offs, holds and waits are not measured.
+3. A late flight counts like one that uses much energy: the prediction for a leg is for the planned
+   time.
+4. By voltage and current a minute is enough for a measurement. By the gauge it takes the whole time
+   from one charge to the next. If the gauge jumps, the measurement starts again.
 """
 
 from __future__ import annotations
@@ -25,27 +26,30 @@ from companion.tick import TICK_S
 
 LOOKS_S = 1.0
 WINDOW_S = 60.0
-"""A measurement is so long, or a third of it where a charge comes before."""
+"""Length of a measurement; a third of it is enough if a charge comes before."""
 OF_A_WINDOW = 0.03
-"""Standard deviation of what a flight of a window takes, by its gusts and its directions."""
+"""Standard deviation of the energy of a window's flight, from gusts and directions."""
 OF_A_CURVE = 0.08
-"""The same of a gauge between two charges: a pack has not quite the curve of the mission."""
+"""Standard deviation of a gauge between two charges, because a pack's curve differs from the
+mission's."""
 OF_THE_GAUGE = 0.0041
-"""The same of a difference of two whole percents."""
+"""Standard deviation of a difference of two whole percents."""
 MOST_IN_A_TICK = 0.04
-"""Share of the battery that a flight takes at most; more is a gauge that jumps."""
+"""The most, as a share of the battery, that a flight takes in a tick; more is a jump of the
+gauge.
+"""
 UNITS_PER_J = UNITS_PER_WH / 3600
 
 
 @dataclass
 class _Leg:
-    """An action under way.
+    """The action under way.
 
     Attributes:
         predicted: units, by the mission's figures.
-        ahead: what is left of that, when it was last looked.
+        ahead: the part of that still ahead, when it was last determined.
         used: units, by voltage and current; nan without a current.
-        gauge: units that it told at the beginning.
+        gauge: units that the gauge showed at the beginning.
     """
 
     action: Action
@@ -60,10 +64,10 @@ class _Leg:
 
 @dataclass
 class _Window:
-    """Some legs.
+    """Some legs together.
 
     Attributes:
-        factor: what was known of the mission's figures when a stretch began.
+        factor: what was known about the mission's figures when a stretch began.
     """
 
     factor: float = 1.0
@@ -81,11 +85,11 @@ class _Window:
 
 @dataclass
 class EnergyMeter:
-    """Measures one flight.
+    """Measures the energy of one flight.
 
     Args:
-        flight: that is measured.
-        energy: of its mission, which learns of it.
+        flight: the flight.
+        energy: of its mission; learns the factor.
     """
 
     flight: Flight
@@ -97,10 +101,10 @@ class EnergyMeter:
     _stretch: _Window = field(default_factory=_Window)
 
     def step(self) -> None:
-        """One tick under a plan."""
+        """Measures one tick under a plan."""
         flight, state = self.flight, self.flight.vehicle.state
         if state is None or (state.battery_percent is None and state.power_w is None):
-            return  # of a battery that is not heard yet, nothing was taken
+            return  # the battery was not heard yet, so nothing was taken
         before, self._gauge = self._gauge, self.energy.charge.middle()
         elapsed_s, self._now_s = flight.now_s - self._now_s, flight.now_s
         fallen = (before - self._gauge) / self.energy.model.full
@@ -131,9 +135,10 @@ class EnergyMeter:
         self._leg = _Leg(action, completed, predicted, predicted, gauge)
 
     def _ahead(self, action: Action) -> float:
-        """What is left of a flight, by the mission's figures; nan where that is not known.
+        """The part of a flight still ahead, by the mission's figures; nan if that is unknown.
 
-        So it is where the skill waits, too: how much of that is left is not asked.
+        It is also unknown if the skill includes a wait, because the rest of a wait is not
+        determined.
         """
         goal, state = action.destination, self.flight.vehicle.state
         if goal is None or state is None or waits_s(action.execute):
@@ -142,12 +147,12 @@ class EnergyMeter:
         return math.nan if left is None else left / self.energy.model.factor
 
     def _end(self, leg: _Leg) -> None:
-        """The end of a leg: completed, or cut short."""
+        """Ends a leg that was completed or cut short."""
         self._leg = None
         is_whole = self.flight.task.completed > leg.completed
         flown = leg.predicted if is_whole else leg.predicted - leg.ahead
         counted = leg.gauge - self.energy.charge.middle()
-        if not flown > 0:  # nan, too
+        if not flown > 0:  # false for nan, too
             return
         for window in (self._window, self._stretch):
             window.add(leg, flown, counted)
@@ -155,7 +160,7 @@ class EnergyMeter:
             self._learn()
 
     def _end_stretch(self) -> None:
-        """The vehicle lands to charge."""
+        """Ends a stretch, because the vehicle lands to charge."""
         if self._window.seconds >= WINDOW_S / 3:
             self._learn()
         stretch = self._stretch
@@ -174,7 +179,7 @@ class EnergyMeter:
         self._window, self._stretch = _Window(), _Window()
 
     def _learn(self) -> None:
-        """Takes a window for a measurement, by voltage and current."""
+        """Uses a window as a measurement, by voltage and current."""
         window, self._window = self._window, _Window()
         if not math.isnan(window.used):
             deviation = OF_A_WINDOW * math.sqrt(WINDOW_S / window.seconds)
@@ -182,7 +187,9 @@ class EnergyMeter:
             self._take(replace(known, flying=known.flying.after(ratio, deviation, window.seconds)))
 
     def _learn_gauge(self, stretch: _Window) -> None:
-        """Takes a stretch for a measurement, by the gauge: in parts it is off by its curve."""
+        """Uses a stretch as a measurement, by the gauge, whose curve makes parts of a stretch
+        wrong.
+        """
         known, seconds = self.energy.known, stretch.seconds
         of_gauge = OF_THE_GAUGE * self.energy.model.full
         if math.isnan(stretch.used):

@@ -1,11 +1,12 @@
-"""Whether the charge is enough for what is left of a plan, and for a safe place.
+"""Checks that the charge is enough for the rest of the plan, and for a safe place.
 
-Where nothing is left above the reserve, a plan leads to the safe place that takes the least, and
-what it takes of the reserve is lent until it has charged there.
+If nothing is left above the reserve, a plan leads to the safe place that takes the least. It may
+use as much of the reserve as that takes, until the vehicle has charged there.
 
-A gauge tells whole percents. A plan is made with the least that there may be, and is given up when
-not even the most that there may be is enough, so that the gauge's steps make no plan anew. What is
-not known is full, as long as it was never known; else a hover is taken from what it was last.
+A gauge shows whole percents. A plan is made with the lowest level that is possible, and is dropped
+only when not even the highest possible level is enough. So the steps of the gauge cause no replan.
+A level that was never known counts as full; one that is no longer known falls by the energy of a
+hover.
 """
 
 from __future__ import annotations
@@ -23,18 +24,18 @@ from companion.planning.lasso import Lasso
 
 LOOKS_S = 1.0
 MORE, LESS = 0.03, 0.05
-"""Plans are made anew where flights take more by such a share, or less by such a one."""
+"""A replan is due if flights take this share more, or this share less."""
 
 
 class EnergyWatch:
-    """Looks at the charge while a plan is flown.
+    """Checks the charge while a plan is flown.
 
     Args:
-        flight: whose plan it is.
+        flight: the flight.
         energy: of the mission.
 
     Attributes:
-        meter: what flights take.
+        meter: measures the energy of flights.
     """
 
     def __init__(self, flight: Flight, energy: MissionEnergy) -> None:
@@ -47,11 +48,11 @@ class EnergyWatch:
 
     @property
     def is_due(self) -> bool:
-        """Whether it is time to look."""
+        """Whether it is time for a check."""
         return self._flight.now_s - self._looked_s >= LOOKS_S
 
     def adopt(self, lasso: Lasso) -> None:
-        """A plan is flown from now on, from the facts that hold now."""
+        """Begins to check a plan, from the facts that hold now."""
         self._lasso = lasso
         facts = self._flight.task.facts
         energy = self._energy.now(is_en_route=True)
@@ -61,7 +62,7 @@ class EnergyWatch:
             self._flight.report(ReserveUsed(self._lent / UNITS_PER_WH))
 
     def shortage(self) -> str | None:
-        """What is missing for the rest of the plan, in words; None if it lasts."""
+        """What is missing for the rest of the plan, in words; None if the charge is enough."""
         self._looked_s = self._flight.now_s
         lasso = self._lasso
         if lasso is None:
@@ -75,7 +76,7 @@ class EnergyWatch:
         if running is not None:
             needed = self._required[following]
             if running.charger is not None:
-                needed = 0  # it is on its way down
+                needed = 0  # it is descending already
             elif (goal := running.destination) is not None:
                 needed += self._left_to(goal)
         missing = needed - self._lent - self._energy.charge.most()
@@ -85,16 +86,16 @@ class EnergyWatch:
 
     @property
     def is_figure_wrong(self) -> bool:
-        """Whether plans should reckon with other figures from now on.
+        """Whether plans should use other figures from now on.
 
-        With less energy only where that is worth another lap, and after a charge, which was for
-        more: in the middle of a lap another one would meet again what was just met.
+        If flights take less, only if that is worth another lap, and only after a charge, which was
+        for the higher figure: in the middle of a lap, another lap would repeat what was just done.
         """
         return self.takes_more or (self._ratio < 1 - LESS and self._has_charged)
 
     @property
     def takes_more(self) -> bool:
-        """Whether flights take so much more than plans reckon with that these may not last."""
+        """Whether flights take so much more than plans assume that the charge may not be enough."""
         return self._ratio > 1 + MORE
 
     @property
@@ -110,7 +111,7 @@ class EnergyWatch:
         return _action(lasso, _place(lasso, number - 1)).charger is not None
 
     def take_factor(self) -> str:
-        """Plans reckon from now on with what flights really take; why, in words."""
+        """Makes plans use what flights really take; returns why, in words."""
         known = self._energy.known
         self._energy.model.factor = known.to_plan_with
         percent = round(100 * (known.mean - 1))
@@ -123,7 +124,7 @@ class EnergyWatch:
 
 
 def _place(lasso: Lasso, number: int) -> int:
-    """The place, among prefix and loop, of an action by its number from the beginning on."""
+    """The place in prefix and loop of an action, from its number since the beginning."""
     prefix = len(lasso.prefix)
     return number if number < prefix else prefix + (number - prefix) % len(lasso.loop)
 

@@ -1,4 +1,4 @@
-"""What a flight does about a change: a class for each way in which it goes on or ends."""
+"""The answers of a flight to a change: a class for each way to continue or end."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from companion.flight_events.plans import PlannedLasso
 
 
 class ContingencyVerdict(Enum):
-    """What becomes of the flight, in short: a letter, and words for people."""
+    """The outcome of a flight, in short: a letter, and words for people."""
 
     AS_PLANNED = ("=", "goes on as planned")
     PLANNED = ("P", "another plan")
@@ -21,22 +21,22 @@ class ContingencyVerdict(Enum):
 
     @property
     def letter(self) -> str:
-        """Of a cell of the table."""
+        """The letter for a cell of the table."""
         return str(self.value[0])
 
     @property
     def words(self) -> str:
-        """For a legend."""
+        """The words for a legend."""
         return str(self.value[1])
 
 
 @dataclass(frozen=True, slots=True)
 class GoesOn:
-    """What is left of the plan stays the plan."""
+    """The rest of the plan is still the plan."""
 
     @property
     def verdict(self) -> ContingencyVerdict:
-        """In short."""
+        """The outcome in short."""
         return ContingencyVerdict.AS_PLANNED
 
     def __str__(self) -> str:
@@ -48,10 +48,10 @@ class PlansAnew:
     """Another plan is flown.
 
     Attributes:
-        plan: from where the vehicle is.
+        plan: the plan, from where the vehicle is.
         dropped: lines of the task that it does not keep.
-        waited_s: how long the vehicle holds before: a belief comes back then.
-        reserve_wh: what it takes of the reserve until it has charged.
+        waited_s: how long the vehicle holds before, until a belief is held again.
+        reserve_wh: how much of the reserve it takes until it has charged.
     """
 
     plan: PlannedLasso
@@ -61,7 +61,7 @@ class PlansAnew:
 
     @property
     def verdict(self) -> ContingencyVerdict:
-        """In short."""
+        """The outcome in short."""
         kinds = ContingencyVerdict
         if self.reserve_wh > 0:
             return kinds.ON_RESERVE
@@ -78,11 +78,11 @@ class LandsAt:
     """There is no plan; the vehicle lands at a safe place.
 
     Attributes:
-        place: that it chooses.
-        why: there is no plan, in words.
-        waits_for: what may change, for which it holds before; none where nothing can.
-        missing_wh: what is missing of the charge to land there, the reserve left.
-        short_wh: what is missing although all of the reserve is used.
+        place: the place that it chooses.
+        why: why there is no plan, in words.
+        waits_for: changes for which it holds before landing; none if no change can help.
+        missing_wh: the energy missing to land there with the reserve left.
+        short_wh: the energy missing even if the whole reserve is used.
     """
 
     place: str
@@ -93,7 +93,7 @@ class LandsAt:
 
     @property
     def verdict(self) -> ContingencyVerdict:
-        """In short."""
+        """The outcome in short."""
         kinds = ContingencyVerdict
         if self.short_wh > 0:
             return kinds.UNSAFE
@@ -108,10 +108,10 @@ class StaysWhereItIs:
     """There is no plan, and no safe place is flown to: the vehicle lands, or holds.
 
     Attributes:
-        does: what it does, in words.
-        why: there is no plan.
-        is_asked: the mission asks for that; else no safe place can be reached.
-        waits_for: as above.
+        does: what the vehicle does, in words.
+        why: why there is no plan.
+        is_asked: whether the mission demands this; otherwise no safe place can be reached.
+        waits_for: as in `LandsAt`.
     """
 
     does: str
@@ -121,7 +121,7 @@ class StaysWhereItIs:
 
     @property
     def verdict(self) -> ContingencyVerdict:
-        """In short."""
+        """The outcome in short."""
         return ContingencyVerdict.WHERE_IT_IS
 
     def __str__(self) -> str:
@@ -132,7 +132,7 @@ Answer = GoesOn | PlansAnew | LandsAt | StaysWhereItIs
 
 
 def short_of(missing_wh: float, short_wh: float) -> str:
-    """What a landing takes of the reserve, in words to add.
+    """How much of the reserve a landing takes, in words to append.
 
     >>> short_of(0.4, 0.0)
     ', with 0.40 Wh of the reserve'

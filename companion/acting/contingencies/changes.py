@@ -1,8 +1,8 @@
-"""What may turn out otherwise while a plan is flown: a class for each kind of change.
+"""The changes that may happen while a plan is flown: a class for each kind.
 
-One change at a time, at one position of the plan. A plan assumes that events keep their values,
-that beliefs hold, that ways lead to its places, and that the battery lasts as reckoned; each kind
-takes one of these away.
+There is one change at a time, at one position of the plan. A plan assumes that events keep their
+values, that beliefs hold, that routes lead to its places, and that the battery lasts as computed.
+Each kind of change breaks one of these assumptions.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from typing import ClassVar
 from companion.mission.facts import Fact
 
 MORE_DRAIN = 0.25
-"""Of the table: wind, or a battery that has aged."""
+"""The extra drain in the table: wind, or an aged battery."""
 
 
 @dataclass(frozen=True, slots=True)
 class EventTurns:
-    """An event of the mission comes, or passes.
+    """An event of the mission becomes true or false.
 
     Attributes:
         event: by name.
-        holds: whether it does afterwards; a pulse comes and passes.
+        holds: whether it is true afterwards; a pulse becomes true and false.
     """
 
     kind: ClassVar[str] = "event"
@@ -31,7 +31,7 @@ class EventTurns:
 
     @property
     def subject(self) -> str:
-        """What changes, by its name in the mission."""
+        """The changed thing, by its name in the mission."""
         return self.event
 
     def __str__(self) -> str:
@@ -47,7 +47,7 @@ class BeliefLost:
 
     @property
     def subject(self) -> str:
-        """What changes, by its name in the mission."""
+        """The changed thing, by its name in the mission."""
         return str(self.belief)
 
     def __str__(self) -> str:
@@ -56,21 +56,21 @@ class BeliefLost:
 
 @dataclass(frozen=True, slots=True)
 class ChargerLost(BeliefLost):
-    """The same of a belief about a charger."""
+    """A belief about a charger is withdrawn."""
 
     kind: ClassVar[str] = "charger"
 
 
 @dataclass(frozen=True, slots=True)
 class SiteLost:
-    """No way leads to a place any more; a vehicle that is there may leave it."""
+    """No route leads to a place any more; a vehicle that is there may leave it."""
 
     kind: ClassVar[str] = "site"
     place: str
 
     @property
     def subject(self) -> str:
-        """What changes, by its name in the mission."""
+        """The changed thing, by its name in the mission."""
         return self.place
 
     def __str__(self) -> str:
@@ -79,10 +79,10 @@ class SiteLost:
 
 @dataclass(frozen=True, slots=True)
 class DrainUp:
-    """All that is done takes more of the battery than the mission says, from now on.
+    """From now on everything takes more energy than the mission says.
 
     Attributes:
-        share: so much more.
+        share: how much more, as a share.
     """
 
     kind: ClassVar[str] = "drain"
@@ -90,7 +90,7 @@ class DrainUp:
 
     @property
     def subject(self) -> str:
-        """What changes."""
+        """The changed thing."""
         return "drain"
 
     def __str__(self) -> str:
@@ -99,13 +99,13 @@ class DrainUp:
 
 @dataclass(frozen=True, slots=True)
 class ChargeAtFloor:
-    """The battery has just enough to land at the nearest safe place, its reserve left."""
+    """The battery has just enough to land at the nearest safe place with the reserve left."""
 
     kind: ClassVar[str] = "charge"
 
     @property
     def subject(self) -> str:
-        """What changes."""
+        """The changed thing."""
         return "charge"
 
     def __str__(self) -> str:

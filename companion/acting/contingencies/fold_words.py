@@ -1,4 +1,4 @@
-"""Folded contingencies in words: for the lines of a table that people read."""
+"""Folded contingencies in words, for the lines of a table that people read."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from companion.acting.contingencies.answers import LandsAt, PlansAnew, StaysWher
 from companion.acting.contingencies.table import FoldedContingencies
 
 SHOWN_LABELS = 8
-"""So many changes with the same answer are named."""
+"""The most changes with the same answer that are named."""
 SHOWN_ACTIONS = 5
-"""So many actions of a plan."""
+"""The most actions of a plan that are named."""
 
 
 def labels_in_words(fold: FoldedContingencies) -> str:
-    """What turns out otherwise."""
+    """The changes, in words."""
     more = len(fold.labels) - SHOWN_LABELS
     shown = "; ".join(fold.labels[:SHOWN_LABELS])
     return f"{shown}; and {more} more" if more > 0 else shown
 
 
 def positions_in_words(positions: Sequence[int]) -> str:
-    """Positions by their numbers.
+    """Positions by number, in words.
 
     >>> positions_in_words([0, 1, 2, 3, 5, 7, 8])
     '0-3, 5, 7, 8'
@@ -35,7 +35,7 @@ def positions_in_words(positions: Sequence[int]) -> str:
 
 
 def answers_in_words(fold: FoldedContingencies) -> str:
-    """What the flight does."""
+    """What the flight does, in words."""
     answers = fold.answers
     match answers[0]:
         case PlansAnew():

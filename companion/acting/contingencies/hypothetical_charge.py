@@ -9,11 +9,11 @@ class HypotheticalCharge:
     """A charge that is known exactly; fulfils `ChargeSource`.
 
     Attributes:
-        level: that there is now, in units of energy.
+        level: the present level, in units of energy.
 
     Args:
-        flight: says whether its plan has landed the vehicle.
-        level: see above.
+        flight: tells whether its plan has landed the vehicle.
+        level: the level at first.
     """
 
     def __init__(self, flight: Flight, level: int) -> None:

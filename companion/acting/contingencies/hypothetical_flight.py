@@ -1,11 +1,11 @@
 """A hypothetical flight, at some position of its plan: what it would do about a change there.
 
-Nothing flies. The task's state, the assumptions of the plan, the triggers of a replan, the search
-for it, and the choice of a safe place are those of a flight, called in the order in which a flight
-calls them; the vehicle is one that is where the plan has it.
+Nothing flies. The task's state, the plan's assumptions, the triggers and the search of a replan,
+and the choice of a safe place are those of a real flight, called in the same order. The vehicle is
+simulated as being where the plan has it.
 
-A change comes when the next action of the plan has just begun, as it does in flight: a flight is
-then interrupted where it begins. What has begun on the ground is finished first.
+The change comes just after the next action of the plan has begun, as it would in flight, so a
+flight is interrupted where it begins. What has begun on the ground is finished first.
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ from companion.vehicle.port import Vehicle
 
 
 class HypotheticalFlight:
-    """One flight, from the beginning of a plan on; it serves one contingency.
+    """One flight, from the beginning of a plan; it is used for one contingency.
 
     Args:
-        prepared: the mission; `close` gives its routes and actions back as they were.
+        prepared: the mission; `close` restores its routes and actions.
         chosen: the plan.
-        level: of the energy at its beginning; None where nobody reckons.
-        explain: says why a problem has no plan; None for the planner.
+        level: of the energy at its beginning; None if energy is ignored.
+        explain: explains why a problem has no plan; None for the planner's own explanation.
     """
 
     def __init__(
@@ -95,7 +95,7 @@ class HypotheticalFlight:
         self.adopt(chosen)
 
     def adopt(self, chosen: ChosenPlan) -> None:
-        """Flies a plan from now on, and begins its first action."""
+        """From now on flies this plan, and begins its first action."""
         drop(self._flight, chosen.dropped)
         self._flight.progress = PlanProgress(ground=self._flight.progress.ground)
         self._lasso = chosen.lasso
@@ -109,11 +109,11 @@ class HypotheticalFlight:
         return actions[min(self._flight.progress.completed, len(actions) - 1)]
 
     def complete(self, count: int = 1, level: int | None = None) -> None:
-        """Completes so many actions of the plan, and begins the next one.
+        """Completes actions of the plan, and begins the next one.
 
         Args:
-            count: no more than there are before the last one.
-            level: of the energy then; None for what the actions leave.
+            count: number of actions; at most all except the last one.
+            level: the level of the energy then; None for what the actions leave.
         """
         for _ in range(count):
             self._complete()
@@ -136,7 +136,7 @@ class HypotheticalFlight:
         self._begin()
 
     def _pass_time(self, seconds: float) -> None:
-        """Time goes on, for the clocks of bounded lines too."""
+        """Lets time pass, also for the clocks of bounded lines."""
         flight = self._flight
         flight.now_s += seconds
         flight.task.now_s = flight.now_s
@@ -156,7 +156,7 @@ class HypotheticalFlight:
             self._vehicle.stand_at(self._routes.goal(action.destination))
 
     def meet(self, change: Change) -> tuple[Answer, ChosenPlan | None]:
-        """What the flight does about a change now; the other plan, if it makes one."""
+        """What the flight does about a change now; and the new plan, if it makes one."""
         reason = self._take(change)
         if reason is None:
             self._finish_on_the_ground()
@@ -166,7 +166,7 @@ class HypotheticalFlight:
         return self._replan(reason)
 
     def _take(self, change: Change) -> str | None:
-        """Lets the change happen; why another plan is due for it, where that is plain."""
+        """Lets the change happen; returns why a new plan is due, if that is certain at once."""
         flight, action = self._flight, self.running
         match change:
             case EventTurns(name, holds):
@@ -185,14 +185,14 @@ class HypotheticalFlight:
 
     @property
     def floor(self) -> int | None:
-        """The least level at the place of the flight; None where nobody reckons."""
+        """The lowest level allowed at the place of the flight; None if energy is ignored."""
         energy, place = self._planner.energy, place_of(self._flight.task.facts)
         if energy is None:
             return None
         return energy.now(is_en_route=True).floors.get(place or HERE)
 
     def _turn(self, event: Event, holds: bool) -> None:
-        """The event, and the place that is found with it: in the middle of where it may be."""
+        """Changes the event, and the place that it finds, to the middle of the place's region."""
         for name, place in self._mission.places.items():
             if holds and place.found_by == event.name:
                 self._found.add(name)
@@ -202,7 +202,9 @@ class HypotheticalFlight:
             self._flight.task.take(event, False)
 
     def _fail(self, action: Action) -> str:
-        """The skill under way has failed after all its tries; one that lands, on the ground."""
+        """Lets the present skill fail after all its tries; a skill that lands fails on the
+        ground.
+        """
         flight = self._flight
         self._retry_s = action.retry_after_s
         flight.task.withdraw(
@@ -216,7 +218,7 @@ class HypotheticalFlight:
         return f"{action.name} failed"
 
     def _finish_on_the_ground(self) -> None:
-        """What has begun on the ground is finished before anything is answered."""
+        """Finishes what has begun on the ground, before anything is answered."""
         left = len(self._lasso.prefix) + len(self._lasso.loop) - self._flight.progress.completed
         for _ in range(left - 1):
             if not self._flight.progress.is_landed_by_plan:
@@ -240,7 +242,7 @@ class HypotheticalFlight:
         return reason or self._assumptions.surprise
 
     def _reckon(self, factor: float) -> None:
-        """All takes so many times what the mission says, from now on."""
+        """From now on everything takes this multiple of what the mission says."""
         energy, battery = self._planner.energy, self._mission.battery
         if energy is not None and battery is not None:
             energy.model = EnergyModel(battery.times(factor))
@@ -275,7 +277,7 @@ class HypotheticalFlight:
         return found
 
     def _plan_after(self, reason: str, wait_s: float) -> ChosenPlan | PlanFailure:
-        """The plan when a withdrawn belief has come back."""
+        """The plan when a withdrawn belief is held again."""
         flight, energy = self._flight, self._planner.energy
         self._pass_time(wait_s)
         if energy is not None and self._charge is not None:
@@ -289,7 +291,7 @@ class HypotheticalFlight:
         return tuple(map(str, patience.hopes)) if patience.hopes and patience.lasts else ()
 
     def _without_plan(self, failure: PlanFailure, waits: tuple[str, ...]) -> Answer:
-        """What the mission says for the case that no plan exists."""
+        """Does what the mission says for the case that no plan exists."""
         why = str(failure).splitlines()[0]
         safe = SafePlaces(self._flight, self._planner, self._mission.safe_places)
         if (landed := safe.landed_at) is not None:
@@ -302,20 +304,20 @@ class HypotheticalFlight:
         return StaysWhereItIs(does, why, not self._mission.safe_places, waits)
 
     def _of_reserve_wh(self, lasso: Lasso) -> float:
-        """What a plan from here takes of the reserve."""
+        """How much of the reserve a plan from here takes."""
         energy, facts = self._planner.energy, self._flight.task.facts
         if energy is None or not energy.charge.is_flown:
             return 0.0
         return of_reserve(energy.now(is_en_route=True), facts, lasso) / UNITS_PER_WH
 
     def _missing_wh(self, units: int) -> tuple[float, float]:
-        """What is missing, the reserve left and the reserve used."""
+        """The missing energy, with the reserve left and with the reserve used."""
         energy = self._planner.energy
         reserve = 0 if energy is None else energy.model.reserve
         return units / UNITS_PER_WH, max(0, units - reserve) / UNITS_PER_WH
 
     def close(self) -> None:
-        """The mission is as it was: the next flight begins with the map as it was told."""
+        """Restores the mission: the next flight begins with the map as the mission gives it."""
         for name in self._lost:
             self._routes.find_place(name, self._mission.places[name].position)
         for name in self._found:

@@ -7,13 +7,13 @@ from companion.vehicle.port import Mode, VehicleState
 
 
 class HypotheticalVehicle:
-    """A vehicle in the air, at rest; those who decide on plans ask it for its state alone."""
+    """A vehicle in the air, at rest; whoever decides on plans only asks it for its state."""
 
     def __init__(self, position: Ned) -> None:
         self.stand_at(position)
 
     def stand_at(self, position: Ned) -> None:
-        """It is somewhere else now."""
+        """Moves it to another position."""
         self.state = VehicleState(
             stamp_s=0.0,
             position=position,

@@ -1,9 +1,9 @@
-"""Which contingencies there are, and the answer to each.
+"""Lists the contingencies of a plan, and finds the answer to each.
 
-At each position of the first plan: each event of the mission, each belief that the plan assumes,
-each place, and with a battery more drain and a low charge. For each event that leads to another
-plan also each belief that this plan assumes and the first one did not: it fails where the plan
-would use it.
+At each position of the first plan there is one for each event of the mission, each belief that the
+plan assumes, each place, and, with a battery, for more drain and for a low charge. For each event
+that leads to a new plan, there is also one for each belief that only the new plan assumes; it fails
+where that plan would use it.
 """
 
 from __future__ import annotations
@@ -39,21 +39,21 @@ from companion.planning.lasso import ChosenPlan, Energy, Lasso, Problem
 
 @dataclass(frozen=True, slots=True)
 class ContingencyQuestion:
-    """A change at some positions; an event asks about the plan for it as well."""
+    """A change at some positions; for an event, also the changes of the plan for it."""
 
     change: Change
     positions: tuple[int, ...]
 
 
 class _Reasons:
-    """Why problems have no plan; problems that differ in the place alone have the same reason."""
+    """Caches why problems have no plan; problems that differ only in the place share a reason."""
 
     def __init__(self, explain: Callable[[Problem], Explanation]) -> None:
         self._explain = explain
         self._known: dict[object, Explanation] = {}
 
     def __call__(self, problem: Problem) -> Explanation:
-        """The reason, found once."""
+        """The reason, computed once."""
         charge = problem.energy and problem.energy.level
         key = problem.withdrawn, problem.automaton_states, problem.clocks_ms, charge
         if key not in self._known:
@@ -72,10 +72,10 @@ class Contingencies:
     move(here, r2), upload(r2), move(r2, Home), (wait)^w
 
     Args:
-        mission: to be flown.
+        mission: the mission.
 
     Raises:
-        CompanionError: nothing is planned in its flights, or it has no plan.
+        CompanionError: its flights use no planner, or it has no plan.
     """
 
     def __init__(self, mission: Mission) -> None:
@@ -97,7 +97,7 @@ class Contingencies:
 
     @cached_property
     def questions(self) -> tuple[ContingencyQuestion, ...]:
-        """All that there is to ask, in parts that know nothing of each other."""
+        """All questions, in parts that are independent of each other."""
         numbers = tuple(position.number for position in self.positions)
         return tuple(
             ContingencyQuestion(change, asked)
@@ -106,7 +106,7 @@ class Contingencies:
         )
 
     def answer(self, question: ContingencyQuestion) -> tuple[Contingency, ...]:
-        """The contingencies, and those of the plans for them."""
+        """The contingencies for a question, including those of plans for an event."""
         change, reasons = question.change, _Reasons(self._prepared.planner.solver.explain_soon)
         found = []
         for number in question.positions:
@@ -119,7 +119,7 @@ class Contingencies:
         return tuple(found)
 
     def table(self, answers: Iterable[tuple[Contingency, ...]]) -> ContingencyTable:
-        """The table of the answers to all questions, in their order."""
+        """The table of the answers to all questions, in the same order."""
         found = [each for several in answers for each in several]
         found.sort(key=lambda each: each.position)
         return ContingencyTable(
@@ -143,17 +143,17 @@ class Contingencies:
             yield ChargeAtFloor()
 
     def _of_plan(self, plan: ChosenPlan) -> Iterator[BeliefLost]:
-        """The beliefs that the plan for an event assumes, and the first plan did not."""
+        """The beliefs that the plan for an event assumes, and the first plan does not."""
         return _beliefs(plan.lasso, _assumed(self._plan.lasso))
 
     def _meet(
         self, number: int, changes: list[Change], reasons: _Reasons
     ) -> tuple[Answer, ChosenPlan | None]:
-        """The answer to the last of some changes, one after the other, at a position."""
+        """The answer to the last of some successive changes at a position."""
         *before, last = changes
         position = self.positions[number]
         level = None if self._energy is None else self._energy.level
-        self._prepared.planner.solver.recall(self._memory)  # as each flight begins
+        self._prepared.planner.solver.recall(self._memory)  # as at the beginning of each flight
         with closing(HypotheticalFlight(self._prepared, self._plan, level, reasons)) as flight:
             flight.complete(number, position.level)
             for change in before:
@@ -179,7 +179,7 @@ def _positions(mission: Mission, lasso: Lasso, energy: Energy | None) -> Iterato
 
 
 def _levels(energy: Energy, lasso: Lasso) -> list[int]:
-    """What is there before each action; in the loop, in the lap in which it is least."""
+    """The level before each action; in the loop, of the lap in which it is lowest."""
     level, levels = energy.level, list[int]()
     for action in lasso.prefix:
         levels.append(level)
@@ -196,7 +196,7 @@ def _levels(energy: Energy, lasso: Lasso) -> list[int]:
 
 
 def _beliefs(lasso: Lasso, known: frozenset[Fact]) -> Iterator[BeliefLost]:
-    """Those that a plan assumes, in the order in which it does."""
+    """The beliefs that a plan assumes, in the order in which it does."""
     actions: tuple[Action, ...] = (*lasso.prefix, *lasso.loop)
     found: dict[Fact, bool] = {}
     for action in actions:

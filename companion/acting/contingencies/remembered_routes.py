@@ -1,6 +1,6 @@
-"""Routes on a map that does not change: how far it is from place to place is found once.
+"""Routes on a map that does not change, with a cache of the distances between places.
 
-A table of contingencies asks for the same ways again and again, with one place less each time.
+A table of contingencies needs the same routes again and again, each time without another place.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from companion.motion.passage import Passage
 
 
 class RememberedRoutes(LayeredRoutes):
-    """Routes that remember; nobody may show them another map, or take room from them.
+    """Routes with a cache; neither their map nor their room may be changed.
 
     Args:
-        options: those of all routes.
+        options: the options of all routes.
     """
 
     def __init__(self, *options: Any, **more: Any) -> None:
@@ -25,7 +25,7 @@ class RememberedRoutes(LayeredRoutes):
         self._connected: dict[tuple[Ned, str, Ned], bool] = {}
 
     def passage(self, start: Ned, place: str) -> Passage:
-        """The quickest way to a place."""
+        """The quickest route to a place."""
         if not self.knows(place):
             return super().passage(start, place)
         key = start, place, self.goal(place)

@@ -1,4 +1,4 @@
-"""The table of contingencies: what becomes of a flight for each change, at each position."""
+"""The table of contingencies: the outcome of a flight for each change at each position."""
 
 from __future__ import annotations
 
@@ -23,12 +23,13 @@ class PlanPosition:
     """A position of the first plan, up to the end of its first lap.
 
     Attributes:
-        number: how many actions were completed.
-        place: where the vehicle is; "" for nowhere.
+        number: number of completed actions.
+        place: where the vehicle is; "" if at no place.
         ahead: the action that begins there.
-        is_in_loop: whether that belongs to the loop.
-        level: of the energy, in units, in the lap in which it is least; None without a battery.
-        charge_percent: the same as a gauge tells it.
+        is_in_loop: whether that action belongs to the loop.
+        level: the level of the energy, in units, of the lap in which it is lowest; None without a
+            battery.
+        charge_percent: that level, as a gauge shows it.
     """
 
     number: int
@@ -39,7 +40,7 @@ class PlanPosition:
     charge_percent: float | None = None
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
+        """The same as JSON data."""
         return {
             "position": self.number,
             "place": self.place,
@@ -54,10 +55,11 @@ class Contingency:
     """A change at a position, and what the flight does.
 
     Attributes:
-        position: by its number.
-        change: what turns out otherwise.
-        answer: what becomes of the flight.
-        after: an event that has come at the position before: the change is of the plan for that.
+        position: number of the position.
+        change: what changes.
+        answer: what the flight does.
+        after: an event that came at the position before; then the change is about the plan for that
+            event.
     """
 
     position: int
@@ -67,11 +69,11 @@ class Contingency:
 
     @property
     def label(self) -> str:
-        """What turns out otherwise, in words."""
+        """The change, in words."""
         return str(self.change) if self.after is None else f"{self.after}, then {self.change}"
 
     def as_json(self) -> dict[str, Any]:
-        """The same for programs."""
+        """The same as JSON data."""
         answer, told = self.answer, dict[str, Any]()
         match answer:
             case PlansAnew(plan, dropped, waited_s):
@@ -103,9 +105,9 @@ class FoldedContingencies:
     """Contingencies of one kind with equal answers, at equal positions.
 
     Attributes:
-        labels: what turns out otherwise.
-        positions: at which.
-        answers: one for each contingency; they differ in the way into the loop alone.
+        labels: the changes.
+        positions: the positions at which they come.
+        answers: one for each contingency; they differ only in the way into the loop.
     """
 
     kind: str
@@ -120,9 +122,9 @@ class ContingencyTable:
 
     Attributes:
         mission: its name.
-        plan: its first plan, as it is written.
-        positions: of that.
-        contingencies: by position, and at each in the order of the mission file.
+        plan: its first plan, as text.
+        positions: the positions of that plan.
+        contingencies: by position, and at each position in the order of the mission file.
     """
 
     mission: str
@@ -132,20 +134,20 @@ class ContingencyTable:
 
     @property
     def unsafe(self) -> tuple[Contingency, ...]:
-        """Those after which the charge lasts to no safe place."""
+        """The contingencies after which no safe place can be reached with the charge."""
         unsafe = ContingencyVerdict.UNSAFE
         return tuple(c for c in self.contingencies if c.answer.verdict is unsafe)
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What may turn out otherwise, by kind, in the order in which it comes first."""
+        """The possible changes, by kind, in the order of first appearance."""
         kinds = dict.fromkeys(_kind(each) for each in self.contingencies)
         found = (each.label for kind in kinds for each in self.contingencies if _kind(each) == kind)
         return tuple(dict.fromkeys(found))
 
     @property
     def summary(self) -> str:
-        """All of it in a line."""
+        """The whole table in one line."""
         answers = [each.answer for each in self.contingencies]
         verdicts = Counter(answer.verdict for answer in answers)
         kinds = ContingencyVerdict
@@ -164,7 +166,7 @@ class ContingencyTable:
         return f"{len(answers)} contingencies: {', '.join(parts)}"
 
     def folded(self) -> Iterator[FoldedContingencies]:
-        """The contingencies with equal answers together, so that they can be read."""
+        """Contingencies with equal answers, joined so that people can read them."""
         by_label: dict[tuple[str, str, object], list[Contingency]] = {}
         for each in self.contingencies:
             key = _kind(each), each.label, _same(each.answer)
@@ -182,7 +184,7 @@ class ContingencyTable:
         yield from folds.values()
 
     def as_json(self) -> dict[str, Any]:
-        """The table for programs."""
+        """The table as JSON data."""
         verdicts = Counter(each.answer.verdict for each in self.contingencies)
         return {
             "plan": self.plan,
@@ -199,13 +201,13 @@ def _kind(contingency: Contingency) -> str:
 
 
 def _same(answer: Answer) -> object:
-    """What two answers have in common that are told as one: the loop, and not the way into it."""
+    """What two answers shown as one have in common: the loop, but not the way into it."""
     match answer:
         case PlansAnew(plan, dropped, waited_s):
             loop = [step.action for step in plan.loop]
             first = min(range(len(loop)), key=lambda i: loop[i:] + loop[:i])
             kept = loop[first:] + loop[:first]
-            if len(loop) == 1:  # it ends at rest: what it does is all on the way there
+            if len(loop) == 1:  # it ends at rest, so all it does is on the way there
                 kept = [*(step.action for step in plan.prefix), *loop]
             return answer.verdict, tuple(kept), dropped, waited_s > 0
         case LandsAt():

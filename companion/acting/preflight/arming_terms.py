@@ -1,4 +1,4 @@
-"""What the operator has said beforehand of the vehicle that is to be armed."""
+"""What the operator has decided beforehand about arming."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from enum import StrEnum
 
 
 class UploadPolicy(StrEnum):
-    """What becomes of the autopilot's fence, or rally points, before arming (`upload_check.py`).
+    """What happens to the autopilot's fence, or its rally points, before arming
+    (`upload_check.py`).
 
-    UPLOAD writes the mission's where there is nothing, or what this companion wrote; KEEP flies
-    with what is there; REPLACE writes the mission's in its place; NONE does not ask for it.
+    UPLOAD writes the mission's if there is none, or one that this companion wrote; KEEP flies with
+    the one that is there; REPLACE writes the mission's in its place; NONE does not ask for it.
     """
 
     UPLOAD = "upload"
@@ -21,12 +22,12 @@ class UploadPolicy(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class ArmingTerms:
-    """On which terms a vehicle is armed.
+    """The terms on which a vehicle is armed.
 
     Attributes:
-        accepts_weak_failsafes: although its autopilot's failsafes are weak.
-        fence: what becomes of its autopilot's fence.
-        rally_points: what becomes of its autopilot's rally points.
+        accepts_weak_failsafes: whether it is armed although its autopilot's failsafes are weak.
+        fence: what happens to its autopilot's fence.
+        rally_points: what happens to its autopilot's rally points.
     """
 
     accepts_weak_failsafes: bool = False

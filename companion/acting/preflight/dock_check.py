@@ -1,9 +1,9 @@
-"""The warning, before arming, of docks that a vehicle may miss whose position is not exact.
+"""Warns, before arming, of docks that a vehicle with an inaccurate position may miss.
 
-The autopilot lands where its position says that the dock is, without looking. How large a dock is
-nobody tells the companion. A landing begins up to ARRIVAL_M beside the place, and the position is
-off by so much again as it may be: of 97 landings of a PX4 whose position was good for 0.29 m, 95 %
-were within 1.13 m of their place, and that makes 1.2 m.
+The autopilot lands where its position says that the dock is, without looking. Nobody tells the
+companion how large a dock is. A landing begins up to ARRIVAL_M beside the place, and the position
+may be off by its error in addition: of 97 landings of a PX4 whose position was accurate to 0.29 m,
+95 % were within 1.13 m of their place, and this estimate gives 1.2 m.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from companion.vehicle.port import Outcome, Progress
 
 
 def needs_docks(mission: Mission) -> bool:
-    """Whether a mission charges where it has landed without a marker."""
+    """Whether a mission charges where it lands without a marker."""
     steps = [step for skill in mission.skills.values() for step in skill.execute]
     return any(isinstance(step, Charge) for step in steps) and Land() in steps
 
 
 class DockCheck:
-    """One warning.
+    """The warning for one flight.
 
     Args:
-        flight: of the vehicle that is to land.
+        flight: the flight of the vehicle that has to land.
     """
 
     def __init__(self, flight: Flight) -> None:
         self._flight = flight
 
     def tick(self) -> Outcome:
-        """DONE at once."""
+        """DONE at once, after the warning."""
         state = self._flight.vehicle.state
         if state is not None and state.accuracy_m > EXACT_M:
             beside_m = ARRIVAL_M + greatest_error_m(state.accuracy_m)

@@ -1,6 +1,6 @@
-"""The question, before arming, whether the autopilot's own failsafes are strong.
+"""Checks, before arming, that the autopilot's own failsafes are strong.
 
-`companion/vehicle/failsafes.py` says what is strong enough; this asks the autopilot for it.
+`companion/vehicle/failsafes.py` decides what is strong enough; this module asks the autopilot.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from companion.vehicle.failsafes import FlownWithin, parameters_of, weaknesses
 from companion.vehicle.port import Failed, Outcome, Progress
 
 ANSWER_TIMEOUT_S = 10.0
-"""How long the autopilot may take to answer for its parameters; each is asked twice a second."""
+"""How long the autopilot may take to send its parameters; each is requested twice a second."""
 
 
 class FailsafeCheck:
     """One check.
 
     Args:
-        flight: whose autopilot is asked.
-        accepts_weak: weak failsafes are reported, and no failure.
-        reserve: the charge, 0 to 1, that plans leave; None where they know of none.
-        homes: where else the vehicle may be armed, on the ground or a roof, which moves a PX4's
-            home there.
+        flight: the flight whose autopilot is asked.
+        accepts_weak: whether weak failsafes are only reported, and no failure.
+        reserve: the charge, 0 to 1, that plans leave; None if plans ignore energy.
+        homes: where else the vehicle may be armed, on the ground or a roof; there a PX4 moves its
+            home.
     """
 
     def __init__(
@@ -45,8 +45,8 @@ class FailsafeCheck:
     def tick(self) -> Outcome:
         """DONE when the failsafes are known and strong, or accepted.
 
-        The time for an answer begins with the question: the tick before has planned, which may
-        have taken longer than an answer may. It begins anew after a silence.
+        The time for an answer begins with the question, because the tick before has planned, which
+        may take longer than an answer may. It starts again after a silence.
         """
         vehicle, now_s = self._flight.vehicle, self._flight.now_s
         state = vehicle.state
@@ -66,7 +66,7 @@ class FailsafeCheck:
         return Progress.DONE
 
     def _flown_within(self) -> FlownWithin:
-        """As far as the mission's limits reach from where the vehicle is armed."""
+        """How far the mission's limits reach from where the vehicle is armed."""
         state, limits = self._flight.vehicle.state, self._flight.limits
         begun = (0.0, 0.0) if state is None else state.position[:2]
         homes = [begun, *(home[:2] for home in self._homes)]

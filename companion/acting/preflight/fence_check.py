@@ -1,21 +1,21 @@
-"""The autopilot's fence, before arming: it is the mission's, and it is in force.
+"""Checks, before arming, that the autopilot's fence is the mission's, and that it is in force.
 
-The companion's gate keeps to the mission's fence and zones as long as the companion lives. The
-autopilot's fence, along the same edges, is the net behind it: it holds the vehicle whoever flies.
-How it is read and written, and whose may be overwritten, is in upload_check.py.
+The companion's gate keeps to the mission's fence and zones as long as the companion runs. The
+autopilot's fence, along the same edges, is a second line: it holds the vehicle whoever flies.
+upload_check.py says how it is read and written, and whose fence may be overwritten.
 
-1. What the mission writes under `limits`, a fence and zones, is put into an autopilot that has no
-   fence. One that is this companion's own, of another mission, gives way to it, which is told.
-2. After one that has just been written was read back, what the autopilot says is listened to for
-   LISTEN_S: PX4 takes a fence, reads it back whole, and leaves out an area that does not hold its
-   home.
-3. One that is there already is written again, once in each program: PX4 does not say whether a
-   fence that it has is in force.
-4. Whatever fence it is: the autopilot's home, the vehicle and each place of the mission lie in
-   every area of it, or the mission is refused. What follows from one that is kept is for
-   kept_fence.py.
-5. A vehicle that stands nearer to an edge than its position may be off by is told of: its estimate
-   may wander across in the climb, and the autopilot then ends the flight.
+1. A fence and zones that the mission writes under `limits` are uploaded to an autopilot without a
+   fence. They also replace one of this companion for another mission, which is reported.
+2. After a fence that was just written has been read back, messages of the autopilot are watched for
+   LISTEN_S: PX4 accepts a fence and returns all of it, but ignores an area that does not contain
+   its home.
+3. A fence that is there already is written again, once in each program, because PX4 does not say
+   whether it is in force.
+4. Whatever fence it is: the autopilot's home, the vehicle and each place of the mission have to lie
+   in all its areas, or the mission is refused. kept_fence.py handles the consequences of a fence
+   that is kept.
+5. It is reported if the vehicle is nearer to an edge than its position error: its estimate may
+   wander across in the climb, and the autopilot would then end the flight.
 """
 
 from __future__ import annotations
@@ -41,22 +41,22 @@ from companion.vehicle.port import Failed
 from companion.vehicle.store_port import AutopilotFence
 
 ALIKE_M = 0.2
-"""Corners that are nearer to each other are the same; the protocol rounds to a centimetre."""
+"""Corners nearer to each other than this are equal; the protocol rounds to a centimetre."""
 LISTEN_S = 2.0
 DIRECTIONS = 16
-"""In which it is looked how near an edge is."""
+"""The number of directions in which the distance to an edge is measured."""
 
 
 class FenceJudge:
-    """Fulfils `upload_check.UploadJudge` for the fence.
+    """Implements `upload_check.UploadJudge` for the fence.
 
     Args:
-        flight: whose autopilot is asked.
-        policy: what the operator has said.
-        places: of the mission.
+        flight: the flight whose autopilot is asked.
+        policy: what the operator has decided.
+        places: the mission's places.
 
     Attributes:
-        kept: the fence of somebody else that stays; None without one.
+        kept: somebody else's fence that stays; None if there is none.
     """
 
     is_asked = True
@@ -72,19 +72,19 @@ class FenceJudge:
 
     @property
     def store(self) -> AutopilotFence:
-        """Where it is stored."""
+        """The autopilot's store of fences."""
         return self._flight.vehicle.fence
 
     def nowhere(self, reason: str) -> None:
-        """The gate alone holds the vehicle inside."""
+        """Reports that only the gate holds the vehicle inside."""
         self._flight.report(FenceMissing(reason))
 
     def unanswered(self, failed: Failed) -> Failed:
-        """The mission is refused, with the way out."""
+        """Why the mission is refused, with what to do."""
         return Failed(f"{failed.reason}\n    --autopilot-fence none leaves it alone")
 
     def judge(self) -> UploadStep | Failed:
-        """What is there is kept, or what is wanted is written; rules 1 and 3."""
+        """Keeps the fence that is there, or writes the required one; rules 1 and 3."""
         stored = self.store.stored
         if stored is None:
             return Failed("it is not known where on the earth the autopilot's fence lies")
@@ -103,7 +103,7 @@ class FenceJudge:
         return UploadStep.UNFIT
 
     def compare(self) -> Failed | None:
-        """Why what was read back is another fence."""
+        """Why the fence that was read back is a different one; None if it is the same."""
         stored = self.store.stored
         if not self.store.is_as_written() and not self._is_wanted(stored):
             return Failed(
@@ -113,7 +113,7 @@ class FenceJudge:
         return None
 
     def listen(self) -> UploadStep | Failed | None:
-        """Rules 2 and 4; the autopilot's home may have come meanwhile."""
+        """Rules 2 and 4; the autopilot's home may have become known meanwhile."""
         fence, now_s = self.store, self._flight.now_s
         if objections := fence.objections:
             return Failed(
@@ -134,7 +134,7 @@ class FenceJudge:
         return UploadStep.UNOPPOSED
 
     def _is_wanted(self, stored: StoredFence | None) -> bool:
-        """Whether a fence is the mission's, as PX4 takes it."""
+        """Whether a fence is the mission's, as PX4 stores it."""
         return (
             stored is not None
             and stored.flaw is None
@@ -142,7 +142,7 @@ class FenceJudge:
         )
 
     def _keep(self, stored: StoredFence) -> UploadStep | Failed:
-        """The fence that is there stays, if the mission can be flown in it."""
+        """Keeps the fence that is there, if the mission can be flown in it."""
         if stored.flaw is not None:
             return Failed(f"the vehicle's fence ({stored}) is not as it was meant: {stored.flaw}")
         if why_not := self._outside(stored.areas, "the vehicle's own fence"):
@@ -173,7 +173,7 @@ class FenceJudge:
             self._flight.report(FenceNear(round(error_m, 1)))
 
     def _outside(self, areas: Sequence[FenceArea], whose: str) -> Failed | None:
-        """Why the mission cannot be flown in a fence; rule 4."""
+        """Why the mission cannot be flown in a fence; rule 4. None if it can."""
         state, home = self._flight.vehicle.state, self._flight.vehicle.fence.home
         points: list[tuple[str, NorthEast]] = []
         if home is not None:
@@ -190,7 +190,7 @@ class FenceJudge:
 
 
 def areas_of(limits: Limits) -> tuple[FenceArea, ...]:
-    """The areas that a mission writes; none where its map alone says how far it may fly."""
+    """The areas that a mission writes; none if only its map says how far it may fly."""
     zones = (FenceArea(FencePolygon(corners), False) for corners in limits.keep_out.values())
     fence = (FenceArea(FencePolygon(limits.fence), True),) if limits.is_fence_written else ()
     return (*fence, *zones)
@@ -205,7 +205,7 @@ def _another(stored: StoredFence) -> str:
 
 
 def _rounded(polygons: Iterable[Sequence[NorthEast]]) -> tuple[tuple[NorthEast, ...], ...]:
-    """To a millimetre."""
+    """Polygons with their corners rounded to a millimetre."""
     return tuple(
         tuple((round(north, 3), round(east, 3)) for north, east in corners) for corners in polygons
     )

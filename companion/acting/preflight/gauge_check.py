@@ -1,4 +1,4 @@
-"""The question, before arming, whether the charge of the battery is known, where plans need it."""
+"""Checks, before arming, that the charge of the battery is known, if plans need it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class GaugeCheck:
     """One check.
 
     Args:
-        flight: whose battery it is.
+        flight: the flight.
     """
 
     def __init__(self, flight: Flight) -> None:
@@ -25,7 +25,7 @@ class GaugeCheck:
         self._asked_s: float | None = None
 
     def tick(self) -> Outcome:
-        """DONE when a charge is told."""
+        """DONE when a charge has been reported."""
         state, now_s = self._flight.vehicle.state, self._flight.now_s
         if state is not None and state.battery_percent is not None:
             return Progress.DONE

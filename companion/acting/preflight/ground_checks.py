@@ -1,6 +1,6 @@
-"""What is asked of the autopilot before it is armed: charge, failsafes, fence, rally points.
+"""All checks before arming: charge, failsafes, fence, rally points.
 
-What its docks have to be like is told before that.
+Before them, a warning about docks is reported.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ class GroundChecks:
     """The checks of one sortie.
 
     Args:
-        flight: whose autopilot is asked.
-        terms: what the operator has said.
-        mission: that is to be flown.
+        flight: the flight whose autopilot is asked.
+        terms: what the operator has decided.
+        mission: the mission to fly.
         executive: has its plan.
     """
 
@@ -62,7 +62,7 @@ class GroundChecks:
 
 
 def _other_homes(mission: Mission) -> tuple[Ned, ...]:
-    """Where the vehicle may take off again, besides where it begins."""
+    """Where the vehicle may take off again, in addition to where it begins."""
     steps = (step for skill in mission.skills.values() for step in skill.execute)
     if not any(isinstance(step, TakeOff) for step in steps):
         return ()

@@ -1,10 +1,12 @@
-"""A fence of somebody else that stays in the autopilot: the flight has no more room than it leaves.
+"""Restricts a flight to somebody else's fence that stays in the autopilot.
 
-1. Routes lie in it, and the gate lets no setpoint out of it, both with what they keep from the
-   mission's own fence and zones.
-2. The mission was planned before it was known. Where it leaves less room the plan is searched
-   again before arming. Without one the mission is refused, by the leg that leads out, and the area.
-3. The journal has it: whoever goes on with the flight cannot ask the autopilot in the air.
+1. Routes lie inside it, and the gate lets no setpoint out of it; both keep the same distance as
+   from the mission's own fence and zones.
+2. The mission was planned before this fence was known. If it leaves less room, the plan is searched
+   again before arming. Without a plan the mission is refused; the message names the leg that leads
+   out, and the area.
+3. The journal stores it, because another process that continues the flight cannot ask the autopilot
+   in the air.
 """
 
 from __future__ import annotations
@@ -28,12 +30,12 @@ from companion.vehicle.port import Failed, Outcome, Progress
 
 LESS_ROOM = "the vehicle's own fence leaves less room"
 STEP_M = 0.1
-"""Legs are held against the areas at points that are so far apart."""
+"""Legs are compared with the areas at points this far apart."""
 _ROUTE_US = 3_000
 
 
 def keep_to(flight: Flight, fence: KeptFence) -> bool:
-    """Nothing is flown outside a fence from now on; whether that leaves less room for routes."""
+    """Restricts a flight to a fence from now on; returns whether routes then have less room."""
     flight.kept_fence = fence
     flight.note(fence)
     flight.vehicle.keep_within(fence)
@@ -41,7 +43,7 @@ def keep_to(flight: Flight, fence: KeptFence) -> bool:
 
 
 class _Leg(NamedTuple):
-    """A flight of a plan, as it would have been flown; the ways over the ground."""
+    """A flight of a plan, as it would have been flown; its route on the ground plan."""
 
     origin: str
     goal: str
@@ -49,12 +51,12 @@ class _Leg(NamedTuple):
 
 
 class KeptFenceCheck:
-    """What follows before arming from a fence that was kept.
+    """Applies, before arming, a fence that was kept.
 
     Args:
-        flight: that is narrowed.
+        flight: the flight that is restricted.
         executive: has the plan.
-        check: has kept the fence.
+        check: the check that has kept the fence.
         home: where the plan begins.
     """
 
@@ -64,7 +66,7 @@ class KeptFenceCheck:
         self._narrowing: InSlices[Failed | None] | None = None
 
     def tick(self) -> Outcome:
-        """DONE when what is planned lies in the fence, if one was kept; or why there is no plan."""
+        """DONE when the plan lies in the fence, if one was kept; or why there is no plan."""
         stored = self._check.kept
         if stored is None:
             return Progress.DONE
@@ -82,7 +84,7 @@ class KeptFenceCheck:
         return self._refused(failure, legs, stored) if failure is not None else None
 
     def _legs(self, plan: Lasso | None) -> Iterator[_Leg]:
-        """The flights of a plan, each once; none of a tree that was written by hand."""
+        """The flights of a plan, each once; none for a tree that was written by hand."""
         routes, told = self._flight.routes, set[tuple[str, str]]()
         actions = (*plan.prefix, *plan.loop, *plan.loop) if plan is not None else ()
         flown_to = (action.destination for action in actions if action.destination is not None)
@@ -103,7 +105,7 @@ class KeptFenceCheck:
 
 
 def _leaves(leg: _Leg, stored: StoredFence) -> str:
-    """Which area a leg does not keep to, in words."""
+    """The area that a leg leaves or crosses, in words."""
     way = f"the way from {leg.origin} to {leg.goal}"
     for (n1, e1), (n2, e2) in pairwise(leg.points):
         count = 2 + int(np.hypot(n2 - n1, e2 - e1) / STEP_M)

@@ -1,20 +1,19 @@
-"""The autopilot's rally points, before arming: they are the mission's safe places.
+"""Checks, before arming, that the autopilot's rally points are the mission's safe places.
 
-Where the companion is gone, or a pilot or a failsafe chooses Return, the autopilot lands at the
-nearest of them and home. How they are read and written, and whose may be overwritten, is in
-upload_check.py.
+If the companion fails, or a pilot or a failsafe chooses Return, the autopilot lands at the nearest
+of them and home. upload_check.py says how they are read and written, and whose may be overwritten.
 
 1. The places under `otherwise: {land_at: ...}`, other than where the mission begins, are written
-   with the altitude of the ground: there an autopilot lands. Those of another mission of this
-   companion give way, which is told.
-   Others' at the same points are written anew: in which frame they were sent, which PX4's Return
-   may not know, is not read back.
-2. A mission without such places writes none, and takes those away that this companion wrote for
-   another one. What somebody else has put there is not looked at; nor is an autopilot asked to
-   which this companion cannot have written any.
-3. Points that are kept lie in the mission's fence, and in none of its zones.
-4. What the autopilot's Return will not use is told: PX4 goes to none of them by RTL_TYPE 2 and 4,
-   and to none that is near its home. The mission begins all the same: its own landing uses them.
+   with the altitude of the ground, because an autopilot lands there. They replace those of this
+   companion for another mission, which is reported. Points of others at the same positions are
+   written again, because the frame in which they were sent cannot be read back, and PX4's Return
+   may not know it.
+2. A mission without such places writes none, and removes those that this companion wrote for
+   another mission. Points of others are not examined, and an autopilot is not asked if this
+   companion cannot have written any to it.
+3. Points that are kept have to lie in the mission's fence, and outside all its zones.
+4. Points that the autopilot's Return will not use are reported: PX4 uses none with RTL_TYPE 2 and
+   4, and none near its home. The mission begins all the same, because its own landing uses them.
 
 Source: PX4 1.16, src/modules/navigator/rtl.cpp (findRtlDestination).
 """
@@ -40,21 +39,21 @@ from companion.vehicle.port import Failed
 from companion.vehicle.store_port import AutopilotRally
 
 ALIKE_M = 0.2
-"""Points that are nearer to each other are the same; the protocol rounds to a centimetre."""
+"""Points nearer to each other than this are equal; the protocol rounds to a centimetre."""
 NEAR_HOME_M = 10.0
-"""PX4 passes over a rally point that is no further from home."""
+"""PX4 ignores a rally point that is no further than this from home."""
 RETURN_TYPE, WITHOUT_RALLY, WITHOUT_HOME = "RTL_TYPE", (2.0, 4.0), 1.0
 ANSWER_S = 3.0
-"""How long the autopilot may take to answer for that parameter."""
+"""How long the autopilot may take to send that parameter."""
 
 
 class RallyJudge:
-    """Fulfils `upload_check.UploadJudge` for the rally points.
+    """Implements `upload_check.UploadJudge` for the rally points.
 
     Args:
-        flight: whose autopilot is asked.
-        policy: what the operator has said.
-        mission: whose safe places they are.
+        flight: the flight whose autopilot is asked.
+        policy: what the operator has decided.
+        mission: the mission with the safe places.
     """
 
     def __init__(self, flight: Flight, policy: UploadPolicy, mission: Mission) -> None:
@@ -67,7 +66,7 @@ class RallyJudge:
 
     @property
     def store(self) -> AutopilotRally:
-        """Where they are stored."""
+        """The autopilot's store of rally points."""
         return self._flight.vehicle.rally
 
     @property
@@ -77,19 +76,21 @@ class RallyJudge:
         return bool(self._wanted) or replaces or self.store.has_written
 
     def nowhere(self, reason: str) -> None:
-        """The companion alone lands there."""
+        """Reports that only the companion lands there."""
         if self._wanted:
             self._flight.report(RallyMissing(reason))
 
     def unanswered(self, failed: Failed) -> Failed | None:
-        """Where the mission has none, an autopilot that does not speak of them is flown."""
+        """Why the mission is refused; None if it has no rally points, so that none need be
+        supported.
+        """
         if self._wanted:
             return _advised(failed.reason)
         self._flight.report(RallyMissing(failed.reason))
         return None
 
     def judge(self) -> UploadStep | Failed | None:
-        """What is there is kept, or what is wanted is written; rules 1 and 2."""
+        """Keeps the points that are there, or writes the required ones; rules 1 and 2."""
         stored = self.store.stored
         if stored is None:
             return _advised("it is not known where on the earth the autopilot's rally points lie")
@@ -113,7 +114,7 @@ class RallyJudge:
         return UploadStep.UNFIT
 
     def compare(self) -> Failed | None:
-        """Why what was read back is something else."""
+        """Why the points that were read back are different; None if they are the same."""
         stored = self.store.stored
         is_wanted = stored is not None and are_same(stored.points, self._wanted, ALIKE_M)
         if not self.store.is_as_written() and not is_wanted:
@@ -123,7 +124,7 @@ class RallyJudge:
         return None
 
     def listen(self) -> UploadStep:
-        """PX4 says nothing of them; rule 4."""
+        """PX4 reports nothing about them; rule 4."""
         before = str(self._replaced)
         if not self._wanted:
             self._flight.report(RallyRemoved(before))
@@ -159,7 +160,7 @@ class RallyJudge:
 
     @property
     def _knows_return_type(self) -> bool:
-        """Whether the autopilot has said where its Return goes, or does not say."""
+        """Whether the autopilot has said where its Return goes, or has failed to answer."""
         if self._asked_s is None:
             self._asked_s = self._flight.now_s
         is_late = self._flight.now_s - self._asked_s > ANSWER_S
@@ -183,7 +184,7 @@ class RallyJudge:
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
-    """The safe places of a mission to which the autopilot does not return anyway."""
+    """The safe places of a mission, except the one to which the autopilot returns anyway."""
     if not isinstance(mission.otherwise, LandAtSafePlace):
         return ()
     names = (name for name in mission.otherwise.places if name != mission.home.name)

@@ -1,13 +1,14 @@
-"""What the autopilot stores for a mission, before arming: read, written where it may be, read back.
+"""Before arming, reads what the autopilot stores for a mission, writes it if allowed, and reads
+back.
 
-The autopilot's fence and its rally points take the same way; they differ in what is wanted, and in
-how what is there is judged (`UploadJudge`).
+The autopilot's fence and its rally points take the same steps. They differ in what is required, and
+in how the present content is judged (`UploadJudge`).
 
-1. What somebody else has put there stays, and the mission is refused, unless the operator has said
-   which of the two is to be kept.
+1. What somebody else has stored stays, and the mission is refused, unless the operator has decided
+   which of the two to keep.
 2. What has been written is read back and compared.
-3. An autopilot that does not know where on the earth it is stores nothing. That is told, and the
-   mission begins.
+3. An autopilot that does not know its position on the earth stores nothing. That is reported, and
+   the mission begins.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from companion.vehicle.store_port import AutopilotStore
 
 
 class UploadStage(Enum):
-    """How far the check has come."""
+    """The stages of a check."""
 
     LOCATING = "asking where the autopilot's frame lies"
     READING = "reading what it has"
@@ -34,7 +35,7 @@ class UploadStage(Enum):
 
 
 class UploadStep(Enum):
-    """What happens in a check."""
+    """The events in a check."""
 
     NOT_ASKED = "nothing is wanted of it"
     LOCATED = "it is known where the frame lies"
@@ -61,42 +62,44 @@ TRANSITIONS = TransitionTable(
         for stage in (_S.LOCATING, _S.READING, _S.WRITING, _S.READING_BACK)
     ),
 )
-"""How a check goes on; it ends anywhere with why the mission is refused."""
+"""The transitions of a check; at any stage it may end with why the mission is refused."""
 
 
 class UploadJudge(Protocol):
-    """What is wanted of one kind, and what of what the autopilot has."""
+    """What is required for one kind of content, and how the autopilot's content is judged."""
 
     @property
     def store(self) -> AutopilotStore:
-        """Where it is stored."""
+        """The autopilot's store of this kind."""
 
     @property
     def is_asked(self) -> bool:
         """Whether the autopilot has to be asked at all."""
 
     def nowhere(self, reason: str) -> None:
-        """Tells that the autopilot does not know where on the earth it is, and why."""
+        """Reports that the autopilot does not know its position on the earth, and why."""
 
     def unanswered(self, failed: Failed) -> Failed | None:
-        """A transfer has failed: why the mission is refused; None if that is only told."""
+        """After a failed transfer: why the mission is refused; None if it is only reported."""
 
     def judge(self) -> UploadStep | Failed | None:
-        """KEPT or, having begun to write, UNFIT; or why the mission is refused; None to wait."""
+        """KEPT; or UNFIT, after it has begun to write; or why the mission is refused; None to
+        wait.
+        """
 
     def compare(self) -> Failed | None:
         """Why what was read back is not what was written; None if it is."""
 
     def listen(self) -> UploadStep | Failed | None:
-        """UNOPPOSED when it is in force; None while that is not known."""
+        """UNOPPOSED when it is in force; None while that is unknown."""
 
 
 class UploadCheck:
     """One check.
 
     Args:
-        judge: of one kind.
-        policy: what the operator has said of it.
+        judge: the judge for one kind.
+        policy: what the operator has decided about it.
     """
 
     def __init__(self, judge: UploadJudge, policy: UploadPolicy) -> None:
@@ -105,7 +108,7 @@ class UploadCheck:
         self._stage = UploadStage.DONE if is_left_alone else UploadStage.LOCATING
 
     def tick(self) -> Outcome:
-        """DONE when it is as it should be, or there is none to be; or why it is not."""
+        """DONE when the content is as required, or none is required; or why it is not."""
         if self._stage is UploadStage.DONE:
             return Progress.DONE
         step = _WORK[self._stage](self)
@@ -147,11 +150,11 @@ class UploadCheck:
 
     @property
     def _is_done(self) -> bool:
-        """Whether the transfer under way has ended well."""
+        """Whether the present transfer has ended well."""
         return self._judge.store.outcome is Progress.DONE
 
     def _failure(self) -> UploadStep | Failed | None:
-        """What the failure of the transfer under way leads to; None if it has not failed."""
+        """What a failure of the present transfer leads to; None if it has not failed."""
         outcome = self._judge.store.outcome
         if not isinstance(outcome, Failed):
             return None
@@ -165,4 +168,4 @@ _WORK: dict[UploadStage, Callable[[UploadCheck], UploadStep | Failed | None]] = 
     UploadStage.READING_BACK: UploadCheck._read_back,
     UploadStage.LISTENING: UploadCheck._listen,
 }
-"""What each stage does in a tick; DONE does nothing."""
+"""The work of each stage in a tick; DONE has none."""
