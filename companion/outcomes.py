@@ -1,12 +1,13 @@
-"""Outcomes of what somebody asks for: done, or refused for a reason.
+"""Outcomes of what somebody asks for, as values: an expected failure is not an exception.
 
 A function that does what it is asked or declines returns `Refusal | None`; None says that it is
-done. A refusal is expected, so it is a value and no exception.
+done. What takes time is running, done or failed: an `Outcome`, or a result in place of DONE.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,3 +25,25 @@ class Refusal:
     """
 
     reason: str
+
+
+class Progress(Enum):
+    """Something that takes time and has not failed."""
+
+    RUNNING = "running"
+    DONE = "done"
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """Something that takes time has failed.
+
+    Attributes:
+        reason: in words for people.
+    """
+
+    reason: str
+
+
+Outcome = Progress | Failed
+"""What became of a goal, a command, or a movement of a gimbal."""

@@ -14,9 +14,10 @@ from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import REAL32
 from companion.mavlink.px4_modes import custom_mode, mode_from
 from companion.mission.signals import Signal
+from companion.outcomes import Outcome, Progress
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Goal, Outcome, Progress
+from companion.vehicle.port import Goal
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 

@@ -9,23 +9,11 @@ from collections.abc import Sequence
 
 from companion.geofence import FenceArea, StoredFence
 from companion.geometry import NorthEast
-from companion.outcomes import Refusal
+from companion.outcomes import Failed, Outcome, Progress, Refusal
 from companion.rally_points import RallyPoint, StoredRally
-from companion.vehicle.camera_port import (
-    IntendedShot,
-    NoPhoto,
-    PhotoMade,
-    ShotOutcome,
-    ShotOwner,
-    ShotReady,
-)
-from companion.vehicle.gimbal_port import Aim, Aimed, AimOutcome
-from companion.vehicle.port import (
-    Failed,
-    MarkerSighting,
-    Outcome,
-    Progress,
-)
+from companion.vehicle.camera_port import IntendedShot, PhotoMade, ShotOutcome, ShotOwner, ShotReady
+from companion.vehicle.gimbal_port import Aim
+from companion.vehicle.port import MarkerSighting
 
 
 class FakePayloads:
@@ -202,12 +190,12 @@ class FakeCameras:
     """
 
     def __init__(self) -> None:
-        self.answers: list[tuple[float, PhotoMade | NoPhoto]] = []
+        self.answers: list[tuple[float, PhotoMade | Failed]] = []
         self.prepared: list[tuple[int, ShotOwner]] = []
         self.shot: list[int] = []
         self.recalled: list[IntendedShot] = []
         self._now_s = 0.0
-        self._due: dict[int, tuple[float, PhotoMade | NoPhoto]] = {}
+        self._due: dict[int, tuple[float, PhotoMade | Failed]] = {}
 
     def step(self, now_s: float) -> None:
         """Time passes."""
@@ -247,17 +235,17 @@ class FakeGimbals:
     """
 
     def __init__(self) -> None:
-        self.outcomes: list[AimOutcome] = []
+        self.outcomes: list[Outcome] = []
         self.pointed: list[tuple[int, Aim]] = []
-        self._current: dict[int, AimOutcome] = {}
+        self._current: dict[int, Outcome] = {}
 
     def point(self, component: int, aim: Aim, timeout_s: float | None) -> int:
         self.pointed.append((component, aim))
         ticket = len(self.pointed)
-        self._current[ticket] = self.outcomes.pop(0) if self.outcomes else Aimed()
+        self._current[ticket] = self.outcomes.pop(0) if self.outcomes else Progress.DONE
         return ticket
 
-    def outcome(self, ticket: int) -> AimOutcome:
+    def outcome(self, ticket: int) -> Outcome:
         return self._current[ticket]
 
     def forget(self, ticket: int) -> None:

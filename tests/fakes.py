@@ -21,14 +21,12 @@ from fake_devices import (
 from companion.geofence import KeptFence
 from companion.geometry import GlobalOrigin, Ned
 from companion.motion.range_scan import RangeScan
-from companion.outcomes import Refusal
+from companion.outcomes import Outcome, Progress, Refusal
 from companion.vehicle.port import (
     Anchoring,
     FrameLocation,
     Goal,
     Mode,
-    Outcome,
-    Progress,
     Setpoint,
     Takeover,
     VehicleState,

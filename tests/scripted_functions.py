@@ -4,14 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from companion.skills.calls import (
-    Answer,
-    CallRequest,
-    CommandAsked,
-    Function,
-    NotDone,
-    Returned,
-)
+from companion.outcomes import Failed
+from companion.skills.calls import Answer, CallRequest, CommandAsked, Function, Returned
 
 
 class ScriptedFunctions:
@@ -33,7 +27,7 @@ class ScriptedFunctions:
         self.replies: list[str | None] = []
         self.cancelled: list[int] = []
         self.prepared: tuple[Function, ...] = ()
-        self.loading: tuple[str, ...] | NotDone = ()
+        self.loading: tuple[str, ...] | Failed = ()
         self._script = script or ([],)
         self._left: dict[int, list[tuple[float, Answer]]] = {}
         self._begun_s: dict[int, float] = {}
@@ -42,7 +36,7 @@ class ScriptedFunctions:
     def prepare(self, functions: Iterable[Function]) -> None:
         self.prepared = tuple(functions)
 
-    def awaited(self) -> tuple[str, ...] | NotDone:
+    def awaited(self) -> tuple[str, ...] | Failed:
         return self.loading
 
     def begin(self, request: CallRequest) -> int:
@@ -58,7 +52,7 @@ class ScriptedFunctions:
             answers.append(left.pop(0)[1])
             if isinstance(answers[-1], CommandAsked):
                 self._asking.add(ticket)
-            if isinstance(answers[-1], Returned | NotDone):
+            if isinstance(answers[-1], Returned | Failed):
                 del self._left[ticket]
                 break
         return answers

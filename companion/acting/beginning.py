@@ -16,10 +16,10 @@ from companion.flight_events.frames import FrameLocated, HomeMeasured, HomeRecal
 from companion.flight_events.skills import FunctionsAwaited
 from companion.geometry import horizontal_distance
 from companion.mission.model import Place
-from companion.skills.calls import NotDone
+from companion.outcomes import Failed, Progress
 from companion.slices import InSlices
 from companion.vehicle.mission_frame import SETTLING_S
-from companion.vehicle.port import Anchoring, Progress, VehicleState
+from companion.vehicle.port import Anchoring, VehicleState
 
 GROUND_SLICE_US = 30_000
 """Work per tick on the ground, where no setpoints are sent."""
@@ -79,7 +79,7 @@ class Beginning:
     def _load(self) -> Progress | CompanionError:
         """DONE when all functions are loaded; an error if one cannot be loaded."""
         match self._flight.functions.awaited():
-            case NotDone(reason):
+            case Failed(reason):
                 hint = "companion check says whether it can be called, and with what"
                 return Aborted(f"a function of the mission cannot be called: {reason}\n    {hint}")
             case ():

@@ -31,7 +31,7 @@ from companion.flight_events.sortie import (
 )
 from companion.mission.model import Mission, Otherwise
 from companion.mission.signals import Signal
-from companion.vehicle.port import Failed, Progress
+from companion.outcomes import Failed, Progress
 
 CLOCKED = (
     Phase.TASK,

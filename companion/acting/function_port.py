@@ -12,8 +12,9 @@ from typing import Protocol
 
 from companion.geometry import enu_from_ned
 from companion.mission.model import Place
+from companion.outcomes import Failed
 from companion.skills.authoring import KnownPlace, KnownVehicle
-from companion.skills.calls import Answer, CallRequest, Function, NotDone
+from companion.skills.calls import Answer, CallRequest, Function
 from companion.vehicle.port import FrameLocation, VehicleState
 
 
@@ -23,14 +24,14 @@ class FunctionPort(Protocol):
     def prepare(self, functions: Iterable[Function]) -> None:
         """Begins to load these functions; others are no longer needed."""
 
-    def awaited(self) -> tuple[str, ...] | NotDone:
+    def awaited(self) -> tuple[str, ...] | Failed:
         """The functions that are still being loaded, or why one cannot be loaded."""
 
     def begin(self, request: CallRequest) -> int:
         """Begins a call; returns a ticket for it."""
 
     def take(self, ticket: int, now_s: float) -> Sequence[Answer]:
-        """What a call has said since the last time; `Returned` and `NotDone` end it."""
+        """What a call has said since the last time; `Returned` and `Failed` end it."""
 
     def reply(self, ticket: int, failure: str | None) -> None:
         """Tells a call the outcome of the command that it asked for; None if it was done."""
@@ -58,7 +59,7 @@ class NoFunctions:
 
     def take(self, ticket: int, now_s: float) -> list[Answer]:
         """Returns a failure."""
-        return [NotDone("nothing runs functions of packages here")]
+        return [Failed("nothing runs functions of packages here")]
 
     def reply(self, ticket: int, failure: str | None) -> None:
         """Does nothing: no call has asked."""

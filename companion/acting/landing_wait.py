@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 
 from companion.acting.flight import Flight
-from companion.vehicle.port import Mode, Progress
+from companion.outcomes import Progress
+from companion.vehicle.port import Mode
 
 LONGEST_S = 10.0
 """A vehicle that does not come to rest within this time lands as it is."""

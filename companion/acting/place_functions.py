@@ -16,8 +16,9 @@ from companion.flight_events.skills import PlaceFunctionFailed
 from companion.geometry import Ned, enu_from_ned, ned_from_enu
 from companion.mission.model import Place
 from companion.mission.python_call import PythonCall
+from companion.outcomes import Failed
 from companion.skills.authoring import WaypointEnu
-from companion.skills.calls import CallRequest, CommandAsked, NotDone, Returned
+from companion.skills.calls import CallRequest, CommandAsked, Returned
 from companion.slices import wait_a_tick
 
 ASKED_S = 10.0
@@ -80,7 +81,7 @@ class PlaceFunctions:
                     match answer:
                         case Returned():
                             return answer
-                        case NotDone(reason):
+                        case Failed(reason):
                             self._tell(step, place, reason)
                             return None
                         case CommandAsked():

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from companion.vehicle.port import Failed
+from companion.outcomes import Failed
 
 
 class GroundState(Enum):

@@ -12,8 +12,8 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.builder import move_tree
 from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.flight import Flight
+from companion.outcomes import Failed, Outcome, Progress
 from companion.planning.domain import TRIES
-from companion.vehicle.port import Failed, Outcome, Progress
 
 
 class ReturnHome:

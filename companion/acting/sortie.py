@@ -47,8 +47,8 @@ from companion.flight_events.sortie import (
 )
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
-from companion.outcomes import Refusal
-from companion.vehicle.port import Failed, Progress, VehicleState
+from companion.outcomes import Failed, Progress, Refusal
+from companion.vehicle.port import VehicleState
 
 ON_THE_GROUND_BY_PLAN = Refusal(
     "the vehicle is landing or on the ground by its plan; nothing interrupts that"

@@ -15,7 +15,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 
 from companion.errors import CompanionError
-from companion.planning.engine_port import EngineFailure
+from companion.outcomes import Failed
 from companion.planning.engines import EngineTimeout, solve_with
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding, Objective
@@ -39,9 +39,7 @@ class EngineJobs:
     timeout_s: float
     duration_s: float | None = None
 
-    def plan(
-        self, problem: Problem, histories: Sequence[Sequence[Letter]]
-    ) -> Lasso | EngineFailure:
+    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | Failed:
         """The plan before a flight."""
         try:
             solution = solve_with(
@@ -50,13 +48,13 @@ class EngineJobs:
         except EngineTimeout as late:
             if self.duration_s is not None:
                 raise
-            return EngineFailure(str(late))
+            return Failed(str(late))
         return solution.lasso if solution else self.finds_nothing
 
     @property
-    def finds_nothing(self) -> EngineFailure:
+    def finds_nothing(self) -> Failed:
         """What is reported if the engine says that there is no plan."""
-        return EngineFailure(f"the engine {self.engine} finds no plan")
+        return Failed(f"the engine {self.engine} finds no plan")
 
     def begin(self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float) -> _Job:
         """Begins to plan."""
@@ -95,22 +93,22 @@ class _Job:
 
         threading.Thread(target=work, daemon=True).start()
 
-    def answer(self, now_s: float) -> Lasso | EngineFailure | None:
+    def answer(self, now_s: float) -> Lasso | Failed | None:
         """The plan, or why there is none; None while the engine works."""
         if self._jobs.duration_s is None:
             return self._result() if self._found.done() else None
         return self._result() if now_s >= self._due_s else None
 
-    def _result(self) -> Lasso | EngineFailure:
+    def _result(self) -> Lasso | Failed:
         """The plan, or why there is none, after the engine has answered."""
         try:
             lasso = self._found.result()
         except EngineTimeout as late:
             if self._jobs.duration_s is not None:
                 raise
-            return EngineFailure(str(late))
+            return Failed(str(late))
         except CompanionError as failure:
-            return EngineFailure(str(failure))
+            return Failed(str(failure))
         return lasso or self._jobs.finds_nothing
 
     def abandon(self) -> None:

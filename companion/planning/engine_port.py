@@ -3,27 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Protocol
 
+from companion.outcomes import Failed
 from companion.planning.lasso import Lasso, Letter, Problem
-
-
-@dataclass(frozen=True, slots=True)
-class EngineFailure:
-    """Why an engine has no plan; the built-in search is then asked instead.
-
-    Attributes:
-        reason: in words, with the engine's name.
-    """
-
-    reason: str
 
 
 class EngineJob(Protocol):
     """A problem that an engine works on."""
 
-    def answer(self, now_s: float) -> Lasso | EngineFailure | None:
+    def answer(self, now_s: float) -> Lasso | Failed | None:
         """The plan, or why there is none; None while the engine works.
 
         Raises:
@@ -37,9 +26,7 @@ class EngineJob(Protocol):
 class Engine(Protocol):
     """A planner from outside."""
 
-    def plan(
-        self, problem: Problem, histories: Sequence[Sequence[Letter]]
-    ) -> Lasso | EngineFailure:
+    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | Failed:
         """The plan before a flight; the caller waits for it.
 
         Raises:

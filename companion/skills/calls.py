@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
+from companion.outcomes import Failed
 from companion.skills.authoring import (
     FunctionKind,
     KnownPlace,
@@ -116,14 +117,7 @@ class Returned:
     verdicts: tuple[bool, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class NotDone:
-    """The function has failed, with a reason in words."""
-
-    reason: str
-
-
-Answer: TypeAlias = "Progressed | CommandAsked | Returned | NotDone"
+Answer: TypeAlias = "Progressed | CommandAsked | Returned | Failed"
 
 
 def answer_of(message: Mapping[str, Any]) -> Answer:
@@ -153,7 +147,7 @@ def answer_of(message: Mapping[str, Any]) -> Answer:
                 verdicts = tuple(each is True for each in message["verdicts"])
                 return Returned(_waypoints(message["waypoints"]), verdicts)
             case "failed":
-                return NotDone(_text(message["text"]))
+                return Failed(_text(message["text"]))
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError):
         pass
     raise Malformed

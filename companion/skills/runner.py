@@ -23,15 +23,8 @@ from pathlib import Path
 from typing import Any
 
 from companion.errors import CompanionError
-from companion.skills.calls import (
-    Answer,
-    CallRequest,
-    CommandAsked,
-    Function,
-    NotDone,
-    Returned,
-    answer_of,
-)
+from companion.outcomes import Failed
+from companion.skills.calls import Answer, CallRequest, CommandAsked, Function, Returned, answer_of
 from companion.skills.lines import Malformed
 from companion.skills.process import FunctionProcess, in_words
 
@@ -84,7 +77,7 @@ class FunctionRunner:
         self._is_lockstep = is_lockstep
         self._spares: dict[Function, FunctionProcess] = {}
         self._endings: list[threading.Thread] = []
-        self._not_begun: dict[int, NotDone] = {}
+        self._not_begun: dict[int, Failed] = {}
         self._ready: set[FunctionProcess] = set()
         self._calls: dict[int, _Call] = {}
         self._tickets = 0
@@ -98,13 +91,13 @@ class FunctionRunner:
         for function in wanted:
             self._prepare(function)
 
-    def awaited(self) -> tuple[str, ...] | NotDone:
+    def awaited(self) -> tuple[str, ...] | Failed:
         """The functions that are still being loaded, or why one cannot be loaded."""
         waiting = []
         for function, process in self._spares.items():
             process.unusable = process.unusable or self._failure_to_load(process)
             if process.unusable is not None:
-                return NotDone(f"{function.name}: {process.unusable}")
+                return Failed(f"{function.name}: {process.unusable}")
             if process not in self._ready:
                 waiting.append(function.name)
         return tuple(waiting)
@@ -115,7 +108,7 @@ class FunctionRunner:
         self._tickets += 1
         self._prepare(function)
         if (process := self._spares.pop(function, None)) is None:
-            self._not_begun[self._tickets] = NotDone("no process can be started for it")
+            self._not_begun[self._tickets] = Failed("no process can be started for it")
             return self._tickets
         self._prepare(function)
         folder = self._folder_of(function)
@@ -154,10 +147,10 @@ class FunctionRunner:
                 self._look_after(call, answers)
                 break
             self._take(call, message, now_s, answers)
-            if answers and isinstance(answers[-1], Returned | NotDone):
+            if answers and isinstance(answers[-1], Returned | Failed):
                 break
         call.asked_s = time.monotonic()
-        if answers and isinstance(answers[-1], Returned | NotDone):
+        if answers and isinstance(answers[-1], Returned | Failed):
             self.cancel(ticket)
         return answers
 
@@ -285,7 +278,7 @@ class FunctionRunner:
         if not call.inbox and (reason := self._why_not_heard(call)) is not None:
             call.inbox += call.process.hear()  # said since the last look
             if not call.inbox:
-                answers.append(NotDone(reason))
+                answers.append(Failed(reason))
 
     def _why_not_heard(self, call: _Call) -> str | None:
         process, now_s = call.process, time.monotonic()

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from companion.outcomes import Failed
+
 
 @dataclass(frozen=True, slots=True)
 class ShotReady:
@@ -36,14 +38,7 @@ class PhotoMade:
     image_index: int | None
 
 
-@dataclass(frozen=True, slots=True)
-class NoPhoto:
-    """No photo was made, or it is not known whether one was; the reason is in words."""
-
-    reason: str
-
-
-ShotOutcome = ShotReady | PhotoMade | NoPhoto | None
+ShotOutcome = ShotReady | PhotoMade | Failed | None
 """What became of a photo; None while that is open."""
 
 

@@ -16,8 +16,8 @@ from companion.geofence import FenceArea, StoredFence, are_alike
 from companion.geometry import NorthEast
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.plan_transfer import TRANSFER_MESSAGES, PlanItem
+from companion.outcomes import Outcome
 from companion.vehicle.fence_items import fence_of, items_of
-from companion.vehicle.outcome import Outcome
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
 from companion.vehicle.plan_store import PlanStore
 from companion.vehicle.services import Moment

@@ -8,6 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from companion.outcomes import Outcome
+
 
 @dataclass(frozen=True, slots=True)
 class Aim:
@@ -24,22 +26,6 @@ class Aim:
     is_from_north: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Aimed:
-    """The gimbal points in the direction."""
-
-
-@dataclass(frozen=True, slots=True)
-class NotAimed:
-    """The gimbal does not point there; the reason is in words."""
-
-    reason: str
-
-
-AimOutcome = Aimed | NotAimed | None
-"""What became of the request; None while the gimbal turns."""
-
-
 class Gimbals(Protocol):
     """The gimbals of a vehicle."""
 
@@ -52,7 +38,7 @@ class Gimbals(Protocol):
             timeout_s: time for the whole procedure; None for the default.
         """
 
-    def outcome(self, ticket: int) -> AimOutcome:
+    def outcome(self, ticket: int) -> Outcome:
         """What became of the request."""
 
     def forget(self, ticket: int) -> None:

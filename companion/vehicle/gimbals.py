@@ -29,7 +29,8 @@ from enum import Enum, auto
 from companion.geometry import euler_from_quaternion
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
-from companion.vehicle.gimbal_port import Aim, Aimed, AimOutcome, NotAimed
+from companion.outcomes import Failed, Outcome, Progress
+from companion.vehicle.gimbal_port import Aim
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import COMPONENT, Wire
@@ -80,7 +81,7 @@ class _Pointing:
     phase: AimPhase = AimPhase.CONFIGURING
     ticket: int | None = None
     accepted_s: float = math.inf
-    outcome: AimOutcome = None
+    outcome: Outcome = Progress.RUNNING
 
 
 @dataclass
@@ -133,7 +134,7 @@ class MavlinkGimbals:
         self._pointings[self._tickets] = pointing
         return self._tickets
 
-    def outcome(self, ticket: int) -> AimOutcome:
+    def outcome(self, ticket: int) -> Outcome:
         """What became of the request."""
         return self._pointings[ticket].outcome
 
@@ -156,7 +157,7 @@ class MavlinkGimbals:
         """Advances all requests."""
         self._heard_s = moment.heard_s
         for pointing in self._pointings.values():
-            if pointing.outcome is None:
+            if pointing.outcome is Progress.RUNNING:
                 self._follow(pointing)
 
     def take(self, moment: Moment, message: Message) -> None:
@@ -199,7 +200,7 @@ class MavlinkGimbals:
         if pointing.ticket is not None:
             exchange = self._commands[pointing.ticket]
             if exchange.has_failed:
-                pointing.outcome = NotAimed(f"{who}: {exchange.in_words}{self._control(pointing)}")
+                pointing.outcome = Failed(f"{who}: {exchange.in_words}{self._control(pointing)}")
             elif exchange.result and pointing.phase is AimPhase.CONFIGURING:
                 pointing.phase = AimPhase.AIMING
                 self._commands.forget(pointing.ticket)
@@ -209,14 +210,14 @@ class MavlinkGimbals:
                 pointing.phase, pointing.accepted_s = AimPhase.TURNING, self._heard_s
         off_rad = self._off_rad(pointing)
         if pointing.phase is AimPhase.TURNING and off_rad is not None and off_rad <= REACHED_RAD:
-            pointing.outcome = Aimed()
-        elif pointing.outcome is None and left_s <= 0.0:
+            pointing.outcome = Progress.DONE
+        elif pointing.outcome is Progress.RUNNING and left_s <= 0.0:
             about = "does not say where it points"
             if off_rad is not None:
                 about = f"is {math.degrees(off_rad):.0f} degrees off"
             elif pointing.phase is not AimPhase.TURNING:
                 about = "has not answered"
-            pointing.outcome = NotAimed(f"{who} {about} after {pointing.limit_s:g} s")
+            pointing.outcome = Failed(f"{who} {about} after {pointing.limit_s:g} s")
 
     def _control(self, pointing: _Pointing) -> str:
         """Who else controls the gimbal, in words; "" if nobody."""

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from companion.mavlink.commands import CommandSender
 from companion.mavlink.framing import Message
+from companion.outcomes import Failed, Outcome, Progress
 from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.goals import APPROACHES, Pursuit
 from companion.vehicle.heard_time import Interruption
-from companion.vehicle.port import Failed, Goal, Mode, Outcome, Progress, VehicleState
+from companion.vehicle.port import Goal, Mode, VehicleState
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire

@@ -28,7 +28,7 @@ from companion.geometry import GlobalOrigin, Ned
 from companion.mavlink.framing import Message, dialect, source
 from companion.mission.signals import Signal
 from companion.motion.range_scan import RangeScan
-from companion.outcomes import Refusal
+from companion.outcomes import Failed, Outcome, Progress, Refusal
 from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.control_watch import ControlState, ControlWatch
 from companion.vehicle.fence_service import FenceService
@@ -40,17 +40,7 @@ from companion.vehicle.heard_time import HeardTime
 from companion.vehicle.marker_sightings import MarkerSightings
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.payload_commands import PayloadCommands
-from companion.vehicle.port import (
-    Anchoring,
-    Failed,
-    FrameLocation,
-    Goal,
-    Outcome,
-    Progress,
-    Setpoint,
-    Takeover,
-    VehicleState,
-)
+from companion.vehicle.port import Anchoring, FrameLocation, Goal, Setpoint, Takeover, VehicleState
 from companion.vehicle.pose_messages import POSES, keep_pose
 from companion.vehicle.poses import PoseHistory
 from companion.vehicle.rally_service import RallyService

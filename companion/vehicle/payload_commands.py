@@ -17,8 +17,7 @@ import math
 from companion.mavlink.commands import CommandSender, Exchange
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.payload_commands import why_not_sent
-from companion.outcomes import Refusal
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress, Refusal
 from companion.vehicle.services import Moment
 from companion.vehicle.wire import COMPONENT, Wire
 

@@ -38,13 +38,8 @@ from enum import Enum, auto
 
 from companion.mavlink.commands import result_name
 from companion.mavlink.framing import Message, dialect
-from companion.vehicle.camera_port import (
-    NoPhoto,
-    PhotoMade,
-    ShotOutcome,
-    ShotOwner,
-    ShotReady,
-)
+from companion.outcomes import Failed
+from companion.vehicle.camera_port import PhotoMade, ShotOutcome, ShotOwner, ShotReady
 from companion.vehicle.known_camera import RESEND_S, KnownCamera
 
 GRACE_S = 1.0
@@ -136,9 +131,9 @@ class PhotoShot:
         is_over = now_s - self._begun_s >= self._limit_s
         if self._state is ShotState.FAILING:
             if is_over or now_s - self._failing_s >= STORAGE_S:
-                self._end(NoPhoto(self._failure))
+                self._end(Failed(self._failure))
         elif is_over and self._is_under_way:
-            self._end(NoPhoto(self._overdue(now_s)))
+            self._end(Failed(self._overdue(now_s)))
 
     def take_answer(self, now_s: float, ack: Message) -> None:
         """Takes the answer to our request for a photo."""
@@ -181,7 +176,7 @@ class PhotoShot:
             self._failure += "; its storage is not formatted"
         elif message.status == dialect.STORAGE_STATUS_READY and message.available_capacity <= 0:
             self._failure += "; its storage is full"
-        self._end(NoPhoto(self._failure))
+        self._end(Failed(self._failure))
 
     # -- out -----------------------------------------------------------------------------------
 
@@ -217,7 +212,7 @@ class PhotoShot:
         camera, mark = self.camera, self.camera.marks.get(self._owner)
         begun_s = now_s if self._begun_s is None else self._begun_s
         if now_s - begun_s >= GRACE_S and (absence := camera.absence(now_s)):
-            self._end(NoPhoto(absence))
+            self._end(Failed(absence))
             return
         count = camera.image_count
         if count is None or camera.status_s < begun_s:
@@ -226,7 +221,7 @@ class PhotoShot:
             self._end(PhotoMade(mark.image_count + 1, None))
         elif mark is not None and count < mark.image_count:
             counted = f"it has counted {count} photos, and {mark.image_count} before"
-            self._end(NoPhoto(f"whether the photo was made is not known: {counted}"))
+            self._end(Failed(f"whether the photo was made is not known: {counted}"))
         elif camera.may_be_asked(self._may_repeat):
             self._count, self._sequence = count, max(camera.sequence, count) + 1
             self._state, self._outcome = ShotState.READY, ShotReady(self._sequence, count)

@@ -12,7 +12,7 @@ import math
 
 from companion.mavlink.framing import Message
 from companion.mavlink.plan_transfer import PlanItem, PlanTransfer, TransferState
-from companion.vehicle.outcome import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry

@@ -16,12 +16,9 @@ from typing import Protocol
 from companion.geofence import KeptFence
 from companion.geometry import GlobalOrigin, Ned, NorthEast
 from companion.motion.range_scan import RangeScan
-from companion.outcomes import Refusal
+from companion.outcomes import Outcome, Refusal
 from companion.vehicle.camera_port import Cameras
 from companion.vehicle.gimbal_port import Gimbals
-from companion.vehicle.outcome import Failed as Failed
-from companion.vehicle.outcome import Outcome as Outcome
-from companion.vehicle.outcome import Progress as Progress
 from companion.vehicle.store_port import AutopilotFence, AutopilotRally
 
 MODE_KNOWN_S = 1.5

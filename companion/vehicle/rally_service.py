@@ -14,8 +14,8 @@ from collections.abc import Sequence
 
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.plan_transfer import TRANSFER_MESSAGES, PlanItem
+from companion.outcomes import Outcome
 from companion.rally_points import RallyPoint, StoredRally, are_same
-from companion.vehicle.outcome import Outcome
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
 from companion.vehicle.plan_store import PlanStore
 from companion.vehicle.services import Moment

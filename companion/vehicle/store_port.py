@@ -11,8 +11,8 @@ from typing import Protocol
 
 from companion.geofence import FenceArea, StoredFence
 from companion.geometry import NorthEast
+from companion.outcomes import Outcome
 from companion.rally_points import RallyPoint, StoredRally
-from companion.vehicle.outcome import Outcome
 
 
 class AutopilotStore(Protocol):

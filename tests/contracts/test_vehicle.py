@@ -13,10 +13,11 @@ import pytest
 from fakes import FakeVehicle
 
 from companion.geometry import distance
+from companion.outcomes import Progress
 from companion.tick import TICK_S
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Goal, Mode, Progress, Vehicle, hold_at
+from companion.vehicle.port import Goal, Mode, Vehicle, hold_at
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 from sitl.link.routing import LinkName

@@ -12,7 +12,7 @@ from companion.acting.landing_wait import LandingWait
 from companion.api.simulating import world_of
 from companion.flight_events.sortie import ControlTakenBack, Phase, PhaseEntered
 from companion.mission.loader import load_mission
-from companion.vehicle.port import Progress
+from companion.outcomes import Progress
 from sitl.flight.estimate import Wander
 
 LOW_M, WIND_MPS = 1.0, 5.0

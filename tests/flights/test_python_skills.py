@@ -32,7 +32,8 @@ from companion.flight_events.skills import (
 )
 from companion.flight_events.sortie import ControlYielded, Phase, RunFailed, TaskSatisfied
 from companion.mavlink.framing import dialect
-from companion.skills.calls import Answer, NotDone, Progressed, Returned
+from companion.outcomes import Failed
+from companion.skills.calls import Answer, Progressed, Returned
 
 WEIGHING = TEMPLATE / "weighing.yaml"
 PAUSE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
@@ -188,7 +189,7 @@ def test_a_stop_cancels_it_and_lands() -> None:
 
 
 def test_its_tries_and_its_time_are_those_of_the_skill() -> None:
-    functions = ScriptedFunctions(NEVER, [(0.5, NotDone("too dark"))], DONE)
+    functions = ScriptedFunctions(NEVER, [(0.5, Failed("too dark"))], DONE)
     flown = flight(functions, weighing(tries=3, timeout_s=4)).until_the_end()
     assert flown.ending == TaskSatisfied()
     assert len(functions.requests) == 3 and functions.cancelled == [1]
@@ -209,7 +210,7 @@ def test_the_flight_begins_when_the_functions_are_loaded() -> None:
 
 def test_a_function_that_cannot_be_loaded_ends_it_on_the_ground() -> None:
     functions = ScriptedFunctions(DONE)
-    functions.loading = NotDone("weigh: it is not installed")
+    functions.loading = Failed("weigh: it is not installed")
     flown = flight(functions).until_the_end()
     assert flown.exit_code == 5 and flown.armings == 0
     assert "weigh: it is not installed" in flown.ending.text

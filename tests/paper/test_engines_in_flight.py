@@ -17,9 +17,10 @@ from companion.flight_events.plans import EngineFailed, PlanReplaced
 from companion.flight_events.sortie import TaskSatisfied
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
+from companion.outcomes import Failed
 from companion.planning import engine_process
 from companion.planning.engine_jobs import EngineJobs
-from companion.planning.engine_port import Engine, EngineFailure, EngineJob
+from companion.planning.engine_port import Engine, EngineJob
 from companion.planning.engines import EngineTimeout
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.objective import Encoding
@@ -103,9 +104,7 @@ class _DyingOnce:
         self._jobs = EngineJobs("fast-downward", Encoding.V4, TIMEOUT_S, DURATION_S)
         self._patched, self._is_dead = patched, False
 
-    def plan(
-        self, problem: Problem, histories: Sequence[Sequence[Letter]]
-    ) -> Lasso | EngineFailure:
+    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | Failed:
         return self._jobs.plan(problem, histories)
 
     def begin(

@@ -25,11 +25,11 @@ from companion.ltl.translate import translate
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
 from companion.motion.layered_routes import LayeredRoutes
+from companion.outcomes import Failed, Progress
 from companion.planning.instances import Instances
 from companion.planning.lasso import Problem, word
 from companion.planning.solver import Solver
 from companion.planning.task_state import TaskState
-from companion.vehicle.port import Failed, Progress
 
 TARGET = (Signal("NAMED_VALUE_INT", "target", "value"), 1.0)
 SITES = ("Home", "A", "B", "C", "r1", "r2", "r3")

@@ -14,8 +14,8 @@ from rig import Rig
 from synthetic import command, mission
 
 from companion.acting.executive_states import TaskStatus
+from companion.outcomes import Progress
 from companion.planning.lasso import word
-from companion.vehicle.port import Progress
 
 PARTS = [
     "F at(A)",

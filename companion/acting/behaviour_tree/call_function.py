@@ -23,8 +23,8 @@ from companion.flight_events.skills import SkillProgressed
 from companion.flight_events.tree import LeafType
 from companion.mission.model import Command
 from companion.mission.python_call import PythonCall
-from companion.skills.calls import CallRequest, CommandAsked, NotDone, Progressed, Returned
-from companion.vehicle.port import Failed, Progress
+from companion.outcomes import Failed, Progress
+from companion.skills.calls import CallRequest, CommandAsked, Progressed, Returned
 
 CALL_S = 60.0
 """The longest time of a call if the mission sets no limit."""
@@ -85,7 +85,7 @@ class CallFunction(Leaf):
                     self._tell()
                     begun.is_done = True
                     return Status.SUCCESS
-                case NotDone(reason):
+                case Failed(reason):
                     self._tell()
                     return self.fail(printable(reason))
         self._tell()

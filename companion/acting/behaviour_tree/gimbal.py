@@ -13,7 +13,8 @@ from companion.geometry import horizontal_distance
 from companion.mission.model import PointOfInterest
 from companion.mission.payload_steps import PointGimbal
 from companion.motion.heading import towards
-from companion.vehicle.gimbal_port import Aim, Aimed, NotAimed
+from companion.outcomes import Failed, Progress
+from companion.vehicle.gimbal_port import Aim
 
 
 class _Pointing(Leaf):
@@ -33,9 +34,9 @@ class _Pointing(Leaf):
         if self._ticket is None:
             self._ticket = gimbals.point(self._component, aim, self._timeout_s)
         match gimbals.outcome(self._ticket):
-            case Aimed():
+            case Progress.DONE:
                 return Status.SUCCESS
-            case NotAimed(reason):
+            case Failed(reason):
                 return self.fail(reason)
         return Status.RUNNING
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from companion.acting.flight import Flight
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress
 
 DISK_S = 10.0
 """The longest time until an intention is on the disk."""

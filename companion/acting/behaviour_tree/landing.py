@@ -32,7 +32,8 @@ from companion.flight_events.sortie import (
 )
 from companion.flight_events.tree import LeafType
 from companion.mission.facts import AT
-from companion.vehicle.port import Failed, Goal, Mode, Progress
+from companion.outcomes import Failed, Progress
+from companion.vehicle.port import Goal, Mode
 
 NO_CHARGE_S = 120.0
 """Time without one more percent after which a charger is given up."""

@@ -14,7 +14,7 @@ from companion.acting.begun_steps import StepOwner
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.flight import Flight
 from companion.flight_events.tree import LeafType
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress
 
 
 class Leaf(Behaviour):

@@ -6,7 +6,7 @@ from companion.acting.begun_steps import StepOwner
 from companion.acting.behaviour_tree.kept_intention import kept
 from companion.acting.flight import Flight
 from companion.mission.steps import Command
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress
 
 
 class PayloadCommand:

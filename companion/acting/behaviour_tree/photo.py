@@ -16,8 +16,8 @@ from companion.flight_events.skills import PhotoTaken
 from companion.flight_events.tree import LeafType
 from companion.mission.facts import AT, Atom
 from companion.mission.payload_steps import Photo
-from companion.vehicle.camera_port import IntendedShot, NoPhoto, PhotoMade, ShotOwner, ShotReady
-from companion.vehicle.port import Progress
+from companion.outcomes import Failed, Progress
+from companion.vehicle.camera_port import IntendedShot, PhotoMade, ShotOwner, ShotReady
 
 
 class TakePhoto(Leaf):
@@ -60,7 +60,7 @@ class TakePhoto(Leaf):
             case PhotoMade() as made:
                 self._tell(made)
                 return Status.SUCCESS
-            case NoPhoto(reason):
+            case Failed(reason):
                 return self.fail(reason)
         return Status.RUNNING
 

@@ -14,7 +14,7 @@ from companion.flight_events.landing import DockMayBeMissed
 from companion.mission.model import Mission
 from companion.mission.steps import Charge, Land
 from companion.motion.position_error import EXACT_M, greatest_error_m
-from companion.vehicle.port import Outcome, Progress
+from companion.outcomes import Outcome, Progress
 
 
 def needs_docks(mission: Mission) -> bool:

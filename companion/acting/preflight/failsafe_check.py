@@ -12,8 +12,8 @@ from companion.acting.authority import FRESH_S
 from companion.acting.flight import Flight
 from companion.flight_events.sortie import WeakFailsafeAccepted
 from companion.geometry import Ned
+from companion.outcomes import Failed, Outcome, Progress
 from companion.vehicle.failsafes import FlownWithin, parameters_of, weaknesses
-from companion.vehicle.port import Failed, Outcome, Progress
 
 ANSWER_TIMEOUT_S = 10.0
 """How long the autopilot may take to send its parameters; each is requested twice a second."""

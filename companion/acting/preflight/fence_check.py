@@ -37,7 +37,7 @@ from companion.geofence import FenceArea, FencePolygon, KeptFence, StoredFence, 
 from companion.geometry import NorthEast
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
-from companion.vehicle.port import Failed
+from companion.outcomes import Failed
 from companion.vehicle.store_port import AutopilotFence
 
 ALIKE_M = 0.2

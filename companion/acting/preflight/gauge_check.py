@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from companion.acting.flight import Flight
 from companion.acting.preflight.failsafe_check import ANSWER_TIMEOUT_S
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress
 
 UNKNOWN = (
     "the autopilot does not tell the charge of its battery, so it is not armed\n"

@@ -19,7 +19,7 @@ from companion.acting.preflight.upload_check import UploadCheck
 from companion.geometry import Ned
 from companion.mission.model import Mission
 from companion.mission.steps import TakeOff
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress
 
 
 class GroundChecks:

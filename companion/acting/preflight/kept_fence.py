@@ -24,9 +24,9 @@ from companion.acting.preflight.fence_check import FenceJudge
 from companion.acting.replanning.replanner import PlanFailure
 from companion.geofence import KeptFence, StoredFence
 from companion.geometry import NorthEast
+from companion.outcomes import Failed, Outcome, Progress
 from companion.planning.lasso import Lasso
 from companion.slices import InSlices, spent
-from companion.vehicle.port import Failed, Outcome, Progress
 
 LESS_ROOM = "the vehicle's own fence leaves less room"
 STEP_M = 0.1

@@ -34,8 +34,8 @@ from companion.flight_events.rally import (
 )
 from companion.geometry import horizontal_distance
 from companion.mission.model import LandAtSafePlace, Mission, Place
+from companion.outcomes import Failed
 from companion.rally_points import RallyPoint, StoredRally, are_same
-from companion.vehicle.port import Failed
 from companion.vehicle.store_port import AutopilotRally
 
 ALIKE_M = 0.2

@@ -18,8 +18,8 @@ from enum import Enum
 from typing import Protocol
 
 from companion.acting.preflight.arming_terms import UploadPolicy
+from companion.outcomes import Failed, Outcome, Progress
 from companion.transitions import StateTransition, TransitionTable
-from companion.vehicle.port import Failed, Outcome, Progress
 from companion.vehicle.store_port import AutopilotStore
 
 

@@ -23,8 +23,9 @@ from companion.acting.replanning.reachability import Reachability
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
 from companion.flight_events.plans import EngineFailed
+from companion.outcomes import Failed
 from companion.planning.domain import Action
-from companion.planning.engine_port import Engine, EngineFailure
+from companion.planning.engine_port import Engine
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
@@ -210,7 +211,7 @@ class Replanner:
 
     def _ask(
         self, engine: Engine, problem: Problem, histories: Sequence[Sequence[Letter]]
-    ) -> Lasso | EngineFailure:
+    ) -> Lasso | Failed:
         """The answer of an engine, which works outside the loop."""
         job = engine.begin(problem, histories, self._flight.now_s)
         try:

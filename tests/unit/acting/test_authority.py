@@ -26,8 +26,8 @@ from companion.geometry import GlobalOrigin
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.motion.region import Disc
-from companion.outcomes import Refusal
-from companion.vehicle.port import Anchoring, Failed, FrameLocation, Mode, Takeover, VehicleState
+from companion.outcomes import Failed, Refusal
+from companion.vehicle.port import Anchoring, FrameLocation, Mode, Takeover, VehicleState
 
 NOW_S = 10_000.0
 FLYING = on_hold(NOW_S)

@@ -19,8 +19,8 @@ from companion.acting.journal import (
 from companion.flight_events.skills import SkillCompleted, SkillFailed
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Command, Mission, Wait
+from companion.outcomes import Failed, Outcome, Progress
 from companion.planning.task_changes import TaskChange
-from companion.vehicle.port import Failed, Outcome, Progress
 
 BEGUN = FlightBegun("m", "m.yaml", "0a", 0.0)
 ONE, TWO = (Command(25, 31009 + n, f"MAV_CMD_USER_{n}", (float(n),)) for n in (1, 2))

@@ -36,6 +36,7 @@ from companion.geometry import distance
 from companion.mission.model import Event, Mission
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
+from companion.outcomes import Failed, Progress
 from companion.planning.builtin.search import Search
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.explain import Explanation, NoPlan, why_no_plan
@@ -43,7 +44,7 @@ from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
 from companion.planning.solver import Solver
 from companion.tick import TICK_S
-from companion.vehicle.port import Failed, Progress, hold_at
+from companion.vehicle.port import hold_at
 
 FOUND, LOW = event("found"), event("low")
 DO = command("do", "at(H)", "done")

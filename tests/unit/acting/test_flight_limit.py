@@ -18,8 +18,8 @@ from companion.flight_events.sortie import (
     StoppedAsAsked,
     TaskSatisfied,
 )
+from companion.outcomes import Failed
 from companion.tick import TICK_S
-from companion.vehicle.port import Failed
 
 PATROL = "G F at(A) & G F at(B)"
 

@@ -15,8 +15,9 @@ from companion.acting.landing_wait import LONGEST_S, STEADY_S, LandingWait
 from companion.geometry import Ned
 from companion.motion.grid import OccupancyGrid
 from companion.motion.trajectory import Sample
+from companion.outcomes import Progress
 from companion.tick import TICK_S
-from companion.vehicle.port import Goal, Mode, Progress
+from companion.vehicle.port import Goal, Mode
 
 WALL_EAST_M = 1.5
 """Where a wall begins; the vehicle hovers at 0, and needs 0.6 m."""

@@ -18,8 +18,9 @@ from companion.acting.symbols import ASKED_AT_ONCE
 from companion.flight_events.skills import PlaceFunctionFailed, SymbolMoved
 from companion.mission.python_call import PythonCall
 from companion.motion.region import Disc
+from companion.outcomes import Failed
 from companion.skills.authoring import FunctionKind, WaypointEnu
-from companion.skills.calls import Answer, CommandAsked, Function, NotDone, Returned
+from companion.skills.calls import Answer, CommandAsked, Function, Returned
 
 NEAR = PythonCall(Function(FunctionKind.SUGGESTER, "near"))
 DRY = PythonCall(Function(FunctionKind.PLACE_TEST, "dry"), keywords=(("by_m", 0.5),))
@@ -67,7 +68,7 @@ def test_what_a_suggester_proposes_is_flown_to_if_it_passes() -> None:
 
 
 def test_without_a_waypoint_that_passes_the_flight_does_not_begin() -> None:
-    rig, _, leaf = leaf_of(verdicts(False), proposed(), [(0.0, NotDone("no sensor"))])
+    rig, _, leaf = leaf_of(verdicts(False), proposed(), [(0.0, Failed("no sensor"))])
     assert run(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "no waypoint of A can be flown to"
     told = {str(stamped.event.text) for stamped in rig.flight.collect_reports()}

@@ -20,7 +20,7 @@ from companion.flight_events.sortie import Phase, TaskSatisfied
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Event, Land, Mission, TakeOff, Wait
 from companion.mission.signals import COMMAND, Signal
-from companion.vehicle.port import Failed
+from companion.outcomes import Failed
 
 ASKED = event("asked")
 PATROL = "G F at(A) & G F at(B)"

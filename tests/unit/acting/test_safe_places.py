@@ -37,11 +37,12 @@ from companion.mission.model import (
 )
 from companion.mission.tree_nodes import Act, Steps
 from companion.motion.grid import OccupancyGrid
+from companion.outcomes import Failed
 from companion.planning.planner import Planner
 from companion.planning.task_changes import TaskChange
 from companion.planning.task_replay import TaskReplay
 from companion.planning.task_state import TaskState
-from companion.vehicle.port import Failed, Goal, Mode, Takeover
+from companion.vehicle.port import Goal, Mode, Takeover
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 NO_WAY_OUT = command("do", "at(A)", "done")

@@ -25,8 +25,8 @@ from companion.flight_events.sortie import (
     WeakFailsafeAccepted,
 )
 from companion.mission.model import Land, Otherwise, TakeOff
-from companion.outcomes import Refusal
-from companion.vehicle.port import Failed, Goal, Mode
+from companion.outcomes import Failed, Refusal
+from companion.vehicle.port import Goal, Mode
 
 SHORT = mission("F at(A)")
 FINISHED = (SortieEvent.REACHED, SortieEvent.FAILED, SortieEvent.SATISFIED)

@@ -21,8 +21,9 @@ from companion.flight_events.sortie import (
 )
 from companion.geometry import distance
 from companion.mission.model import Otherwise
+from companion.outcomes import Failed, Progress
 from companion.planning.effort import Effort
-from companion.vehicle.port import Failed, Goal, Mode, Progress, Takeover
+from companion.vehicle.port import Goal, Mode, Takeover
 
 NEVER = (1e9, Progress.RUNNING)
 OTHERWISE = {

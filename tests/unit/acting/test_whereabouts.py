@@ -17,8 +17,9 @@ from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import Phase
 from companion.geometry import Ned, distance
 from companion.mission.tree_nodes import Act, Fallback, Steps
+from companion.outcomes import Progress
 from companion.tick import TICK_S
-from companion.vehicle.port import Mode, Progress, Takeover
+from companion.vehicle.port import Mode, Takeover
 
 AT_A = command("do", "at(A)", "done")
 NORTH, EAST, DOWN = POSITIONS["A"]

@@ -11,9 +11,9 @@ import pytest
 from compiled import history, problem, unit_costs
 
 from companion.errors import CompanionError
+from companion.outcomes import Failed
 from companion.planning.builtin.search import Search
 from companion.planning.engine_jobs import EngineJobs
-from companion.planning.engine_port import EngineFailure
 from companion.planning.engines import EngineError, EngineTimeout
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Encoding
@@ -57,7 +57,7 @@ def raising(error: Exception) -> Solve:
     return solve
 
 
-def answered(jobs: EngineJobs, asked: Problem, now_s: float = 5.0) -> Lasso | EngineFailure | None:
+def answered(jobs: EngineJobs, asked: Problem, now_s: float = 5.0) -> Lasso | Failed | None:
     """The answer when the engine has come to an end."""
     job = jobs.begin(asked, history(asked), 5.0)
     join_workers()
@@ -100,10 +100,10 @@ def test_a_time_limit_is_a_failure_in_real_time_and_ends_a_flight_in_lockstep(
 ) -> None:
     """In lockstep another machine, or the same one tomorrow, would fly another flight."""
     answer(raising(LATE))
-    assert answered(engine(), asked) == EngineFailure(str(LATE))
+    assert answered(engine(), asked) == Failed(str(LATE))
     with pytest.raises(EngineTimeout):
         answered(engine(duration_s=0.0), asked)
-    assert engine().plan(asked, history(asked)) == EngineFailure(str(LATE))
+    assert engine().plan(asked, history(asked)) == Failed(str(LATE))
     with pytest.raises(EngineTimeout):
         engine(duration_s=0.0).plan(asked, history(asked))
 
@@ -113,10 +113,10 @@ def test_an_engine_that_fails_or_finds_nothing_leaves_it_to_the_built_in_search(
     asked: Problem, answer: Callable[[Solve], None], duration_s: float | None
 ) -> None:
     answer(raising(CompanionError("the engine slow made a wrong plan")))
-    failed = EngineFailure("the engine slow made a wrong plan")
+    failed = Failed("the engine slow made a wrong plan")
     assert answered(engine(duration_s), asked) == failed
     answer(lambda stop: None)
-    assert answered(engine(duration_s), asked) == EngineFailure("the engine slow finds no plan")
+    assert answered(engine(duration_s), asked) == Failed("the engine slow finds no plan")
 
 
 def test_an_engine_that_is_missing_is_told_before_the_flight(

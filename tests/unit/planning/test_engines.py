@@ -25,6 +25,7 @@ from companion.flight_events.skills import PlaceReached
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
 from companion.motion.layered_routes import LayeredRoutes
+from companion.outcomes import Failed, Progress
 from companion.planning import engine_process, engines
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
@@ -33,7 +34,6 @@ from companion.planning.engine_process import EngineAnswer
 from companion.planning.engines import EngineError, solve_with
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
-from companion.vehicle.port import Failed, Progress
 
 pytestmark = pytest.mark.skipif(
     find_spec("up_fast_downward") is None, reason="the extra `planners` is not installed"

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from offered import installed_in, offer
 
+from companion.outcomes import Failed
 from companion.skills import Place, Vehicle, Waypoint, process, runner
 from companion.skills.authoring import FunctionKind
 from companion.skills.calls import (
@@ -21,7 +22,6 @@ from companion.skills.calls import (
     CallRequest,
     CommandAsked,
     Function,
-    NotDone,
     Progressed,
     Returned,
     Value,
@@ -134,7 +134,7 @@ def said(functions: FunctionRunner, *arguments: Value, now_s: float = 0.0) -> li
     """All that a call says up to its end."""
     ticket = functions.begin(CallRequest(Call(ACT, arguments), **ABOUT))
     answers = list(functions.take(ticket, now_s))
-    while not answers or not isinstance(answers[-1], Returned | NotDone):
+    while not answers or not isinstance(answers[-1], Returned | Failed):
         answers += functions.take(ticket, now_s)
     return answers
 
@@ -152,21 +152,21 @@ def until(holds: object, what: str) -> None:
     [
         (("nothing",), Returned()),
         (("sees",), Returned()),
-        (("false",), NotDone("it returned False; a skill that has failed raises Failed(text)")),
-        (("failed", "2.6 kg\n of 2"), NotDone("2.6 kg of 2")),
-        (("wordless",), NotDone("Failed, without a word")),
-        (("raises",), NotDone("ValueError: last line")),
-        (("exits",), NotDone("SystemExit: 3")),
-        (("dies",), NotDone("its process ended with exit code 3")),
-        (("crashes",), NotDone("its process was ended by SIGSEGV")),
+        (("false",), Failed("it returned False; a skill that has failed raises Failed(text)")),
+        (("failed", "2.6 kg\n of 2"), Failed("2.6 kg of 2")),
+        (("wordless",), Failed("Failed, without a word")),
+        (("raises",), Failed("ValueError: last line")),
+        (("exits",), Failed("SystemExit: 3")),
+        (("dies",), Failed("its process ended with exit code 3")),
+        (("crashes",), Failed("its process was ended by SIGSEGV")),
         (
             ("killed",),
-            NotDone("its process was ended by SIGKILL, perhaps for want of memory"),
+            Failed("its process was ended by SIGKILL, perhaps for want of memory"),
         ),
-        (("no_such", 1), NotDone("KeyError: '_no_such'")),
+        (("no_such", 1), Failed("KeyError: '_no_such'")),
         (
             ("overflows",),
-            NotDone("ValueError: 1e+39 is no number of single precision, as commands have"),
+            Failed("ValueError: 1e+39 is no number of single precision, as commands have"),
         ),
     ],
 )
@@ -178,14 +178,14 @@ def test_each_end_of_a_call_has_its_words(
 
 def test_memory_is_bounded(functions: FunctionRunner) -> None:
     (end,) = said(functions, "eats")
-    assert end == NotDone("MemoryError: it may use 2048 MiB")
+    assert end == Failed("MemoryError: it may use 2048 MiB")
 
 
 def test_a_process_that_hangs_is_given_up(
     functions: FunctionRunner, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(runner, "SILENT_IN_LOCKSTEP_S", 2.0)
-    assert said(functions, "hangs") == [NotDone("its process hangs: not heard for 2 s")]
+    assert said(functions, "hangs") == [Failed("its process hangs: not heard for 2 s")]
 
 
 def test_what_is_said_on_the_way_is_one_line_each_and_can_be_encoded(
@@ -214,7 +214,7 @@ def test_a_sleep_is_of_the_flights_clock(functions: FunctionRunner) -> None:
 
 
 @pytest.mark.parametrize(
-    ("failure", "end"), [(None, Progressed(1.0, "gripped")), ("denied", NotDone("denied"))]
+    ("failure", "end"), [(None, Progressed(1.0, "gripped")), ("denied", Failed("denied"))]
 )
 def test_a_command_waits_for_its_reply(
     functions: FunctionRunner, failure: str | None, end: Answer
@@ -258,10 +258,10 @@ def test_what_cannot_be_loaded_says_why_before_the_flight_and_at_a_call(
     function = Function(FunctionKind.SKILL, name)
     functions.prepare([function])
     awaited = functions.awaited()
-    assert isinstance(awaited, NotDone) and says in awaited.reason
+    assert isinstance(awaited, Failed) and says in awaited.reason
     ticket = functions.begin(CallRequest(Call(function)))
     (end,) = functions.take(ticket, 0.0)
-    assert isinstance(end, NotDone) and says in end.reason
+    assert isinstance(end, Failed) and says in end.reason
 
 
 def test_what_is_printed_and_written_stays_in_the_folder_of_the_call(

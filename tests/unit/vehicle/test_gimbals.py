@@ -9,7 +9,8 @@ from typing import Any, cast
 import pytest
 
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.vehicle.gimbal_port import Aim, Aimed, AimOutcome, NotAimed
+from companion.outcomes import Failed, Outcome, Progress
+from companion.vehicle.gimbal_port import Aim
 from companion.vehicle.gimbals import CONFIGURE, PITCHYAW, TURN_S, MavlinkGimbals
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
@@ -43,7 +44,7 @@ class Talk:
         return self
 
     @property
-    def outcome(self) -> AimOutcome:
+    def outcome(self) -> Outcome:
         return self.gimbals.outcome(self._ticket)
 
     def says(self, component: int, message: Any) -> None:
@@ -108,7 +109,7 @@ def test_control_is_asked_for_in_figures_then_the_direction(aim: Aim, flags: int
     assert turn.command == PITCHYAW
     assert (turn.param1, turn.param2) == pytest.approx((-45.0, 30.0))
     assert math.isnan(turn.param3) and turn.param5 == flags
-    assert talk.outcome is None  # accepted, and not there
+    assert talk.outcome is Progress.RUNNING  # accepted, and not there
 
 
 @pytest.mark.parametrize(
@@ -128,15 +129,15 @@ def test_it_is_there_by_the_attitude_in_whatever_frame(
 ) -> None:
     talk = Talk().points(aim)
     talk.attitude(-45.0, yaw_deg + 4.0, flags)
-    assert talk.outcome is None
+    assert talk.outcome is Progress.RUNNING
     talk.attitude(-43.5, yaw_deg, flags)
-    assert talk.outcome == Aimed()
+    assert talk.outcome == Progress.DONE
 
 
 def test_straight_down_has_no_yaw() -> None:
     talk = Talk().points(Aim(-math.pi / 2, 0.0, is_from_north=True))
     talk.attitude(-89.0, 77.0, EARTH)
-    assert talk.outcome == Aimed()
+    assert talk.outcome == Progress.DONE
 
 
 def test_an_attitude_from_before_the_answer_says_nothing() -> None:
@@ -144,20 +145,20 @@ def test_an_attitude_from_before_the_answer_says_nothing() -> None:
     talk.answers.pop(PITCHYAW)
     talk.points(DOWN)
     talk.attitude(-45.0, 30.0, VEHICLE)
-    assert talk.outcome is None
+    assert talk.outcome is Progress.RUNNING
 
 
 def test_the_device_of_a_manager_is_the_one_that_it_names() -> None:
     talk = Talk(AUTOPILOT).points(DOWN)
     talk.status(DEVICE, 1, 191)
     talk.attitude(-45.0, 30.0, VEHICLE)
-    assert talk.outcome == Aimed()
+    assert talk.outcome == Progress.DONE
     talk = Talk(AUTOPILOT).points(DOWN)
     talk.status(1, 1, 191)  # a gimbal of its own, on servo outputs
     talk.attitude(-45.0, 30.0, VEHICLE)
-    assert talk.outcome is None
+    assert talk.outcome is Progress.RUNNING
     talk.attitude(-45.0, 30.0, VEHICLE, device=AUTOPILOT)
-    assert talk.outcome == Aimed()
+    assert talk.outcome == Progress.DONE
 
 
 def test_a_denial_says_who_has_control() -> None:
@@ -166,7 +167,7 @@ def test_a_denial_says_who_has_control() -> None:
     talk.status(DEVICE, 255, 190)
     talk.points(DOWN)
     told = "the gimbal (component 154): denied; component 190 of system 255 controls it"
-    assert talk.outcome == NotAimed(told)
+    assert talk.outcome == Failed(told)
 
 
 @pytest.mark.parametrize(
@@ -177,7 +178,7 @@ def test_one_that_does_not_get_there(yaw_deg: float | None, words: str) -> None:
     if yaw_deg is not None:
         talk.attitude(-45.0, yaw_deg, VEHICLE)
     talk.run(TURN_S)
-    assert talk.outcome == NotAimed(f"the gimbal (component 154) {words} after 15 s")
+    assert talk.outcome == Failed(f"the gimbal (component 154) {words} after 15 s")
 
 
 def test_control_is_given_back_once() -> None:

@@ -18,10 +18,11 @@ from autopilot import (
 )
 
 from companion.mavlink.framing import dialect
+from companion.outcomes import Failed, Progress
 from companion.vehicle.goal_pursuit import ASK_AGAIN_S
 from companion.vehicle.goals import EFFECT_S
 from companion.vehicle.heard_time import QUIET_S
-from companion.vehicle.port import Failed, Goal, Progress
+from companion.vehicle.port import Goal
 
 
 def test_the_goals_of_a_flight_and_their_commands(meeting: Meeting) -> None:

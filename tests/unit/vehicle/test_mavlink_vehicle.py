@@ -28,8 +28,8 @@ from hypothesis import strategies as st
 from companion.geofence import KeptFence
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.signals import Signal
-from companion.outcomes import Refusal
-from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, hold_at
+from companion.outcomes import Failed, Progress, Refusal
+from companion.vehicle.port import Goal, Mode, Setpoint, hold_at
 
 RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
 USER_1 = dialect.MAV_CMD_USER_1

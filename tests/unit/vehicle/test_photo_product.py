@@ -22,7 +22,8 @@ from hypothesis import strategies as st
 
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import MavlinkCodec
-from companion.vehicle.camera_port import NoPhoto, PhotoMade, ShotReady
+from companion.outcomes import Failed
+from companion.vehicle.camera_port import PhotoMade, ShotReady
 from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.photo_shot import PHOTO_S, SHOOT
 from companion.vehicle.services import Moment
@@ -146,7 +147,7 @@ class Meeting:
             late_s = world.late_s if fate is Fate.LATE else 0.0
             self._arriving.append((self.now_s + late_s, message))
 
-    def call(self) -> PhotoMade | NoPhoto:
+    def call(self) -> PhotoMade | Failed:
         """One try of a skill."""
         world, limit_s = self.world, self.world.timeout_s or PHOTO_S
         ticket = self.cameras.prepare(CAMERA, OWNER, world.timeout_s, world.may_repeat)
@@ -156,7 +157,7 @@ class Meeting:
             match self.cameras.outcome(ticket):
                 case ShotReady():
                     self.cameras.shoot(ticket)
-                case PhotoMade() | NoPhoto() as outcome:
+                case PhotoMade() | Failed() as outcome:
                     self.cameras.forget(ticket)
                     assert self.now_s - begun_s <= limit_s + 3 * TICK_S
                     return outcome

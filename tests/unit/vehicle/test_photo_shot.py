@@ -10,7 +10,8 @@ import pytest
 
 from companion.mavlink.commands import result_name
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.vehicle.camera_port import IntendedShot, NoPhoto, PhotoMade, ShotOutcome, ShotReady
+from companion.outcomes import Failed
+from companion.vehicle.camera_port import IntendedShot, PhotoMade, ShotOutcome, ShotReady
 from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.known_camera import RESEND_S
 from companion.vehicle.photo_shot import PHOTO_S, SHOOT
@@ -203,7 +204,7 @@ def test_a_camera_that_says_nothing_is_not_asked_again(talk: Talk) -> None:
     talk.count = None
     talk.run(PHOTO_S)
     assert len(talk.asked) == 1
-    assert isinstance(talk.outcome, NoPhoto)
+    assert isinstance(talk.outcome, Failed)
     assert talk.outcome.reason == (
         "no answer of the camera (component 100) in 15 s; whether it was made is not known"
     )
@@ -220,7 +221,7 @@ def test_after_in_progress_it_is_never_asked_again(talk: Talk) -> None:
     talk.asks().answers(IN_PROGRESS)
     talk.run(PHOTO_S)
     assert len(talk.asked) == 1
-    assert isinstance(talk.outcome, NoPhoto)
+    assert isinstance(talk.outcome, Failed)
     assert "though the camera (component 100) has answered" in talk.outcome.reason
 
 
@@ -261,7 +262,7 @@ def test_a_refusal_is_told_with_what_the_storage_says(
         talk.storage(status, left_mib)
     talk.run(2.0)
     answered = result_name(result).lower()
-    assert talk.outcome == NoPhoto(f"the camera has answered: {answered}{words}")
+    assert talk.outcome == Failed(f"the camera has answered: {answered}{words}")
     assert len(talk.asked) == 1
 
 
@@ -269,7 +270,7 @@ def test_a_failed_capture_is_a_failure(talk: Talk) -> None:
     talk.asks().answers(ACCEPTED)
     talk.image(0, result=0)
     talk.run(2.0)
-    assert talk.outcome == NoPhoto("the camera says that the photo has failed")
+    assert talk.outcome == Failed("the camera says that the photo has failed")
 
 
 def test_an_image_that_was_heard_before_is_not_ours(talk: Talk) -> None:
@@ -304,7 +305,7 @@ def test_a_camera_that_is_not_there_is_told_at_once(talk: Talk) -> None:
     talk.run(6.0)
     talk.prepare()
     talk.run(1.2)
-    assert isinstance(talk.outcome, NoPhoto)
+    assert isinstance(talk.outcome, Failed)
     assert talk.outcome.reason.startswith(
         "the camera (component 100) is offline: nothing heard for"
     )
@@ -314,7 +315,7 @@ def test_no_count_and_no_heartbeat_are_two_things(talk: Talk) -> None:
     talk.count = None
     talk.run(PHOTO_S + 0.2)
     told = "the camera (component 100) does not say in 15 s how many photos it has made"
-    assert talk.outcome == NoPhoto(told)
+    assert talk.outcome == Failed(told)
 
 
 # -- the same photo again: another try, the end of a pause, another process -----------------------
@@ -344,7 +345,7 @@ def test_one_that_was_not_made_is_asked_for_again(talk: Talk) -> None:
 def test_of_a_camera_that_counts_anew_nobody_knows(talk: Talk) -> None:
     talk.count = 5
     outcome = again(talk, 0).outcome
-    assert outcome == NoPhoto(
+    assert outcome == Failed(
         "whether the photo was made is not known: it has counted 0 photos, and 5 before"
     )
 
@@ -389,7 +390,7 @@ def test_that_it_may_still_be_made_is_told(talk: Talk) -> None:
     talk.cameras.forget(talk.ticket)
     talk.prepare(("photo(B)", 4, 0), timeout_s=4.0)
     talk.run(4.2)
-    assert talk.outcome == NoPhoto(
+    assert talk.outcome == Failed(
         "the camera (component 100) may still make a photo that it was asked for 4 s before"
     )
 

@@ -9,7 +9,7 @@ from autopilot import TICK_S, Meeting, of_type
 
 from companion.mavlink.commands import result_name
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.vehicle.port import Failed, Outcome, Progress
+from companion.outcomes import Failed, Outcome, Progress
 from sitl.results import MavResult
 from sitl.world.payload import Payload, PayloadAnswer, PayloadScript
 

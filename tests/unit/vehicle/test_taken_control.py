@@ -15,7 +15,8 @@ from autopilot import (
 
 from companion.mavlink.framing import dialect
 from companion.mavlink.px4_modes import custom_mode
-from companion.vehicle.port import Failed, Goal, Mode, Progress, Setpoint, Takeover
+from companion.outcomes import Failed, Progress
+from companion.vehicle.port import Goal, Mode, Setpoint, Takeover
 
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)

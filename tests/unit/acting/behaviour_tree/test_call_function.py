@@ -16,16 +16,9 @@ from companion.acting.behaviour_tree.kept_intention import DISK_S
 from companion.acting.journal import CommandIntended, CommandSettled
 from companion.flight_events.skills import SkillProgressed
 from companion.mission.python_call import Named, PythonCall
+from companion.outcomes import Failed, Progress
 from companion.skills.authoring import FunctionKind
-from companion.skills.calls import (
-    Answer,
-    CommandAsked,
-    Function,
-    NotDone,
-    Progressed,
-    Returned,
-)
-from companion.vehicle.port import Failed, Progress
+from companion.skills.calls import Answer, CommandAsked, Function, Progressed, Returned
 
 STEP = PythonCall(
     Function(FunctionKind.SKILL, "weigh"), (Named("A"), 2.5), components=(("gripper", 25),)
@@ -57,7 +50,7 @@ def test_it_succeeds_when_the_function_returns_and_the_vehicle_holds_meanwhile()
 
 
 def test_it_fails_with_the_words_of_the_function() -> None:
-    rig, _, leaf = leaf_of([(0.0, NotDone("2.6 kg\x1b[2J"))])
+    rig, _, leaf = leaf_of([(0.0, Failed("2.6 kg\x1b[2J"))])
     assert run(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == r"2.6 kg\x1b[2J"
 
@@ -139,7 +132,7 @@ def test_a_command_that_it_asks_for_is_sent_once_when_the_journal_has_it() -> No
     ],
 )
 def test_a_command_that_is_none_is_refused_by_its_reply(asked: CommandAsked, says: str) -> None:
-    rig, functions, leaf = leaf_of([(0.0, asked), (0.0, NotDone("as told"))])
+    rig, functions, leaf = leaf_of([(0.0, asked), (0.0, Failed("as told"))])
     assert run(rig, leaf) is Status.FAILURE
     assert functions.replies == [says]
     assert rig.vehicle.payloads.sent == []

@@ -38,7 +38,7 @@ from companion.mission.tree_nodes import (
     WaitFor,
     Watch,
 )
-from companion.vehicle.port import Failed, Progress
+from companion.outcomes import Failed, Progress
 
 SEEN = Check("seen", facts_of("seen"), frozenset())
 UNSEEN = Check("!seen", frozenset(), facts_of("seen"))

@@ -27,9 +27,10 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.mission.model import Command
 from companion.motion.grid import OccupancyGrid
+from companion.outcomes import Failed, Progress
 from companion.planning.domain import WAIT, Action
 from companion.tick import TICK_S
-from companion.vehicle.port import Failed, Progress, hold_at
+from companion.vehicle.port import hold_at
 
 ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
 

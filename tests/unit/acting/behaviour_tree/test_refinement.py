@@ -30,9 +30,10 @@ from companion.mission.model import (
     TakeOff,
     Wait,
 )
+from companion.outcomes import Failed, Progress
 from companion.planning.instances import instantiate
 from companion.planning.lasso import Lasso
-from companion.vehicle.port import Failed, Goal, Progress
+from companion.vehicle.port import Goal
 
 LOW = event("low")
 PHOTO = Command(25, 31010, "MAV_CMD_USER_1", ())

@@ -26,7 +26,8 @@ from companion.mission.tree_nodes import (
     Tree,
     Watch,
 )
-from companion.vehicle.port import Failed, Goal, Progress
+from companion.outcomes import Failed, Progress
+from companion.vehicle.port import Goal
 
 DENIED = (0.1, Failed("denied"))
 DONE = (0.1, Progress.DONE)

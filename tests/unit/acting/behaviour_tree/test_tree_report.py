@@ -21,7 +21,7 @@ from companion.flight_events.tree import (
     TreeNode,
     TreeStopped,
 )
-from companion.vehicle.port import Failed
+from companion.outcomes import Failed
 
 
 class Reader:

@@ -18,7 +18,8 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import SkillCompleted, SkillFailed, SymbolMoved
 from companion.flight_events.sortie import VehicleAirborne, VehicleLanded
 from companion.mission.model import Charge, Command, Do, Fly, Land, Skill, TakeOff, Wait
-from companion.vehicle.port import Failed, Goal, Progress
+from companion.outcomes import Failed, Progress
+from companion.vehicle.port import Goal
 
 DENIED = (0.1, Failed("denied"))
 DONE = (0.1, Progress.DONE)

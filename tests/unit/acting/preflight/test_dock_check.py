@@ -13,7 +13,7 @@ from shipped import MISSIONS
 from companion.acting.preflight.dock_check import DockCheck, needs_docks
 from companion.flight_events.landing import DockMayBeMissed
 from companion.mission.loader import load_mission
-from companion.vehicle.port import Progress
+from companion.outcomes import Progress
 
 
 @pytest.mark.parametrize(("accuracy_m", "beside_m"), [(0.1, None), (0.29, 1.2), (3.0, 1.8)])

@@ -11,7 +11,7 @@ from synthetic import FENCE
 
 from companion.acting.preflight.failsafe_check import FailsafeCheck
 from companion.geometry import Ned, NorthEast
-from companion.vehicle.port import Failed, Progress
+from companion.outcomes import Failed, Progress
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from companion.flight_events.fence import (
 from companion.flight_events.sortie import Phase
 from companion.geofence import FenceArea, FenceCircle, FencePolygon, StoredFence
 from companion.geometry import NorthEast
-from companion.vehicle.port import Failed, Progress
+from companion.outcomes import Failed, Progress
 
 ASKED = mission("F at(A)")
 OURS = areas_of(ASKED.limits)

@@ -11,7 +11,7 @@ from fakes import FakeVehicle
 
 from companion.acting.preflight.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.preflight.gauge_check import GaugeCheck
-from companion.vehicle.port import Failed, Progress
+from companion.outcomes import Failed, Progress
 
 
 @pytest.fixture

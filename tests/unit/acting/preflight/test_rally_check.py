@@ -21,8 +21,8 @@ from companion.flight_events.rally import (
 )
 from companion.flight_events.sortie import Phase
 from companion.mission.model import LandAtSafePlace, Otherwise
+from companion.outcomes import Failed, Progress
 from companion.rally_points import RallyPoint, StoredRally
-from companion.vehicle.port import Failed, Progress
 
 ASKED = mission("F at(A)", "HABC", otherwise=LandAtSafePlace(("H", "B", "C")))
 NONE = replace(ASKED, otherwise=Otherwise.RETURN_HOME)

@@ -15,8 +15,8 @@ from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
 from companion.errors import NoPlanError
 from companion.flight_events.plans import EngineFailed, NoPlanFound, PlanReplaced
 from companion.mission.model import Mission
+from companion.outcomes import Failed
 from companion.planning.builtin.search import Search
-from companion.planning.engine_port import EngineFailure
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.tick import TICK_S
 
@@ -26,10 +26,10 @@ class Asked:
     """A job of the engine below."""
 
     problem: Problem
-    answers: list[Lasso | EngineFailure]
+    answers: list[Lasso | Failed]
     is_abandoned: bool = False
 
-    def answer(self, now_s: float) -> Lasso | EngineFailure | None:
+    def answer(self, now_s: float) -> Lasso | Failed | None:
         assert not self.is_abandoned
         return self.answers[0] if self.answers else None
 
@@ -41,19 +41,17 @@ class Asked:
 class SlowEngine:
     """An engine that answers when a test says so; its first plan is that of the built-in search."""
 
-    first_failure: EngineFailure | None = None
+    first_failure: Failed | None = None
     jobs: list[Asked] = field(default_factory=list)
 
-    def plan(
-        self, problem: Problem, histories: Sequence[Sequence[Letter]]
-    ) -> Lasso | EngineFailure:
+    def plan(self, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Lasso | Failed:
         return self.first_failure or best(problem)
 
     def begin(self, problem: Problem, histories: Sequence[Sequence[Letter]], now_s: float) -> Asked:
         self.jobs.append(Asked(problem, []))
         return self.jobs[-1]
 
-    def answer(self, answer: Lasso | EngineFailure | None = None) -> None:
+    def answer(self, answer: Lasso | Failed | None = None) -> None:
         job = self.jobs[-1]
         job.answers.append(answer or best(job.problem))
 
@@ -104,7 +102,7 @@ def test_the_vehicle_holds_until_the_engine_has_answered(rig: Rig, engine: SlowE
 def test_where_the_engine_fails_the_built_in_search_plans_at_once(
     rig: Rig, engine: SlowEngine
 ) -> None:
-    engine.answer(EngineFailure("the engine slow did not answer in 3 s"))
+    engine.answer(Failed("the engine slow did not answer in 3 s"))
     rig.tick()
     told = rig.one(EngineFailed).text
     assert told == "the engine slow did not answer in 3 s; the built-in search plans instead"
@@ -141,7 +139,7 @@ def test_nobody_waits_for_an_answer_after_a_pause_or_a_stop(rig: Rig, engine: Sl
 
 
 def test_a_first_plan_that_the_engine_does_not_make_is_made_and_told() -> None:
-    late = EngineFailure("the engine slow did not answer in 3 s")
+    late = Failed("the engine slow did not answer in 3 s")
     rig = Rig(asked_for(), engine=SlowEngine(late)).begin()
     assert rig.one(EngineFailed).reason == late.reason
     assert str(rig.executive.lasso) == "move(H, A), (wait)^w"

@@ -25,13 +25,13 @@ from companion.flight_events.word import ConjunctViolated
 from companion.ltl.semantics import holds
 from companion.mission.facts import Fact
 from companion.mission.model import Command, Event, Mission, Otherwise
-from companion.planning.engine_port import EngineFailure, EngineJob
+from companion.outcomes import Failed
+from companion.planning.engine_port import EngineJob
 from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.optional_lines import NO_PLAN
 from companion.planning.planner import Planner
 from companion.planning.solver import Solver
 from companion.tick import TICK_S
-from companion.vehicle.port import Failed
 
 RAIN = event("rain")
 PATROL = {"near": "G F at(A) & G F at(H)", "dry": "G (rain -> X !at(B))", "far": "G F at(B)"}
@@ -274,16 +274,16 @@ class _Engine:
         self.planner = planner
         self.asked: list[set[str]] = []
 
-    def plan(self, problem: Problem, histories: object) -> Lasso | EngineFailure:
+    def plan(self, problem: Problem, histories: object) -> Lasso | Failed:
         self.asked.append({conjunct.name for conjunct in problem.conjuncts})
         found = self.planner.solver.replan(problem, histories)  # type: ignore[arg-type]
-        return found or EngineFailure("finds no plan")
+        return found or Failed("finds no plan")
 
     def begin(self, problem: Problem, histories: object, now_s: float) -> EngineJob:
         engine = self
 
         class Job:
-            def answer(self, now_s: float) -> Lasso | EngineFailure | None:
+            def answer(self, now_s: float) -> Lasso | Failed | None:
                 return engine.plan(problem, histories)
 
             def abandon(self) -> None:

@@ -16,8 +16,8 @@ from companion.mission.conditions import parse_condition
 from companion.mission.model import PATIENCE_S, Event, Mission, Skill
 from companion.mission.signals import Signal
 from companion.motion.grid import OccupancyGrid
+from companion.outcomes import Failed
 from companion.tick import TICK_S
-from companion.vehicle.port import Failed
 
 COVERED = event("covered")
 CLEAR_A = command("look", "at(A) & !covered", "seen")

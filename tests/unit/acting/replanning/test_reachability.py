@@ -18,8 +18,8 @@ from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed, SymbolMoved
 from companion.mission.model import Fly
 from companion.motion.grid import OccupancyGrid
+from companion.outcomes import Failed
 from companion.tick import TICK_S
-from companion.vehicle.port import Failed
 
 INSPECT = skill(
     "inspect",

@@ -16,7 +16,7 @@ from companion.flight_events.facts import BeliefRestored
 from companion.flight_events.plans import LapCompleted
 from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.mission.model import Skill
-from companion.vehicle.port import Failed
+from companion.outcomes import Failed
 
 LOOK = replace(command("look", "at(A)", "seen"), retry_after_s=1.0)
 PATROL = "G F at(A) & G F at(B)"
