@@ -139,7 +139,7 @@ class Watcher:
             self._heard_s = now_s
             if self._telemetry.is_news(now_s, message):
                 self._telemetry.take(now_s, message)
-                keep_pose(self._poses, message, self._telemetry.frame)
+                keep_pose(self._poses, message, self._telemetry)
             if message.get_msgId() == dialect.MAVLINK_MSG_ID_BATTERY_STATUS:
                 self._voltage_v = voltage_v(message)
             elif message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT:

@@ -41,7 +41,7 @@ from companion.vehicle.marker_sightings import MarkerSightings
 from companion.vehicle.parameters import ParameterReader
 from companion.vehicle.payload_commands import PayloadCommands
 from companion.vehicle.port import Anchoring, FrameLocation, Goal, Setpoint, Takeover, VehicleState
-from companion.vehicle.pose_messages import POSES, keep_pose
+from companion.vehicle.pose_messages import keep_pose
 from companion.vehicle.poses import PoseHistory
 from companion.vehicle.rally_service import RallyService
 from companion.vehicle.ranging import Ranging
@@ -309,8 +309,7 @@ class MavlinkVehicle:
             is_news = self._telemetry.is_news(now_s, message)
             if is_news and (kind != "HEARTBEAT" or self._is_believed(message)):
                 self._telemetry.take(now_s, message)
-                if kind in POSES and self.frame_doubt is None:
-                    keep_pose(self._poses, message, self._telemetry.frame)
+                keep_pose(self._poses, message, self._telemetry)
         elif kind == SCAN and component == SCANNER:
             self._ranging.take_scan(message)
         self._readings += self._signals.read(message)

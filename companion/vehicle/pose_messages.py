@@ -1,6 +1,7 @@
 """Stores the autopilot's positions and attitudes, by its time since boot, in a history of poses.
 
-They come in LOCAL_POSITION_NED and ATTITUDE. Source: common.xml.
+They come in LOCAL_POSITION_NED and ATTITUDE. None is stored while the mission's frame is in doubt,
+so that no scan is placed by a position that may be wrong. Source: common.xml.
 """
 
 from __future__ import annotations
@@ -8,21 +9,23 @@ from __future__ import annotations
 import math
 
 from companion.mavlink.framing import Message
-from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.poses import PoseHistory
+from companion.vehicle.telemetry import Telemetry
 
 POSES = frozenset({"LOCAL_POSITION_NED", "ATTITUDE"})
 
 
-def keep_pose(poses: PoseHistory, message: Message, frame: MissionFrame) -> None:
+def keep_pose(poses: PoseHistory, message: Message, telemetry: Telemetry) -> None:
     """Adds the pose in one of POSES; other messages, and numbers that are not finite, are ignored.
 
     Args:
         poses: of the vehicle, by the autopilot's time since boot.
         message: of the autopilot.
-        frame: of the mission; positions are added once it is known.
+        telemetry: of the vehicle; positions are added once its mission's frame is known.
     """
-    kind = message.get_type()
+    kind, frame = message.get_type(), telemetry.frame
+    if kind not in POSES or telemetry.frame_doubt is not None:
+        return
     if kind == "LOCAL_POSITION_NED" and frame.is_known:
         local = (message.x, message.y, message.z)
         if all(map(math.isfinite, local)):

@@ -62,7 +62,7 @@ class Vehicle:
             at = dialect.MAVLink_local_position_ned_message(boot_ms, *LOCAL, 0.0, 0.0, 0.0)
             turned = dialect.MAVLink_attitude_message(boot_ms, roll, pitch, YAW, 0.0, 0.0, 0.0)
             for message in (at, turned):
-                keep_pose(self.poses, message, self.telemetry.frame)
+                keep_pose(self.poses, message, self.telemetry)
 
     def take(self, message: Any, component: int = CAMERA) -> None:
         self.markers.take(Moment(NOW_S, NOW_S, False), arrived(message, component))
@@ -115,7 +115,7 @@ def test_a_sighting_is_placed_where_the_vehicle_was_then() -> None:
     vehicle = Vehicle()
     later = round((BOOT_S + 0.2) * 1e3)
     moved = dialect.MAVLink_local_position_ned_message(later, 13.0, *LOCAL[1:], 0.0, 0.0, 0.0)
-    keep_pose(vehicle.poses, moved, vehicle.telemetry.frame)
+    keep_pose(vehicle.poses, moved, vehicle.telemetry)
     seen = vehicle.sees(
         target(
             time_usec=round((BOOT_S + 0.1) * 1e6), frame=dialect.MAV_FRAME_LOCAL_FRD, x=2, y=-1, z=2

@@ -7,10 +7,11 @@ from typing import Any
 
 import pytest
 
+from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import dialect
-from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.pose_messages import keep_pose
 from companion.vehicle.poses import KEPT_S, Pose, PoseHistory
+from companion.vehicle.telemetry import Telemetry
 
 
 def pose_at(time_s: float) -> Pose:
@@ -57,14 +58,26 @@ def test_a_clock_that_is_set_back_begins_anew(poses: PoseHistory) -> None:
 
 
 def test_none_is_known_until_position_and_attitude_have_come() -> None:
-    poses, frame = PoseHistory(), MissionFrame()
-    frame.take_home((10.0, 20.0, 0.0), 400.0)
+    poses, telemetry = PoseHistory(), Telemetry()
+    telemetry.frame.take_home((10.0, 20.0, 0.0), 400.0)
     place: Any = dialect.MAVLink_local_position_ned_message(2000, 11.0, 22.0, -5.0, 0, 0, 0)
     turned: Any = dialect.MAVLink_attitude_message(1900, 0.1, 0.2, 0.3, 0, 0, 0)
     lost: Any = dialect.MAVLink_attitude_message(2100, math.nan, 0.2, 0.3, 0, 0, 0)
-    keep_pose(poses, place, frame)
+    keep_pose(poses, place, telemetry)
     assert poses.at(2.0) is None and poses.complete_until_s is None
     for message in (turned, lost):
-        keep_pose(poses, message, frame)
+        keep_pose(poses, message, telemetry)
     assert (poses.newest_s, poses.complete_until_s) == (2.0, 1.9)
     assert poses.at(2.0) == Pose((1.0, 2.0, -5.0), (0.1, 0.2, 0.3))
+
+
+def test_none_is_stored_while_the_frame_is_in_doubt() -> None:
+    telemetry = Telemetry()
+    telemetry.anchor_at(GlobalOrigin(47.0, 8.0, 400.0))  # and the autopilot's origin is not known
+    telemetry.frame.take_home((10.0, 20.0, 0.0), 400.0)
+    place: Any = dialect.MAVLink_local_position_ned_message(2000, 11.0, 22.0, -5.0, 0, 0, 0)
+    telemetry.take(0.0, place)
+    assert telemetry.frame_doubt is not None
+    poses = PoseHistory()
+    keep_pose(poses, place, telemetry)
+    assert poses.newest_s is None
