@@ -40,9 +40,7 @@ class Dock(Protocol):
 
 
 class AnyDock:
-    """A dock unknown to plans: any charging rate is accepted, and the vehicle never leaves it to
-    wait.
-    """
+    """A dock unknown to plans: any charging rate is accepted, and the vehicle never waits on it."""
 
     patience_s = 0.0
     lasts_for_another_try = True
@@ -95,9 +93,7 @@ class PlannedDock:
         return energy.charge.least() >= needed
 
     def _is_in_reach(self, action: Action) -> bool:
-        """Whether the vehicle may charge there, and its charge without the reserve lasts for the
-        way.
-        """
+        """Whether the vehicle may charge there, and the charge above the reserve lasts that far."""
         energy = self.planner.energy
         if energy is None or self.task.withdrawn & action.assumes:
             return False

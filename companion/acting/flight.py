@@ -74,9 +74,7 @@ class Flight:
     steps: BegunSteps = field(init=False)
 
     def __post_init__(self) -> None:
-        """Gives guidance and steps the flight's own time, and lets them report to it or to its
-        journal.
-        """
+        """Lets guidance and steps use the flight's own time, and report to it or its journal."""
         self.steps = BegunSteps(self.vehicle, self.note)
         self.guidance = Guidance(
             self.vehicle, self.routes, self.profile, self.limits, lambda: self.now_s, self.report

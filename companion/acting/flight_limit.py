@@ -71,9 +71,7 @@ class LimitWatch:
         return self._limit.reached(self._flight.task.laps, self._flight.now_s - self._begun_s)
 
     def ending(self) -> EndedAtLimit | None:
-        """How the flight ended, with the status of the task; None if it did not end at its
-        limit.
-        """
+        """How the flight ended, with the status of the task; None if not at its limit."""
         if self.called_home_for is None:
             return None
         task = self._flight.task

@@ -136,9 +136,7 @@ class FlownTask:
         self._executive.sense(readings)
 
     def tick_paused(self) -> SortieEvent | None:
-        """One tick of a pause, in which the vehicle holds; returns how the charge ends it, or
-        None.
-        """
+        """One tick of a pause, in which the vehicle holds; how the charge ends it, or None."""
         self._flight.guidance.hold()
         energy = self._executive.planner.energy
         is_needed = energy is not None and energy.is_needed_to_land

@@ -94,9 +94,7 @@ class FoundPlaces:
         return found
 
     def _take(self, report: str, at: NorthEast) -> Refusal | None:
-        """Takes the position of a place; returns why it is refused, or None if the place is known
-        now.
-        """
+        """Takes the position of a place; why it is refused, or None if the place is known now."""
         flight, place = self._flight, self._places[report]
         position = (*at, place.position[2])
         is_known = place.name in self._moved_s

@@ -52,9 +52,7 @@ class KeptClearance:
             self._low = ()
 
     def _off_m(self, state: VehicleState) -> float:
-        """The largest distance of the vehicle from the path of its setpoints, as far as there are
-        any.
-        """
+        """The largest distance of the vehicle from the path of its setpoints, if there are any."""
         told, now_s = self._flight.guidance.setpoint, self._flight.now_s
         is_flown = state.mode is Mode.OFFBOARD and not state.is_landed
         if told is None or not is_flown or now_s - state.stamp_s > LOOK_S:

@@ -16,9 +16,7 @@ from companion.vehicle.port import Mode
 LONGEST_S = 10.0
 """A vehicle that does not come to rest within this time lands as it is."""
 STEADY_S = 1.0
-"""How long a vehicle that swung towards a wall has to be off it: longer than the middle of a
-swing.
-"""
+"""How long a vehicle that swung has to be off the wall: longer than the middle of a swing."""
 
 
 class LandingWait:

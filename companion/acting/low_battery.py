@@ -36,9 +36,7 @@ def says_what_then(mission: Mission) -> bool:
 
 
 def why_not_armed(flight: Flight, mission: Mission) -> str | None:
-    """Why the vehicle is not armed; None if the battery is not low, or the mission says what to
-    do.
-    """
+    """Why the vehicle is not armed; None if the charge is fine, or the mission says what to do."""
     state = flight.vehicle.state
     is_low = state is not None and math.isfinite(state.battery_low_since_s)
     return ON_GROUND if is_low and not says_what_then(mission) else None

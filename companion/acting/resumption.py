@@ -48,9 +48,7 @@ GOES_ON_WITH = {
     Phase.HOLDING: SortieEvent.LANDING_GOES_ON,
     Phase.LANDING: SortieEvent.LANDING_GOES_ON,
 }
-"""With which event a flight in each phase continues; one that was left on hold does not
-continue.
-"""
+"""The event with which a flight in each phase continues; one left on hold does not."""
 
 
 @dataclass(frozen=True)
@@ -105,9 +103,7 @@ class Resumption:
         return was_to_land and (has_landed or state.mode is Mode.LAND)
 
     def why_asked(self, state: VehicleState) -> str | None:
-        """Why the operator is asked, even if the autopilot holds only because of our lost
-        stream.
-        """
+        """Why the operator is asked, even if the autopilot holds by the loss of our stream."""
         journalled, seen = self.journalled, self.journalled.seen
         if journalled.phase is Phase.YIELDED:
             return "somebody else had control"

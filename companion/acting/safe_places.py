@@ -119,9 +119,7 @@ class SafePlaces:
         return max(0, self._missing(energy, place)) if energy is not None else 0
 
     def _missing(self, energy: MissionEnergy, place: str) -> int:
-        """The energy missing to land at a place with the reserve left; at most 0 if none is
-        missing.
-        """
+        """The energy missing to land at a place with the reserve left; at most 0 for none."""
         needed, reserve = energy.to_land_at(place), energy.model.reserve
         return (NO_WAY if needed is None else needed) + reserve - energy.charge.least()
 

@@ -64,9 +64,7 @@ def around(place: Place, value: Value) -> Iterator[Ned]:
 
 Suggester = Callable[[Place, Value], Iterator[Ned]]
 SUGGESTERS: Mapping[str, Suggester] = {"as it is": as_it_is, "the mission": as_told}
-"""Source -> its suggester, in the order in which they are asked; the place's own come after
-these.
-"""
+"""Source -> its suggester, in the order of asking; the place's own ones come next."""
 AT_LAST: Mapping[str, Suggester] = {"samples of the region": around}
 """These are asked only if no other suggester has proposed a suitable waypoint."""
 
@@ -152,8 +150,7 @@ class Symbols:
     def ground(
         self, name: str, start: Ned, now_s: float, advice: PlaceAdvice | None = None
     ) -> bool:
-        """Chooses the waypoint of a symbol; False if none can be flown to, and the present one
-        stays.
+        """Chooses the waypoint of a symbol; False if none is possible, and the present one stays.
 
         On a large map it takes long. Until the choice is made, routes to the place may lead to a
         waypoint that is only being tried.
@@ -218,9 +215,7 @@ class Symbols:
         return sorted(waypoints, key=room_m, reverse=True)
 
     def follow_map(self, start: Ned, now_s: float) -> list[str]:
-        """Chooses again if the map has blocked a waypoint or the route to it; returns what
-        moved.
-        """
+        """Chooses again if the map has blocked a waypoint or its route; returns what moved."""
         moved = []
         for name, value in list(self._values.items()):
             if self._routes.knows(name) and not self._routes.is_connected(start, name):

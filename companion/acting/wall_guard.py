@@ -19,17 +19,13 @@ from companion.vehicle.port import VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 CLEAR_AGAIN_M = 0.1
-"""With this much more than its margin the vehicle has left a wall; the next time is reported
-again.
-"""
+"""With this much more than its margin the vehicle has left a wall, and may be reported again."""
 SHARES = (1.0, 0.75, 0.5, 0.25)
 """Shares of the move that are tried; the first one that leads into nothing else is used."""
 TOLD_M = 0.3
 """A smaller move, as for a vehicle that falls behind a little, is not reported."""
 NEARER_M = 0.2
-"""A vehicle that is nearer to a wall than its setpoint by less than this counts as at its
-setpoint.
-"""
+"""A vehicle nearer to a wall than its setpoint by less than this counts as at its setpoint."""
 SOON_S = 1.0
 """How far ahead the vehicle's motion is examined: an autopilot needs about that time to stop it."""
 
@@ -61,8 +57,7 @@ class WallGuard:
         return sent, self._news(plane.obstacles, state)
 
     def is_approached(self, told: Ned, state: VehicleState) -> bool:
-        """Whether the vehicle is nearer to a wall than its setpoint, or will be at its present
-        velocity.
+        """Whether the vehicle is nearer to a wall than its setpoint, or will be, as it moves now.
 
         Not if it is far from all walls: further than routes keep, plus its distance from its
         setpoint, which is how far it can swing.
@@ -92,9 +87,7 @@ class WallGuard:
         return position
 
     def _news(self, obstacles: OccupancyGrid, state: VehicleState) -> WallNear | None:
-        """The event, once for each time that the vehicle, off its route, has less than its
-        margin.
-        """
+        """The event, once for each time that the vehicle, off its route, lacks its margin."""
         was_near, needed_m = self._is_near, self._profile.radius_m + self._profile.margin_m
         here = state.position[:2]
         again_m = needed_m + (CLEAR_AGAIN_M if was_near else 0.0)

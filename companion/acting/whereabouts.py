@@ -25,9 +25,7 @@ OUTSIDE_S = 1.0
 MARGIN_M = 0.5
 """How far outside a place's region the vehicle still counts as being there."""
 SIGMAS = 2.0
-"""The same in standard deviations of the position, if that is more; 5 % of positions are beyond
-it.
-"""
+"""The same in standard deviations of the position, if that is more; 5 % are beyond it."""
 
 
 class Whereabouts:
@@ -44,9 +42,7 @@ class Whereabouts:
         self._outside_since_s: float | None = None
 
     def look(self) -> PlaceLost | None:
-        """Checks once a tick; returns the place that is lost now, after the task has learnt of
-        it.
-        """
+        """Checks once a tick; returns the place lost now, after the task has learnt of it."""
         outside, now_s = self._outside(), self._flight.now_s
         if outside is None:
             self._outside_since_s = None
@@ -56,9 +52,7 @@ class Whereabouts:
         return self._lose(outside) if now_s - self._outside_since_s >= OUTSIDE_S else None
 
     def look_after_absence(self) -> PlaceLost | None:
-        """Checks after somebody else may have flown the vehicle, without waiting for a gust to
-        pass.
-        """
+        """Checks after somebody else may have flown the vehicle; waits for no gust to pass."""
         outside = self._outside()
         return self._lose(outside) if outside is not None else None
 
@@ -82,9 +76,7 @@ class Whereabouts:
         return PlaceLost(place.name, round(distance(there, state.position), 1))
 
     def _lose(self, lost: PlaceLost) -> PlaceLost:
-        """Makes the task believe that the vehicle is between places; the action there is
-        interrupted.
-        """
+        """Puts the vehicle between places, for the task; the action there is interrupted."""
         flight = self._flight
         flight.task.interrupt()
         flight.task.depart()

@@ -179,8 +179,6 @@ def _match_every_letter(labels: Sequence[Label]) -> bool:
 def successors(
     automaton: BuchiAutomaton, states: Iterable[int], letter: frozenset[str]
 ) -> frozenset[int]:
-    """One step of the subset construction: the states that runs are in after they have read a
-    letter.
-    """
+    """One step of the subset construction: the states of runs after they have read a letter."""
     outgoing = automaton.outgoing
     return frozenset(t.target for s in states for t in outgoing[s] if t.label.matches(letter))

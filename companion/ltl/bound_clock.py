@@ -101,9 +101,7 @@ class BoundClock:
         return replace(self, is_late=True)
 
     def elapsed_ms(self, now_ms: int) -> int | None:
-        """What the clock shows; None if it stands still, as it does once an event has met the
-        goal.
-        """
+        """What the clock shows; None if it stands still, as after an event has met the goal."""
         if self.met_ms is not None:
             return None
         since = self.since_ms if self.since_ms is not None else self.asked_ms

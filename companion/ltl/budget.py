@@ -102,9 +102,7 @@ class Budget:
 
     @property
     def share(self) -> float:
-        """The spent share, of steps or bytes, whichever is more; above 1 if the budget did not
-        suffice.
-        """
+        """The spent share, the higher of steps and bytes; above 1 if the budget fell short."""
         return max(self._spent / self.steps, self._kept / self.kept_bytes)
 
     @classmethod

@@ -65,8 +65,6 @@ def _is_temporal_conjunction(formula: Formula) -> bool:
 
 
 def _is_guarantee(formula: Formula) -> bool:
-    """Whether the operators imply that each word that satisfies the formula has a finite prefix
-    that shows it.
-    """
+    """Whether, by its operators, each word that satisfies a formula has a prefix that shows it."""
     nodes = subformulas(negation_normal_form(formula))
     return not any(node.operator is Operator.RELEASE for node in nodes)

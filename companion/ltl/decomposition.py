@@ -85,9 +85,7 @@ def _independent(formula: Formula, exclusive: frozenset[str], budget: Budget) ->
 
 
 def _smaller(formula: Formula, construction: Construction) -> LabelledGraph[LetterSet]:
-    """The smallest graph: of all conjuncts, of the necessary ones, or of separate parts of
-    these.
-    """
+    """The smallest graph: of all conjuncts, of the necessary ones, or of separate parts."""
     whole = construction.construct(formula)
     if whole.is_weak or not 1 < len(whole.graph.edges) <= MAX_STATES_AGAIN:
         return whole.graph
@@ -127,9 +125,7 @@ def _may_imply(others: Sequence[Formula], until: Formula) -> bool:
 
 
 def _parted(formula: Formula, construction: Construction) -> list[LabelledGraph[LetterSet]]:
-    """The graph made from obligations, other conjuncts, and each ageless conjunct; none if all are
-    of one kind.
-    """
+    """The graph of obligations, other conjuncts, and ageless ones apart; none if all are alike."""
     parts = _conjuncts(formula, construction.budget)
     if not parts[1:]:
         return []

@@ -100,9 +100,7 @@ class Pattern:
                 return None
 
     def expansion(self, arguments: Sequence[str]) -> str:
-        """The text of the formula that the pattern stands for; the arguments have to be
-        suitable.
-        """
+        """The text of the formula that the pattern stands for; the arguments must be suitable."""
         meant = (self.proposition(i, argument) or argument for i, argument in enumerate(arguments))
         return " & ".join(f"({conjunct})" for conjunct in self.conjuncts(*meant))
 

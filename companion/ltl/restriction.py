@@ -72,9 +72,7 @@ class Restriction:
 
     @cached_property
     def one_shot_goals(self) -> frozenset[int]:
-        """The states that wait for one letter of some kind, whatever else they read, as for `F
-        p`.
-        """
+        """The states that wait for one letter of some kind, whatever else they read, e.g. `F p`."""
         if not statistics(replace(self.automaton, initial=frozenset({0}))).is_complete:
             return frozenset()
         found = set()

@@ -52,9 +52,7 @@ def holds(formula: Formula, prefix: Sequence[Letter], loop: Sequence[Letter]) ->
 
 @lru_cache(maxsize=256)
 def _parts(formula: Formula) -> tuple[Formula, ...]:
-    """The subformulas, operands first; cached, since all plans of a mission are checked by the
-    same.
-    """
+    """The subformulas, operands first; cached, since the same formulas check all plans."""
     return tuple(subformulas(formula))
 
 
@@ -70,9 +68,7 @@ def _positions(operator: Operator, operands: list[int], everywhere: int, loop_st
         return everywhere if positions >> loop_start else (1 << positions.bit_length()) - 1
 
     def fixpoint(always: int, while_next: int, start: int) -> int:
-        """The positions p that are in `always`, or in `while_next` with the result true at p +
-        1.
-        """
+        """The positions p in `always`, or in `while_next` if p + 1 is among the result."""
         positions = start
         while (grown := always | while_next & next_(positions)) != positions:
             positions = grown

@@ -41,9 +41,7 @@ class Coordinates(Protocol):
 
     @property
     def anchor(self) -> GlobalOrigin | None:
-        """Where north 0, east 0 lies on the earth, with the assumed altitude of up 0; None for
-        metres.
-        """
+        """Where north 0, east 0 and up 0 (as assumed) lie on the earth; None in metres."""
 
     def corner(self, corner: tuple[float, float], *keys: str | int) -> NorthEast:
         """A corner of a polygon, from how the file lists it."""
@@ -203,9 +201,7 @@ class LatLon:
         )
 
     def _home_amsl_m(self, file: MissionFile) -> float:
-        """The height of home with which the places above the sea are in the middle of the
-        altitudes.
-        """
+        """The height of home for which places above the sea are in the middle of the altitudes."""
         heights = [e.amsl_m for e in file.places.values() if e.amsl_m is not None]
         if not heights:
             return USUAL_HOME_AMSL_M

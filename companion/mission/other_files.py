@@ -1,5 +1,4 @@
-"""Recognizes files that look like missions but are something else: worlds, ground station plans,
-drawings.
+"""Recognizes files that look like missions but are not: worlds, ground station plans, drawings.
 
 The first characters are enough to tell what a file is; nothing is parsed.
 """

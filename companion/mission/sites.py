@@ -155,9 +155,7 @@ def _nearest_free(position: NorthEast, grid: OccupancyGrid, clearance_m: float) 
 def _fence_problem(
     place: Place, limits: Limits, margin_m: float, coordinates: Coordinates
 ) -> tuple[str, str] | None:
-    """The problem of a place outside the fence, or so near to it that the gate would stop the
-    vehicle.
-    """
+    """The problem of a place outside the fence, or so near that the gate holds the vehicle."""
     is_inside = is_in_polygon(place.position, limits.fence)
     gap_m = min(_distances_to_edges(place.position, limits.fence))
     if is_inside and gap_m >= margin_m:

@@ -103,9 +103,7 @@ class Blend:
         return np.asarray(np.cos(turned) * self.before + np.sin(turned) * self._aside)
 
     def at(self, along_m: float) -> PathPoint:
-        """The point at one distance along the blend; computed with plain numbers, which is faster
-        for one.
-        """
+        """The point at one distance along the blend; plain numbers are faster for one point."""
         half_m, turn_rad = self.length_m / 2, self.turn_rad
         is_before = along_m <= half_m
         share = (along_m if is_before else self.length_m - along_m) / half_m
@@ -185,9 +183,7 @@ class Blend:
 
     @cached_property
     def _clothoids(self) -> tuple[tuple[Ned, Ned, Ned], tuple[Ned, Ned, Ned]]:
-        """For each clothoid: its straight end, the direction of its leg from there, and the
-        inside.
-        """
+        """Each clothoid's straight end, the direction of its leg from there, and the inside."""
         first = ned_of(self._begin), ned_of(self.before), ned_of(self._aside)
         return first, (ned_of(self._end), ned_of(-self.after), ned_of(self._aside_after))
 
@@ -213,9 +209,7 @@ class Blend:
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """(n,) cross products of vectors (n, 2); positive if the second lies to the right of the
-    first.
-    """
+    """(n,) cross products of vectors (n, 2); positive if the second lies to the first's right."""
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
@@ -232,9 +226,7 @@ def _clothoid(
     turn_rad: float, share: npt.NDArray[np.float64]
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
 def _clothoid(turn_rad: float, share: Any) -> tuple[Any, Any]:
-    """Points of a clothoid of length 1 that turns by half of an angle: how far along, and
-    across.
-    """
+    """Points of a clothoid of length 1 that turns by half an angle: along its leg, and across."""
     scale = math.sqrt(turn_rad / math.pi)
     aside, along = fresnel(share * scale)
     return along / scale, aside / scale

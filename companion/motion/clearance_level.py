@@ -208,17 +208,14 @@ class ClearanceLevel:
         return self._around[1]
 
     def repair(self, max_cells: int) -> bool:
-        """Searches about `max_cells` cells for the places that have been asked for at this
-        clearance.
+        """Searches about `max_cells` cells for the places asked for at this clearance.
 
         True once their cost-to-go is current.
         """
         return self._maps is None or self.maps.find(max_cells, repairs_only=True)
 
     def search(self, start: NorthEast, place: str, max_cells: int) -> int:
-        """Searches about `max_cells` cells for what `entry` needs; returns about how many it
-        took.
-        """
+        """Searches about `max_cells` cells for what `entry` needs; about how many it took."""
         used = 0
         if not self._is_looked_at:
             if max_cells <= 0:
@@ -242,15 +239,11 @@ class ClearanceLevel:
         return is_plain or self.around(start).is_connected(start, goal)
 
     def entry(self, start: NorthEast, place: str) -> WayEntry | None:
-        """Where a route to a place enters cells from which a path leads there; None if there is no
-        route.
-        """
+        """Where a route to a place enters cells from which a path leads there; None without one."""
         return self.plain_entry(start, place) or self._entry_near(start, place)
 
     def plain_entry(self, start: NorthEast, place: str) -> WayEntry | None:
-        """The result of `entry`, quickly, if a path leads on from the start's own cell; else
-        None.
-        """
+        """The result of `entry`, quickly, if a path leads on from the start's own cell."""
         cell = self._plain_cell(start)
         goal = self._grid.cell(self._room.goals[place][:2])
         if cell is None or not self.space.are_connected(cell, goal):

@@ -222,9 +222,7 @@ class _Draft:
         self._note(origins[is_shorter], costs[is_shorter])
 
     def search(self, cells: Cells) -> None:
-        """Finds the shortest paths from some cells (n,), to the cells around them and on from
-        there.
-        """
+        """Finds the shortest paths from some cells (n,), to those around them and on from there."""
         subgraph = _Subgraph(self._graph, cells)
         rim = cells[subgraph.rim]
         near, exits = self._graph.successors(rim)
@@ -238,9 +236,7 @@ class _Draft:
         self.look_from(rim)
 
     def _note(self, cells: Cells, costs: Lengths) -> None:
-        """Notes that cells above these costs have to be searched in the tiles of some cells
-        (k,).
-        """
+        """Notes that cells above these costs are due in the tiles of some cells (k,)."""
         rows, cols = np.divmod(cells, self._shape[1])
         np.minimum.at(self._due, (rows // _TILE, cols // _TILE), costs)
 

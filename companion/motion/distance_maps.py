@@ -69,17 +69,14 @@ class DistanceMaps:
         return True
 
     def is_known(self, place: str, cell: Cell | None = None) -> bool:
-        """Whether the cost-to-go of a place, from a cell or from all cells, needs no further
-        search.
-        """
+        """Whether the cost-to-go of a place, from a cell or from all, needs no further search."""
         if place not in self._present:
             return False
         to_go = self._present[place]
         return to_go is None or to_go.is_final(cell)
 
     def search(self, place: str, max_cells: int, cell: Cell | None = None) -> int:
-        """Searches about `max_cells` cells for the cost-to-go of a place, from a cell or from all
-        cells.
+        """Searches about `max_cells` cells for the cost-to-go of a place, from a cell or from all.
 
         Returns:
             About how many cells can be searched in the time that this took.

@@ -97,9 +97,7 @@ class FreeSpace:
         return self.grid.with_occupied(self._walls)
 
     def _sight_away_from_walls(self, cell: Cell) -> LineOfSight:
-        """Lines of sight over cells as far from walls as this cell, or as the clearance, less one
-        cell.
-        """
+        """Lines of sight over cells as far from walls as this one, or the clearance, less one."""
         away_m = self._walls_alone.distance_m
         least_m = min(float(away_m[cell]), self._clearance_m) - self.grid.cell_m
         return LineOfSight(~self._walls & (away_m >= least_m))

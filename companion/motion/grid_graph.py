@@ -65,9 +65,7 @@ class GridGraph:
         return cells[:, None] + self.index_steps, edge_lengths(self.outgoing.ravel()[cells])
 
     def predecessors(self, cells: Cells) -> tuple[Cells, Lengths]:
-        """Where the edges to some cells (n,) come from, and how long they are; shaped as
-        `successors`.
-        """
+        """Where the edges to some cells (n,) begin, and their lengths; shaped as `successors`."""
         return cells[:, None] + self.index_steps, edge_lengths(self.incoming.ravel()[cells])
 
     @property

@@ -72,9 +72,7 @@ class LineOfSight:
         return np.asarray(self._free[cells].all(axis=-1))
 
     def _is_blocked(self, south: Points, north: Points) -> npt.NDArray[np.bool_]:
-        """Whether legs on the map, from their south end to their north end, cross a blocked
-        cell.
-        """
+        """Whether legs on the map, from their south end to their north end, meet a blocked cell."""
         row_0, col_0 = south[..., None, 0], south[..., None, 1]
         row_1, col_1 = north[..., None, 0], north[..., None, 1]
         is_level = row_1 - row_0 <= _TOUCH

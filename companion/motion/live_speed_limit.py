@@ -45,9 +45,7 @@ class LiveSpeedLimit:
 
     @property
     def for_trajectory(self) -> SpeedLimits:
-        """The limits of a trajectory made now; they are above the target while the vehicle slows
-        down.
-        """
+        """The limits of a trajectory made now; above the target while the vehicle slows down."""
         return replace(self.target, speed_mps=max(self.now_mps, self.target.speed_mps))
 
     def set_operator_limit(self, speed_mps: float) -> None:

@@ -122,9 +122,7 @@ class MarkerTrack:
             self.problem = self.problem or moved
 
     def _are_strays_the_rule(self, seen_s: float) -> bool:
-        """Takes a stray; returns whether the first sightings were the strays, and forgets them if
-        so.
-        """
+        """Takes a stray; if the first sightings were the strays, forgets them and returns true."""
         self._strays.append(seen_s)
         if len(self._strays) <= max(FEWEST, len(self._recent)):
             return False

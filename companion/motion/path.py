@@ -114,9 +114,7 @@ class Path:
         return np.vstack([here, *(piece.chords(0.0)[1:] for piece in self.pieces[index + 1 :])])
 
     def between(self, begin_m: float, end_m: float) -> npt.NDArray[np.float64]:
-        """(n, 3) points from one distance along the path to another, n >= 2; chords in the
-        turns.
-        """
+        """(n, 3) points from one distance along the path to another, n >= 2; turns as chords."""
         points = self.ahead(begin_m)
         along_m = np.cumsum(np.linalg.norm(np.diff(points, axis=0, prepend=points[:1]), axis=1))
         room_m = max(0.0, end_m - begin_m)

@@ -27,8 +27,7 @@ _HAIR = 1e-4  # cells
 
 
 def cells_touched(shape: tuple[int, ...], corners: Points) -> npt.NDArray[np.bool_]:
-    """(rows, cols) the cells of which some part lies in a polygon; edges and corners alone do not
-    count.
+    """(rows, cols) the cells of which some part, not only an edge or corner, lies in a polygon.
 
     Exact: the cells that an edge crosses come from interval arithmetic on the rows that it passes;
     every other cell is inside or outside as its centre is.
@@ -143,9 +142,7 @@ def do_overlap(one: Sequence[NorthEast], other: Sequence[NorthEast]) -> bool:
 
 
 def cells_of(grid: OccupancyGrid, polygons: Iterable[Sequence[NorthEast]]) -> OccupancyGrid:
-    """The grid with the cells of some polygons occupied as well; the grid itself if there are
-    none.
-    """
+    """The grid with the cells of some polygons occupied as well; itself if there are none."""
     occupied = grid.occupied
     for corners in polygons:
         points = (np.array(corners) - grid.origin) / grid.cell_m
@@ -200,8 +197,7 @@ def enters_polygon(a: Points, b: Points, corners: Points) -> npt.NDArray[np.bool
 
 
 def cells_beside(shape: tuple[int, ...], corners: Points, reach: int) -> npt.NDArray[np.bool_]:
-    """(rows, cols) the cells that an edge crosses, and all cells up to `reach` rows or columns
-    away.
+    """(rows, cols) the cells that an edge crosses, and those up to `reach` rows or columns away.
 
     An edge on the line between two rows, or columns, crosses no cell. If there is a reach, it
     counts as if it lay a hair beyond the line.
@@ -239,9 +235,7 @@ def segments_meet(a: Points, b: Points, c: Points, d: Points) -> npt.NDArray[np.
 
 
 def _are_crossed(a: Points, b: Points, c: Points, d: Points) -> npt.NDArray[np.bool_]:
-    """(...) whether segments from a to b cross those from c to d; at a shared corner one of two
-    does.
-    """
+    """(...) whether segments a to b cross those c to d; at a shared corner one of two does."""
     is_c_left, is_d_left = _side(a, b, c) > 0, _side(a, b, d) > 0
     is_a_left, is_b_left = _side(c, d, a) > 0, _side(c, d, b) > 0
     return np.asarray((is_c_left != is_d_left) & (is_a_left != is_b_left))

@@ -21,12 +21,9 @@ REACH_M = 8.0
 """Echoes from farther away are not used: 2 m above the ground, a beam that leans by 11 degrees, the
 tilt of an acceleration of 1.9 m/s2, may meet the ground there."""
 LEAST_ROOM_M = 0.1
-"""The range finder counts as at least so high above the ground, whatever the estimated height
-is.
-"""
+"""The least assumed height of the range finder above the ground, whatever the estimate is."""
 MOST_ABOVE_M = 1.5
-"""An echo from higher above the vehicle may come from something that hangs there and is not in the
-way."""
+"""An echo from higher above the vehicle may come from something that is not in its way."""
 
 Floats = npt.NDArray[np.float64]
 
@@ -72,9 +69,7 @@ class RangeScan:
 
     @property
     def from_level(self) -> Floats:
-        """(2, 2) converts a horizontal vector, north and east, to the one above it in the beams'
-        plane.
-        """
+        """(2, 2) converts a horizontal vector to the one above it in the plane of the beams."""
         (f_n, r_n), (f_e, r_e), _ = self.plane.tolist()
         return np.asarray(np.array(((r_e, -r_n), (-f_e, f_n))) / (f_n * r_e - r_n * f_e))
 
@@ -90,9 +85,7 @@ class RangeScan:
         return max(self.up_m - self.height_error_m, LEAST_ROOM_M)
 
     def sight_m(self, toward: NorthEast) -> float:
-        """The horizontal distance up to which echoes count in a direction, given as a unit
-        vector.
-        """
+        """How far over the ground echoes count in a direction, given as a unit vector."""
         down = float(self.plane[2] @ self.from_level @ toward)
         return 1 / max(down / self._room_m, down / -MOST_ABOVE_M, 1 / self.reach_m)
 

@@ -32,9 +32,7 @@ class Region(Protocol):
         """Radius of the largest disc around the centre that lies inside."""
 
     def waypoints(self, centre: Ned, count: int, inside_m: float) -> Iterator[Ned]:
-        """At most `count` points spread over the region, `inside_m` from its edge, from the centre
-        outwards.
-        """
+        """At most `count` points spread over it, `inside_m` from its edge, the centre first."""
 
     def outline(self) -> tuple[NorthEast, ...] | None:
         """The corners of the region; None for a disc."""

@@ -94,9 +94,7 @@ class SensedMap:
         return True
 
     def _find_surface(self) -> None:
-        """Finds the cells that can be lowered; inner cells are left out, as no beam reaches them
-        first.
-        """
+        """Finds the cells that can be lowered, without inner ones, which no beam reaches first."""
         rows, cols = self.grid.occupied.shape
         is_raised = (self._log_odds > MIN_LOG_ODDS).reshape(rows, cols)
         is_inside = ndimage.binary_erosion(

@@ -23,9 +23,7 @@ class LegTest(Protocol):
     """Tells which straight legs are clear."""
 
     def may_be_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
-        """(...) a quick test of many legs from a to b (..., 2): False only for legs that are not
-        clear.
-        """
+        """(...) a quick test of many legs from a to b (..., 2): False only for blocked legs."""
 
     def are_clear(self, a: Points, b: Points) -> npt.NDArray[np.bool_]:
         """(...) whether the legs from a to b (..., 2) are clear."""

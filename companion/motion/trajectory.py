@@ -183,8 +183,7 @@ def motion_of(velocity: Ned, acceleration: Ned) -> Motion:
 
 
 def run_out(position: Ned, velocity: Ned, acceleration: Ned, limits: SpeedLimits) -> Ned:
-    """The point straight ahead where a moving vehicle can come to rest, with a little room to
-    spare.
+    """The point straight ahead where a moving vehicle can come to rest, with a little to spare.
 
     >>> north, *_ = run_out((0.0, 0.0, -2.0), (2.0, 0.0, 0.0), AT_REST, SpeedLimits(2.0, 2.0, 8.0))
     >>> round(north, 3)

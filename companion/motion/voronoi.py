@@ -20,8 +20,7 @@ _ROUNDING_CELLS = 3.0
 
 
 def passages(grid: OccupancyGrid, wide_m: float) -> npt.NDArray[np.bool_]:
-    """(rows, cols) the cells of the diagram in passages of at least this width, and their
-    neighbours.
+    """(rows, cols) cells of the diagram in passages of at least this width, and their neighbours.
 
     Outside a grid that is not open everything is an obstacle.
 

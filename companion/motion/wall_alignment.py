@@ -117,9 +117,7 @@ class WallAlignment:
         return NONE if is_far or abs(found.turn_rad) > GREATEST_TURN_RAD else found
 
     def _look_up(self, points: Floats) -> tuple[Floats, Floats]:
-        """(n,) signed distance of points (n, 2) from the nearest wall face, and (n, 2) its
-        gradient.
-        """
+        """(n,) signed distances of points (n, 2) from the nearest face, and (n, 2) its gradient."""
         at = points.T - 0.5  # relative to the cells' centres
         away = ndimage.map_coordinates(self._field, at, order=1, mode="nearest")
         slope = [ndimage.map_coordinates(axis, at, order=1, mode="nearest") for axis in self._slope]

@@ -88,8 +88,7 @@ def _across(slope: NorthEast, velocity: Ned) -> NorthEast:
 
 
 def _distance(walls: OccupancyGrid, point: NorthEast) -> tuple[float, float, float] | None:
-    """Distance to the nearest wall and its gradient, north and east; None off the map and at its
-    edge.
+    """Distance to the nearest wall and its gradient, north and east; None at the map's edge.
 
     Both are interpolated bilinearly between the centres of four cells.
     """

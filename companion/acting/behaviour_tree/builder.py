@@ -76,9 +76,7 @@ FOR_EVER = -1
 
 
 class ActionNode(Selector):
-    """The selector of one action; if it is left before its end, the task learns of the
-    interruption.
-    """
+    """The selector of one action; the task learns if it is left before its end."""
 
     def __init__(self, flight: Flight, intention: Intention) -> None:
         super().__init__(intention.name, memory=True)

@@ -133,9 +133,7 @@ class MoveCommand(Leaf):
         return is_known
 
     def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
-        """A trajectory that begins at some speed; None if there is none or its routes are not
-        known.
-        """
+        """A trajectory that begins at some speed; None without one, or while routes are unknown."""
         self._is_searching = False
         if is_slow(now):
             return None

@@ -30,14 +30,11 @@ WINDOW_S = 60.0
 OF_A_WINDOW = 0.03
 """Standard deviation of the energy of a window's flight, from gusts and directions."""
 OF_A_CURVE = 0.08
-"""Standard deviation of a gauge between two charges, because a pack's curve differs from the
-mission's."""
+"""Standard deviation of a gauge between two charges: a pack has not quite the mission's curve."""
 OF_THE_GAUGE = 0.0041
 """Standard deviation of a difference of two whole percents."""
 MOST_IN_A_TICK = 0.04
-"""The most, as a share of the battery, that a flight takes in a tick; more is a jump of the
-gauge.
-"""
+"""The most, as a share of the battery, that a flight takes in a tick; more is a gauge's jump."""
 UNITS_PER_J = UNITS_PER_WH / 3600
 
 
@@ -187,9 +184,7 @@ class EnergyMeter:
             self._take(replace(known, flying=known.flying.after(ratio, deviation, window.seconds)))
 
     def _learn_gauge(self, stretch: _Window) -> None:
-        """Uses a stretch as a measurement, by the gauge, whose curve makes parts of a stretch
-        wrong.
-        """
+        """Uses a stretch as a measurement by the gauge, whose curve distorts shorter parts."""
         known, seconds = self.energy.known, stretch.seconds
         of_gauge = OF_THE_GAUGE * self.energy.model.full
         if math.isnan(stretch.used):

@@ -202,9 +202,7 @@ class HypotheticalFlight:
             self._flight.task.take(event, False)
 
     def _fail(self, action: Action) -> str:
-        """Lets the present skill fail after all its tries; a skill that lands fails on the
-        ground.
-        """
+        """Lets the present skill fail after all its tries; if it lands, on the ground."""
         flight = self._flight
         self._retry_s = action.retry_after_s
         flight.task.withdraw(

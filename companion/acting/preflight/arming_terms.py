@@ -7,8 +7,7 @@ from enum import StrEnum
 
 
 class UploadPolicy(StrEnum):
-    """What happens to the autopilot's fence, or its rally points, before arming
-    (`upload_check.py`).
+    """What happens to the autopilot's fence or rally points before arming (upload_check.py).
 
     UPLOAD writes the mission's if there is none, or one that this companion wrote; KEEP flies with
     the one that is there; REPLACE writes the mission's in its place; NONE does not ask for it.

@@ -81,9 +81,7 @@ class RallyJudge:
             self._flight.report(RallyMissing(reason))
 
     def unanswered(self, failed: Failed) -> Failed | None:
-        """Why the mission is refused; None if it has no rally points, so that none need be
-        supported.
-        """
+        """Why the mission is refused; None if it has no rally points, so that none are needed."""
         if self._wanted:
             return _advised(failed.reason)
         self._flight.report(RallyMissing(failed.reason))

@@ -1,5 +1,4 @@
-"""Before arming, reads what the autopilot stores for a mission, writes it if allowed, and reads
-back.
+"""Before arming, reads what the autopilot stores for a mission, and writes it if allowed.
 
 The autopilot's fence and its rally points take the same steps. They differ in what is required, and
 in how the present content is judged (`UploadJudge`).
@@ -83,9 +82,7 @@ class UploadJudge(Protocol):
         """After a failed transfer: why the mission is refused; None if it is only reported."""
 
     def judge(self) -> UploadStep | Failed | None:
-        """KEPT; or UNFIT, after it has begun to write; or why the mission is refused; None to
-        wait.
-        """
+        """KEPT; UNFIT, having begun to write; why the mission is refused; or None to wait."""
 
     def compare(self) -> Failed | None:
         """Why what was read back is not what was written; None if it is."""

@@ -26,8 +26,7 @@ from companion.planning.planner import Planner
 from companion.slices import Question, spent
 
 MAX_PARTS = 200
-"""The most parts of the search for routes on a map that keeps changing; then a plan uses those
-found."""
+"""The most parts of a search for routes on a changing map; then a plan uses those found."""
 SHOWN = 6
 """The most beliefs that are named."""
 
@@ -162,9 +161,7 @@ def in_words(beliefs: Iterable[Fact], alike: Iterable[Fact], known: Iterable[Fac
 
 
 def _patterns(belief: Fact) -> tuple[str, ...]:
-    """The patterns for a belief about two places, with either of them replaced by *; none for
-    others.
-    """
+    """The patterns of a belief about two places, with * for either; none for others."""
     if len(belief.arguments) != 2:
         return ()
     first, second = belief.arguments

@@ -287,9 +287,7 @@ class Replanner:
         return found if isinstance(found, Lasso) else None
 
     def search_confirms(self, lasso: Lasso) -> bool:
-        """Plans now, from the place left last; returns whether that is the rest of the present
-        plan.
-        """
+        """Plans now, from the place left last; true if that is the rest of the present plan."""
         new = self.plan_now() if self._flight.task.running is not None else None
         return new is not None and self.is_rest_of(lasso, new)
 

@@ -74,9 +74,7 @@ def _facts(parts: Sequence[Formula], side: Side) -> list[list[Formula]]:
 
 
 def _without_lasting_facts(parts: Sequence[Formula], side: Side, other: Side) -> list[Formula]:
-    """G F a | f without a in f, if f depends on no finite prefix: else a fails from some position
-    on.
-    """
+    """G F a | f without a in f, if f depends on no prefix: else a fails from some position on."""
     ageless = [f for f in parts if f in side.pure and f in other.pure]
     lasting = [f.operands[1] if other.is_far(f) else f for f in ageless]
     shorter = without_facts(ageless, _facts(lasting, side), side, other)

@@ -152,9 +152,7 @@ def _parted(alternative: Formula, side: Side, other: Side) -> list[Formula]:
 
 
 def _now(alternative: Formula, side: Side, other: Side) -> Formula:
-    """A universal formula under F without X: X G a & G(b & X c) may be replaced by G a & G(b &
-    c).
-    """
+    """A universal formula under F without X: X G a & G(b & X c) counts as G a & G(b & c)."""
     parts = []
     for part in alternative.operands if alternative.operator is side.meet else (alternative,):
         bare = part.operands[0] if part.operator is Operator.NEXT else part

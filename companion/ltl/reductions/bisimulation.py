@@ -64,7 +64,5 @@ def signature(leaving: Iterable[LabelledEdge[LetterSet]], block: Sequence[int]) 
 def redirected(
     leaving: Iterable[LabelledEdge[LetterSet]], block: Sequence[int]
 ) -> list[LabelledEdge[LetterSet]]:
-    """Replaces edges with the same marks to the same block by one edge, whose target is the
-    block.
-    """
+    """One edge in place of all with the same marks to the same block, which is its target."""
     return [LabelledEdge(letters, *kind) for kind, letters in signature(leaving, block).items()]

@@ -156,9 +156,7 @@ def _merged_and_trimmed(
 def _merged_by_states(
     graph: LabelledGraph[LetterSet], relation: Relation
 ) -> LabelledGraph[LetterSet]:
-    """The quotient in both directions; backwards, only an accepting node can stand for another
-    one.
-    """
+    """The quotient in both directions; backwards, accepting nodes replace only such nodes."""
     smaller = merged(graph, relation)
     accepting = [int(any(edge.marks for edge in leaving)) for leaving in smaller.edges]
     return merged_backwards(smaller, accepting, relation)

@@ -10,6 +10,4 @@ Costs = NDArray[np.int64]
 Marks = NDArray[np.bool_]
 """(T, M): which acceptance marks each target has."""
 UNREACHABLE_MS = 1 << 50
-"""The cost if there is no path: above all real costs, and small enough to add up thousands of
-them.
-"""
+"""The cost if there is no path: above all real costs, but thousands of it can be added up."""

@@ -18,8 +18,7 @@ _NOTHING: Takes = 0, 0
 
 
 class EnteredNodes(dict[int, list[int]]):
-    """For each set of facts that is reached, the nodes that are entered from certain automaton
-    states.
+    """For each set of facts reached, the nodes entered from certain automaton states.
 
     Nodes are numbered in the order of discovery.
 

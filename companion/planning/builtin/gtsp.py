@@ -43,8 +43,7 @@ class Tours(Protocol):
         """The targets of the shortest known tour, beginning with any of them."""
 
     def order_after(self, to_targets: Costs, from_targets: Costs) -> list[int]:
-        """The targets of the shortest known tour through a node, in the order in which they follow
-        it.
+        """The targets of the shortest known tour through a node, in order from the node.
 
         Args:
             to_targets: cost from the node to each target, (T,).

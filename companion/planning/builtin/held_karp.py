@@ -129,9 +129,7 @@ class _Tables:
         return costs, left
 
     def _part_costs(self, table: Costs, legs: Costs) -> Costs:
-        """Cost of the part between node and anchor, by the set of marks not met on it, (sets,
-        V).
-        """
+        """Cost of the part between node and anchor, by the marks not met on it, (sets, V)."""
         sets = np.arange(self._all_marks + 1)
         reached = table[sets[:, None] | self._marks, np.arange(len(self._others))]
         other_legs = legs[self._others]

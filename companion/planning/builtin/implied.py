@@ -181,9 +181,7 @@ class _Joint:
         self._live = self._live_states(part, united)
 
     def _live_states(self, part: MaskedAutomaton, every_mark: int) -> dict[_States, int]:
-        """For states of the others, the conjunct's states (bits) that accept a word which they
-        accept.
-        """
+        """By states of the others: the conjunct's states (bits) that accept a word of theirs."""
         pending = [(z, own) for z in self._begin for own in self._part_begin]
         edges = self._explored(
             pending,

@@ -203,9 +203,7 @@ def _or_opt(along: Costs, length: int) -> Change:
 
 
 def _exchanged(order: list[int], between: Costs, marks: Marks) -> list[int]:
-    """Drops targets that are not needed, and replaces others by the best ones with the same
-    marks.
-    """
+    """Drops unneeded targets, and replaces others by the best ones with the same marks."""
     order = list(order)
     if len(order) == len(marks):
         return order  # each target has a mark that no other has

@@ -99,8 +99,7 @@ def _promising(
     known: Rank,
     effort: Effort,
 ) -> dict[int, int]:
-    """Facts where a better loop may begin (`Product.facts_of`), with a lower bound of its cost
-    there.
+    """Facts where a better loop may begin (`Product.facts_of`), with a bound of its cost.
 
     Raises:
         SearchLimit: there are too many such facts.

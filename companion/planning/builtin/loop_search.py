@@ -209,9 +209,7 @@ class LoopSearch:
 
     @cached_property
     def _targets(self) -> list[tuple[int, int, list[int]]]:
-        """Each automaton with one state: automaton, mark (a bit), and the facts that have the
-        mark.
-        """
+        """Automaton, mark (a bit) and facts with that mark, for automata of one state."""
         found = []
         for number, automaton in enumerate(self._product.automata):
             if automaton.states > 1:

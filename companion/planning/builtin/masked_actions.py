@@ -115,9 +115,7 @@ class ActionGroup:
         return [state & ~deletes | adds]
 
     def given(self, facts: frozenset[Fact], unavailable: set[int]) -> ActionGroup | None:
-        """The group without some actions, and without effects that can never happen; None if
-        empty.
-        """
+        """The group without some actions and impossible effects; None if nothing is left."""
         left = [
             action._replace(
                 conditional=tuple(e for e in action.conditional if e.condition.may_hold(facts))
@@ -203,9 +201,7 @@ class MaskedActions:
         return [group for group in groups if group is not None]
 
     def _taken_over(self, number: int, action: Action) -> MaskedAction | None:
-        """The existing mask of an action, if it differs from one of these at most in cost and
-        number.
-        """
+        """The existing mask of an action that differs at most in cost and number, if any."""
         known = self._action_of.get(action.name)
         if known is None or not _does_the_same(action, known):
             return None

@@ -98,9 +98,7 @@ class MaskedAutomaton:
         return list(found.items())
 
     def awaited(self, state: int) -> int:
-        """The only fact (a bit) that leads from a state to another one; 0 if it is not exactly
-        one.
-        """
+        """The only fact (a bit) that leads from a state to another; 0 unless it is exactly one."""
         leaving = [(p, n) for p, n, after, _ in self._outgoing[state] if after != state]
         if len(leaving) != 1:
             return 0

@@ -250,9 +250,7 @@ class Product:
         return graph
 
     def _better_than_rest(self) -> frozenset[int]:
-        """The actions that charge, or that take less time or energy than a rest, where that
-        matters.
-        """
+        """The actions that charge, or take less time or energy than a rest, where that matters."""
         rests = (n for n, action in enumerate(self._problem.actions) if action is WAIT)
         if not self._takes or (rest := next(rests, None)) is None:
             return frozenset()

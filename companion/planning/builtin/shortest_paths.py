@@ -63,9 +63,7 @@ class ShortestPaths:
 
     @cached_property
     def _node_before(self) -> list[int]:
-        """For each node, the node before it on a shortest path from the start; negative at the
-        start.
-        """
+        """For each node, the one before it on a shortest path from the start; negative there."""
         start = self._product.initial
         _, before, _ = dijkstra(
             self._forward, indices=start, min_only=True, return_predecessors=True
@@ -144,9 +142,7 @@ def costs_between(matrix: csr_array, sources: Sequence[int]) -> Costs:
 def cheapest_edges(
     starts: NDArray[np.integer], ends: NDArray[np.integer], costs: Costs, nodes: int
 ) -> csr_array:
-    """A graph with only the cheapest edge of each pair, because scipy's searches hang on
-    duplicates.
-    """
+    """A graph with the cheapest edge of each pair; scipy's searches hang on duplicates."""
     order = np.lexsort((costs, ends, starts))
     pairs = np.stack((starts, ends))[:, order]
     is_new = np.append(True, (np.diff(pairs) != 0).any(axis=0))[: len(order)]

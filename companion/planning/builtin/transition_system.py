@@ -72,8 +72,7 @@ class TransitionSystem:
         return facts
 
     def drop_idle(self, read: int, kept: frozenset[int] = frozenset()) -> None:
-        """Drops actions that change none of the `read` facts, and make no action possible that
-        does.
+        """Drops actions that change none of the `read` facts and enable no action that does.
 
         If the problem has a rest, that can replace them at no extra cost.
 

@@ -168,9 +168,7 @@ class DecomposedEncoding(ABC):
     def starting(
         self, undecided: list[Part], tokens: tuple[Fluent, ...]
     ) -> Iterator[ClassicalAction]:
-        """Choices of the first state, if the history leaves several; if it leaves none, there is no
-        plan.
-        """
+        """Choices of the first state, if the history leaves several; no plan if it leaves none."""
         for part, now, after in zip(undecided, tokens, tokens[1:], strict=False):
             for state in part.states:
                 yield ClassicalAction(

@@ -71,9 +71,7 @@ def _rest(task: ReducedTask, automaton: BuchiAutomaton, states: frozenset[int]) 
 
 
 def _product(left: BuchiAutomaton, right: BuchiAutomaton) -> BuchiAutomaton:
-    """An automaton that accepts what both accept; the right one's marks come after the left
-    one's.
-    """
+    """An automaton that accepts what both accept; the marks of the right one come last."""
     pending = [(a, b) for a in sorted(left.initial) for b in sorted(right.initial)]
     number_of = {pair: number for number, pair in enumerate(pending)}
     initial = frozenset(number_of.values())

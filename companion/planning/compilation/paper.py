@@ -182,9 +182,7 @@ def _act_end(task: ReducedTask, accepting: list[int]) -> ClassicalAction:
 def _performing(
     task: ReducedTask, automaton: BuchiAutomaton, objective: Objective
 ) -> Iterator[ClassicalAction]:
-    """Fig. 4: the actions of the task. To put the lap first, each has a costlier copy for the
-    loop.
-    """
+    """Fig. 4: the actions of the task. To put the lap first, each has a costlier copy for it."""
     weight = task.lap_weight([automaton])
     for action, origin in zip(task.actions, task.origins, strict=True):
         plain = ClassicalAction(

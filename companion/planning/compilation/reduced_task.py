@@ -62,9 +62,7 @@ class ReducedTask:
 
     @cached_property
     def variables(self) -> tuple[tuple[Fact, ...], ...]:
-        """Groups of facts of which exactly one holds at a time; every other fact is its own
-        group.
-        """
+        """Groups of facts of which exactly one holds at a time; other facts are groups of one."""
         groups: dict[str, list[Fact]] = {}
         for fact in self.changing:
             groups.setdefault(fact.predicate, []).append(fact)
@@ -75,9 +73,7 @@ class ReducedTask:
         )
 
     def _is_variable(self, facts: list[Fact]) -> bool:
-        """Whether exactly one holds now, and each action that adds one replaces the one that it
-        needs.
-        """
+        """Whether exactly one holds now, and each action that adds one deletes the one it needs."""
         group = frozenset(facts)
         return len(group & self.init) == 1 and all(
             (
@@ -108,9 +104,7 @@ class ReducedTask:
 
 
 def reduced_task(problem: Problem) -> ReducedTask:
-    """The part of a problem that can change, found by relaxed reachability
-    (`transition_system.py`).
-    """
+    """What can change in a problem, by relaxed reachability (`transition_system.py`)."""
     system = TransitionSystem(problem.actions, problem.facts, KnownActions())
     possible = [problem.actions[number] for number in system.possible]
     named = problem.facts.union(*(a.adds | a.deletes | _conditionally(a) for a in possible))

@@ -116,9 +116,7 @@ class _Label:
     is_charge: bool = False
 
     def departure(self, needed: int) -> int | None:
-        """The level after the last charge for which this level is left now; None if it is
-        impossible.
-        """
+        """The level after the last charge for which this one is left now; None if impossible."""
         wanted = max(self.least, needed + self.used)
         if self.charger is None:
             assert self.level is not None

@@ -180,8 +180,7 @@ class _Chains:
         return steps[::-1]
 
     def _last_sortie(self, start: int, end: int, met: int) -> tuple[int, int, int, bool]:
-        """The last sortie of a chain that meets a mark: from, to, marks, and whether it is the only
-        one.
+        """The last sortie of a chain that meets a mark: from, to, marks, whether the only one.
 
         Args:
             start: where the chain begins.

@@ -151,9 +151,7 @@ def _ground(graph: EnergyProduct, nodes: NDArray[np.intp]) -> _Ground | None:
 
 
 def _translated(known: _Ground, ground: _Ground) -> list[int] | None:
-    """For each node of a component, the node of the other with no less to offer; None if there is
-    none.
-    """
+    """By node of a component, the node of the other with no less to offer; None if one lacks."""
     if known.all_marks != ground.all_marks:
         return None
     number = [known.number_of.get(name, -1) for name in ground.number_of]

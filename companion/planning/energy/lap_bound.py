@@ -98,9 +98,7 @@ class _LapBound:
         return self._tour(self._drains, charges, self._used)
 
     def _tour(self, costs: NDArray[np.int64], docks: int, known: int) -> int:
-        """A lower bound for a tour over all marks and some docks, close to the cost of a real
-        one.
-        """
+        """A lower bound for a tour over all marks and some docks; close to a real one."""
         marks = np.hstack([self._marks, np.repeat(self._is_dock[:, None], docks, axis=1)])
         between = np.where(self._times_ms < UNREACHABLE_MS, costs, UNREACHABLE_MS)
         return lower_bound_ms(between, marks, max(1, known))

@@ -129,8 +129,7 @@ class MissionEnergy:
         return Energy(self.charge.least(), floors, rests, rest, self.percents)
 
     def with_reserve(self, energy: Energy, place: str, actions: Iterable[Action]) -> Energy:
-        """The energy, if in the air no level is left above the reserve, which is meant for the
-        landing.
+        """The energy, if in the air nothing is left above the reserve, meant for the landing.
 
         The plan may use as much of the reserve as the landing at the safe place that takes the
         least, and charging there if it is a dock. So a plan leads there and goes on.
@@ -201,9 +200,7 @@ class MissionEnergy:
 
     @property
     def is_needed_to_land(self) -> bool:
-        """Whether landing at a safe place needs all charge except the reserve: then every wait
-        ends.
-        """
+        """Whether landing at a safe place needs all charge but the reserve, so that waits end."""
         needed = [drain for place in self.safe if (drain := self.to_land_at(place)) is not None]
         margin = self.model.reserve + self.model.hovering(WAITS_END_S)
         return bool(needed) and self.charge.least() < min(needed) + margin

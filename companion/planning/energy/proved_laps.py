@@ -115,9 +115,7 @@ class _Flown:
         return tuple(stops[place] for place in order[begin + 1 :] + order[:begin])
 
     def _marks_of(self, stops: list[int]) -> NDArray[np.bool_]:
-        """(stops, marks) of some stops, with marks for the docks, which have to be passed as
-        well.
-        """
+        """(stops, marks) of some stops, with marks for the docks, which must also be passed."""
         bits = sorted({int(bit) for bit in self._ways.marks[stops]})
         met = np.zeros((len(stops) + 1, len(bits) + 1), np.bool_)
         met[:-1, :-1] = self._ways.marks[stops, None] == np.array(bits)

@@ -35,9 +35,7 @@ class FlightBetween(NamedTuple):
 
 
 class Pad(NamedTuple):
-    """A charge: the place where it begins (above the dock, unless it includes a flight), and the
-    dock.
-    """
+    """A charge: the place where it begins (the dock, unless it includes a flight), and the dock."""
 
     origin: str
     dock: str

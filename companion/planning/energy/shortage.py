@@ -22,9 +22,7 @@ from companion.planning.lasso import Problem
 
 STRANDED = "no way leads from here to a safe place"
 FAR = 100
-"""Capacities beyond any real battery: if one of these does not last, the charge is not the
-reason.
-"""
+"""Capacities beyond any real battery: if one does not last, the charge is not the reason."""
 
 
 def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ...]:
@@ -64,9 +62,7 @@ def is_stranded(problem: Problem) -> bool:
 
 
 def _least(search: Search, full: Problem, level: int, effort: Effort) -> int:
-    """The lowest level with which there is a plan, between one without a plan and a full
-    battery.
-    """
+    """The lowest level with a plan, between one without a plan and a full battery."""
     assert full.energy is not None
     low, high = max(0, level), full.energy.level
     while high - low > 1:

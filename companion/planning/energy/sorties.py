@@ -85,9 +85,7 @@ class WayTables:
 
 
 def joined(ways: WayTable, chargers: Mapping[int, Charger]) -> list[dict[int, Charger]]:
-    """Groups of docks that reach each other, with full charges, by way of other docks of the
-    group.
-    """
+    """Groups of docks that reach each other, with full charges at docks of the group."""
     stops, all_ = list(chargers), list(chargers.values())
     floors = np.array([charger.floor for charger in all_])
     highest = np.array([charger.highest for charger in all_])
@@ -147,9 +145,7 @@ class _Tables:
                 np.minimum.at(best[table], places, onward[table][fresh])
 
     def to(self, table: int, end: int) -> NDArray[np.int64]:
-        """(sets,) the best path to a stop that meets exactly each set of marks, including the
-        stop's.
-        """
+        """(sets,) the best path to a stop that meets exactly each set of marks, with its own."""
         before = self._up_to(table, end)
         own = int(self._marks[end])
         found = np.full(len(before), _UNREACHABLE)

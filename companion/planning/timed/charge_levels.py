@@ -98,9 +98,7 @@ class ChargeLevels:
         return missing + step.drain + self.full - self.most_missing(step.end)
 
     def steps(self, step: TimedStep, action: Action) -> Iterator[TimedStep]:
-        """The forms of a step on a battery: with the energy it takes, or one for each way to
-        charge.
-        """
+        """The forms of a step on a battery: with its energy, or one for each way to charge."""
         charger = action.charger
         if charger is None:
             yield step._replace(drain=self._energy.rest if action is WAIT else action.drain)

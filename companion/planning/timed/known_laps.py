@@ -65,9 +65,7 @@ class KnownLaps:
         self._keep(tuple((problem.actions[s.action].name, s.charge) for s in lap.steps))
 
     def keep_loop(self, loop: Sequence[Action]) -> None:
-        """Adds the loop of a plan that was made for the battery only, which charges from floors
-        on.
-        """
+        """Adds the loop of a plan made for the battery only, which charges from floors on."""
         self._keep(tuple((action.name, _charge_of(action)) for action in loop))
 
     def _keep(self, steps: _KnownLap) -> None:
@@ -153,8 +151,7 @@ def _round(
     start: int,
     every_mark: int,
 ) -> list[TimedStep] | None:
-    """The steps of some actions from a state back to it that meet every mark; None if there are
-    none.
+    """Steps of some actions from a state back to it that meet every mark; None without any.
 
     All runs of the automata are followed, because one action may lead to several states.
     """

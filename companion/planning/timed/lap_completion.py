@@ -49,9 +49,7 @@ def completion(
 
 
 def completion_in_order(component: TimedComponent, anchor: int, barred: frozenset[int]) -> Missing:
-    """The least cost of the rest of a lap that meets the marks in order. Args: as in
-    `completion`.
-    """
+    """The least cost of the rest of a lap with marks in order. Args: as in `completion`."""
     numbers, edges = _edges(component, barred)
     starts, ends, costs, marks = np.array(edges, np.int64).reshape(-1, 4).T
     forward, backward = _both_ways(starts, ends, costs, len(numbers))

@@ -239,9 +239,7 @@ class TimedLassos:
         return next((way for way in ways if way is not None), None)
 
     def _ordered(self, part: TimedComponent) -> Iterator[LapSearch]:
-        """Searches for laps that meet most marks in the order of the shortest tour, in both
-        directions.
-        """
+        """Searches for laps that meet most marks in the shortest tour's order, either way."""
         marks = [mark for mark in range(len(part.targets_of)) if not part.free >> mark & 1]
         if len(marks) <= FEW_MARKS:
             return

@@ -28,9 +28,7 @@ class ParetoSet:
         return self._count
 
     def add(self, vector: Sequence[int]) -> bool:
-        """Adds a vector unless a known one is as good in all components; returns whether it was
-        added.
-        """
+        """Adds a vector, unless a known one is as good in all components; true if added."""
         if self._count < FEW:
             for other in self._few:
                 if all(map(le, other, vector)):
