@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from enum import Enum
 from types import UnionType
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from hypothesis import strategies as st
 
@@ -29,14 +29,15 @@ def events_of(kind: type[FlightEvent]) -> st.SearchStrategy[FlightEvent]:
 
 
 def _objects(owner: type) -> st.SearchStrategy[Any]:
-    fields = [field for field in fields_of(owner) if not field.is_constant]
-    return st.builds(owner, **{field.name: _values(field.type) for field in fields})
+    return st.builds(owner, **{field.name: _values(field.type) for field in fields_of(owner)})
 
 
 def _values(type_: Any) -> st.SearchStrategy[Any]:
     origin, arguments = get_origin(type_), get_args(type_)
     if type_ in SCALARS:
         return SCALARS[type_]
+    if origin is Literal:
+        return st.sampled_from(arguments)
     if origin is UnionType:
         return st.one_of(*(_values(each) for each in arguments))
     if origin is tuple and arguments[-1] is Ellipsis:

@@ -47,6 +47,6 @@ def test_a_help_text_has_no_brackets_that_rich_leaves_out(path: str) -> None:
 def test_each_kind_of_event_is_in_the_table() -> None:
     page = (DOCS / "run-folder.md").read_text(encoding="utf-8")
     missing = [
-        event.__name__ for event in RECORDED if f"| `{event.kind}` | `{event.__name__}`" not in page
+        event.__name__ for event in RECORDED if f"| `{event.__name__}` | `{event.kind}`" not in page
     ]
     assert not missing

@@ -87,7 +87,7 @@ class Beginning:
             case names:
                 if not self._is_loading:
                     self._is_loading = True
-                    self._flight.report(FunctionsAwaited(", ".join(names)))
+                    self._flight.report(FunctionsAwaited(names))
                 return Progress.RUNNING
 
     def _tell_location(self) -> None:

@@ -1,251 +1,47 @@
 """All classes of events, in the order in which docs/run-folder.md lists them.
 
-Where classes share a kind, and the keys of their lines are the same, a line is one of the first of
-them whose text it has; so those whose text may be anything come last.
+A class is declared in a module of this package, and needs no other entry.
 """
 
 from __future__ import annotations
 
-from companion.flight_events.charge import ChargeMeasured, ChargePlanned
-from companion.flight_events.energy import EnergyUsed, GaugeJumped, ReserveUsed
+from collections.abc import Iterator
+from types import ModuleType
+
+from companion.flight_events import (
+    charge,
+    energy,
+    facts,
+    fence,
+    frames,
+    hosting,
+    landing,
+    plans,
+    rally,
+    reports,
+    skills,
+    sortie,
+    tree,
+    word,
+)
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.facts import (
-    BeliefRestored,
-    BeliefWithdrawn,
-    MissionEventChanged,
-    PlaceLost,
-    PlacesConnected,
-    PlacesCutOff,
-)
-from companion.flight_events.fence import (
-    FenceKept,
-    FenceMissing,
-    FenceNear,
-    FenceReplaced,
-    FenceWritten,
-)
-from companion.flight_events.frames import (
-    FrameDoubted,
-    FrameLocated,
-    FrameTrusted,
-    HomeMeasured,
-    HomeRecalled,
-    OriginMoved,
-)
-from companion.flight_events.hosting import (
-    ClockFollowed,
-    DatagramsDropped,
-    FramesRefused,
-    MissionReady,
-    MissionUnreadable,
-    PortLost,
-    PortRestored,
-    RecordingFailed,
-    RunNotBegun,
-    TerminalHungUp,
-    UploadChecked,
-)
-from companion.flight_events.landing import (
-    DockMayBeMissed,
-    LandedOnMarker,
-    MarkerAbandoned,
-    MarkerLost,
-    MarkerSeen,
-    SightingsRefused,
-)
-from companion.flight_events.plans import (
-    EngineFailed,
-    LapCompleted,
-    LineDropped,
-    LineTakenUp,
-    NoPlanFound,
-    PlanAwaited,
-    PlanMade,
-    PlanReplaced,
-    TaskRecalled,
-    WrittenTreeAdopted,
-)
-from companion.flight_events.rally import (
-    RallyKept,
-    RallyMissing,
-    RallyRemoved,
-    RallyReplaced,
-    RallyUnused,
-    RallyWritten,
-)
-from companion.flight_events.reports import (
-    ReportRefused,
-    ReportUnknown,
-    SignalHeard,
-    SignalOfAnother,
-    SignalSilent,
-)
-from companion.flight_events.skills import (
-    ClearanceChanged,
-    FunctionsAwaited,
-    GroundNear,
-    LowPlacesFlown,
-    OutcomeUnknown,
-    PhotoTaken,
-    PlaceFunctionFailed,
-    PlaceReached,
-    RouteBlocked,
-    SkillCompleted,
-    SkillFailed,
-    SkillProgressed,
-    SpeedLimitedBySight,
-    SymbolMoved,
-    WallNear,
-    WrittenTreeFailed,
-)
-from companion.flight_events.sortie import (
-    AutopilotSaid,
-    BatteryCharged,
-    BatteryLow,
-    ChargeAwaited,
-    ChargeCutShort,
-    ChargeSufficient,
-    ControlRegained,
-    ControlTakenBack,
-    ControlYielded,
-    EndedAtLimit,
-    FlightFoundAgain,
-    FlightLimitReached,
-    GoalFailed,
-    LinkBack,
-    LinkSilent,
-    PauseEnded,
-    PhaseEntered,
-    ReturnBegun,
-    ReturnedAsAsked,
-    ReturnFailed,
-    RunFailed,
-    SetpointRefused,
-    StoppedAsAsked,
-    StopRequested,
-    TaskSatisfied,
-    VehicleAirborne,
-    VehicleCrashed,
-    VehicleLanded,
-    WeakFailsafeAccepted,
-)
-from companion.flight_events.tree import NodesChanged, TreeBuilt, TreeStopped
-from companion.flight_events.word import ConjunctViolated, PositionLeft, ViolatedBefore
 
-EVENTS: tuple[type[FlightEvent], ...] = (
-    PlanMade,
-    WrittenTreeAdopted,
-    TaskRecalled,
-    PlanReplaced,
-    LineDropped,
-    LineTakenUp,
-    NoPlanFound,
-    PlanAwaited,
-    EngineFailed,
-    LapCompleted,
-    PlaceReached,
-    SkillCompleted,
-    SkillFailed,
-    PhotoTaken,
-    SkillProgressed,
-    OutcomeUnknown,
-    WrittenTreeFailed,
-    FunctionsAwaited,
-    PlaceFunctionFailed,
-    RouteBlocked,
-    WallNear,
-    GroundNear,
-    ClearanceChanged,
-    LowPlacesFlown,
-    SpeedLimitedBySight,
-    SymbolMoved,
-    MissionEventChanged,
-    PlaceLost,
-    BeliefWithdrawn,
-    BeliefRestored,
-    PlacesCutOff,
-    PlacesConnected,
-    PositionLeft,
-    ConjunctViolated,
-    ViolatedBefore,
-    PhaseEntered,
-    WeakFailsafeAccepted,
-    FenceWritten,
-    FenceReplaced,
-    FenceKept,
-    FenceMissing,
-    FenceNear,
-    RallyWritten,
-    RallyReplaced,
-    RallyKept,
-    RallyRemoved,
-    RallyMissing,
-    RallyUnused,
-    ControlYielded,
-    ControlRegained,
-    ControlTakenBack,
-    LinkSilent,
-    LinkBack,
-    FlightFoundAgain,
-    FrameLocated,
-    HomeMeasured,
-    HomeRecalled,
-    OriginMoved,
-    FrameTrusted,
-    FrameDoubted,
-    StopRequested,
-    BatteryLow,
-    FlightLimitReached,
-    PauseEnded,
-    ReturnBegun,
-    ReturnFailed,
-    MarkerSeen,
-    MarkerLost,
-    SightingsRefused,
-    MarkerAbandoned,
-    LandedOnMarker,
-    DockMayBeMissed,
-    VehicleLanded,
-    VehicleAirborne,
-    BatteryCharged,
-    ChargeAwaited,
-    ChargeCutShort,
-    ChargeSufficient,
-    ChargeMeasured,
-    ChargePlanned,
-    EnergyUsed,
-    ReserveUsed,
-    GaugeJumped,
-    AutopilotSaid,
-    GoalFailed,
-    SetpointRefused,
-    VehicleCrashed,
-    UploadChecked,
-    MissionReady,
-    MissionUnreadable,
-    RunNotBegun,
-    TerminalHungUp,
-    ClockFollowed,
-    DatagramsDropped,
-    FramesRefused,
-    PortLost,
-    PortRestored,
-    SignalSilent,
-    SignalHeard,
-    ReportRefused,
-    ReportUnknown,
-    SignalOfAnother,
-    RecordingFailed,
-    TreeBuilt,
-    NodesChanged,
-    TreeStopped,
-    TaskSatisfied,
-    EndedAtLimit,
-    ReturnedAsAsked,
-    StoppedAsAsked,
-    RunFailed,
+MODULES: tuple[ModuleType, ...] = (
+    *(plans, skills, facts, word, sortie, fence, rally, frames, landing),
+    *(charge, energy, hosting, reports, tree),
 )
 
+
+def _declared(module: ModuleType) -> Iterator[type[FlightEvent]]:
+    """The classes of events that a module declares, without those that others derive from."""
+    for each in vars(module).values():
+        if isinstance(each, type) and issubclass(each, FlightEvent):
+            is_concrete = hasattr(each, "kind") and hasattr(each, "template")
+            if is_concrete and each.__module__ == module.__name__:
+                yield each
+
+
+EVENTS = tuple(event for module in MODULES for event in _declared(module))
 RECORDED = tuple(event for event in EVENTS if event.is_recorded)
 """Those that events.jsonl keeps."""
 FOR_PROGRAMS = frozenset(event.kind for event in EVENTS if not event.is_told)

@@ -8,13 +8,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from enum import Enum
-from string import Formatter
 from types import NoneType, UnionType
-from typing import Any, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from companion.flight_events.catalogue import RECORDED
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Carrier, EventField, fields_of, item_types, keys_of
+from companion.flight_events.event_fields import fields_of, item_types
 
 Schema = dict[str, Any]
 SCALARS = {str: "string", int: "integer", float: "number", bool: "boolean", NoneType: "null"}
@@ -31,8 +30,7 @@ def json_schema() -> Schema:
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "FlightEvent",
-        "description": "A line of events.jsonl. Classes may share a kind: they are told apart by "
-        "their keys, or by their text.",
+        "description": "A line of events.jsonl: `type` says which of these it is.",
         "anyOf": [{"$ref": f"#/$defs/{event.__name__}"} for event in RECORDED],
         "$defs": definitions,
     }
@@ -41,11 +39,10 @@ def json_schema() -> Schema:
 def _event(event: type[FlightEvent], definitions: dict[str, Schema]) -> Schema:
     about: dict[str, Schema] = {
         "t_s": {"type": "number", "minimum": 0, "description": "Seconds since the run began."},
+        "type": {"const": event.__name__},
         "kind": {"const": event.kind},
-        "text": {"type": "string", "description": f"For people: {_plain(event.template)}"},
+        "text": {"type": "string", "description": "For people, and not read by programs."},
     }
-    if pattern := _pattern(event):
-        about["text"]["pattern"] = pattern
     return {"description": _summary(event)} | _object(about | _keys(event, definitions))
 
 
@@ -59,22 +56,18 @@ def _object(properties: dict[str, Schema]) -> Schema:
 
 
 def _keys(owner: type, definitions: dict[str, Schema]) -> dict[str, Schema]:
-    return {field.name: _key(field, definitions) for field in keys_of(owner)}
-
-
-def _key(field: EventField, definitions: dict[str, Schema]) -> Schema:
-    if field.is_constant:
-        empty = {"type": "array", "maxItems": 0}
-        schema = empty if field.constant == () else {"const": field.constant}
-    else:
-        schema = _type(field.type, definitions)
-    return schema | {"description": field.doc}
+    return {
+        field.name: _type(field.type, definitions) | {"description": field.doc}
+        for field in fields_of(owner)
+    }
 
 
 def _type(type_: Any, definitions: dict[str, Schema]) -> Schema:
     origin, arguments = get_origin(type_), get_args(type_)
     if type_ in SCALARS:
         return {"type": SCALARS[type_]}
+    if origin is Literal:
+        return {"enum": list(arguments)}
     if origin is UnionType:
         return {"anyOf": [_type(each, definitions) for each in arguments]}
     if origin is tuple:
@@ -103,32 +96,6 @@ def _array(types: tuple[Any, ...], definitions: dict[str, Schema]) -> Schema:
     return {"type": "array", "prefixItems": items, "items": False, "minItems": len(items)}
 
 
-def _pattern(event: type[FlightEvent]) -> str:
-    """A regular expression (ECMA-262) for the text, where it tells more than the keys do."""
-    keys = [field.name for field in keys_of(event)]
-    alike = [
-        other
-        for other in RECORDED
-        if other.kind == event.kind and [field.name for field in keys_of(other)] == keys
-    ]
-    has_more = any(field.carrier is Carrier.TEXT for field in fields_of(event))
-    if not has_more and len(alike) == 1:
-        return ""
-    special = r"([\\^$.|?*+()\[\]{}])"
-    parts = [
-        re.sub(special, r"\\\1", literal) + (_alternatives(event, name) if name else "")
-        for literal, name, _, _ in Formatter().parse(event.template)
-    ]
-    return f"^{''.join(parts)}$"
-
-
-def _alternatives(event: type[FlightEvent], name: str) -> str:
-    type_ = next((field.type for field in fields_of(event) if field.name == name), str)
-    if isinstance(type_, type) and issubclass(type_, Enum):
-        return f"({'|'.join(str(member.value) for member in type_)})"
-    return "-?[0-9]+" if type_ is int else r"[\s\S]*"
-
-
 # -- tables of docs/run-folder.md ------------------------------------------------------------------
 
 
@@ -142,36 +109,32 @@ def with_tables(page: str) -> str:
 
 
 def kinds_table() -> str:
-    """A row for each class: its kind, its text, its fields, and what happened."""
+    """A row for each class: its kind, its text, its other keys, and what happened."""
     rows = []
     for event in RECORDED:
-        keys = [f"`{field.name}`" for field in keys_of(event)]
-        spoken = [f"`{f.name}`" for f in fields_of(event) if f.carrier is Carrier.TEXT]
-        if spoken:
-            keys.append(f"*{', '.join(spoken)}*")
         summary = _summary(event).removesuffix(".")
         what = summary[0].lower() + summary[1:]
         rows.append(
             (
-                f"`{event.kind}`",
                 f"`{event.__name__}`",
+                f"`{event.kind}`",
                 f"`{_plain(event.template)}`",
-                ", ".join(keys),
+                ", ".join(f"`{field.name}`" for field in fields_of(event)),
                 what if event.is_told else f"{what}; not printed in flight",
             )
         )
-    return _table(("kind", "class", "`text`", "fields", "what happened"), rows)
+    return _table(("`type`", "`kind`", "`text`", "other keys", "what happened"), rows)
 
 
 def fields_table() -> str:
     """A row for each meaning that a key may have."""
-    kinds: dict[tuple[str, str], dict[str, None]] = {}
+    types: dict[tuple[str, str], dict[str, None]] = {}
     for event in RECORDED:
-        for field in keys_of(event):
-            kinds.setdefault((field.name, field.doc), {})[f"`{event.kind}`"] = None
-    names = [name for name, _ in kinds]
+        for field in fields_of(event):
+            types.setdefault((field.name, field.doc), {})[f"`{event.__name__}`"] = None
+    names = [name for name, _ in types]
     meanings: dict[str, list[str]] = {}
-    for (name, doc), of in kinds.items():
+    for (name, doc), of in types.items():
         where = f" of {', '.join(of)}" if names.count(name) > 1 else ""
         meanings.setdefault(doc, []).append(f"`{name}`{where}")
     rows = [(", ".join(fields), doc) for doc, fields in meanings.items()]

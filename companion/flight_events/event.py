@@ -5,7 +5,8 @@ text for people, the lines of events.jsonl (writing.py, reading.py), their JSON 
 tables of docs/run-folder.md (description.py). catalogue.py lists the classes. An event does not
 know when it happened; `Stamped` says so beside it.
 
-Two classes may share a `kind`: they are then told apart by the keys of their lines, or by the text.
+On a line, `type` is the class. The `kind` is a group of classes that people filter by, and the text
+is for people: nothing is read out of either.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ class FlightEvent:
     """Something that happened in a flight.
 
     Attributes:
-        kind: names the kind on the lines of events.jsonl and on the monitor page.
+        kind: the group that it belongs to; several classes may share it.
         template: the text for people, with attributes of the event in braces.
         is_told: the event is news for people, not for programs alone.
         is_recorded: events.jsonl keeps it.

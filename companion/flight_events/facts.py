@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc
 
 BeliefName = Annotated[str, Doc("as the mission spells it, e.g. `canUpload(r1)`")]
-BeliefsWithdrawn = Annotated[tuple[str, ...], Doc("a list of the beliefs that were withdrawn")]
-BeliefsRestored = Annotated[tuple[str, ...], Doc("a list of the beliefs that were restored")]
+BeliefsInShort = Annotated[str, Doc("the beliefs in short, e.g. `trans_ok(*, B)`")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +66,8 @@ class PlacesCutOff(FlightEvent):
     kind = "map"
     template = "no route on the map as sensed: {summary} withdrawn"
 
-    summary: InText[str]
-    withdrawn: BeliefsWithdrawn
-    restored: BeliefsRestored = field(default=(), init=False)
+    summary: BeliefsInShort
+    withdrawn: Annotated[tuple[str, ...], Doc("a list of the beliefs that were withdrawn")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +77,8 @@ class PlacesConnected(FlightEvent):
     kind = "map"
     template = "there is a route again: {summary} restored"
 
-    summary: InText[str]
-    withdrawn: BeliefsWithdrawn = field(default=(), init=False)
-    restored: BeliefsRestored
+    summary: BeliefsInShort
+    restored: Annotated[tuple[str, ...], Doc("a list of the beliefs that were restored")]
 
 
 def in_words(event: str, holds: bool) -> str:

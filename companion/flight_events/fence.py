@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc, Reason
 from companion.geometry import NorthEast
 
-FenceWords = Annotated[str, Doc("points and areas")]
+FenceWords = Annotated[str, Doc("how many points and areas the fence has")]
+Before = Annotated[str, Doc("the same of what was there before")]
 Polygon = tuple[NorthEast, ...]
 
 
@@ -20,7 +21,7 @@ class FenceWritten(FlightEvent):
     kind = "fence"
     template = "the autopilot has the mission's fence ({fence}), and keeps it after the flight"
 
-    fence: InText[FenceWords]
+    fence: FenceWords
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +31,8 @@ class FenceReplaced(FlightEvent):
     kind = "fence"
     template = "the mission's fence ({fence}) has replaced the autopilot's ({before})"
 
-    fence: InText[FenceWords]
-    before: InText[FenceWords]
+    fence: FenceWords
+    before: Before
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +42,7 @@ class FenceKept(FlightEvent):
     kind = "fence"
     template = "the autopilot keeps its fence ({fence})"
 
-    fence: InText[FenceWords]
+    fence: FenceWords
     within: Annotated[
         tuple[Polygon, ...],
         Doc(
@@ -62,7 +63,7 @@ class FenceMissing(FlightEvent):
     kind = "fence"
     template = "no fence in the autopilot: {reason}"
 
-    reason: InText[str]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)

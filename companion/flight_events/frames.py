@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import InText
+from companion.flight_events.event_fields import Doc, Reason
+
+HomeName = Annotated[str, Doc("the name of the home position")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,12 +22,12 @@ class FrameLocated(FlightEvent):
         "{residual_m} m"
     )
 
-    home: InText[str]
-    latitude_deg: InText[float]
-    longitude_deg: InText[float]
-    away_m: InText[float]
-    amsl_m: InText[float]
-    residual_m: InText[float]
+    home: HomeName
+    latitude_deg: Annotated[float, Doc("of the origin")]
+    longitude_deg: Annotated[float, Doc("of the origin")]
+    away_m: Annotated[float, Doc("from the origin to home")]
+    amsl_m: Annotated[float, Doc("of the origin above mean sea level")]
+    residual_m: Annotated[float, Doc("by which local and global position differ")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,9 +40,9 @@ class HomeMeasured(FlightEvent):
         "{accuracy_m} m"
     )
 
-    home: InText[str]
-    for_s: InText[float]
-    accuracy_m: InText[float]
+    home: HomeName
+    for_s: Annotated[float, Doc("how long it is measured")]
+    accuracy_m: Annotated[float, Doc("standard deviation of the position, by the autopilot")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +52,8 @@ class HomeRecalled(FlightEvent):
     kind = "frame"
     template = "{home} and the map are where an earlier flight had them, {gap_m} m from the vehicle"
 
-    home: InText[str]
-    gap_m: InText[float]
+    home: HomeName
+    gap_m: Annotated[float, Doc("from where the vehicle stands")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +65,7 @@ class OriginMoved(FlightEvent):
         "the autopilot's origin has moved by {moved_m} m; the flight continues in the new frame"
     )
 
-    moved_m: InText[float]
+    moved_m: Annotated[float, Doc("by which it has moved")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,4 +83,4 @@ class FrameDoubted(FlightEvent):
     kind = "frame"
     template = "waiting: {reason}"
 
-    reason: InText[str]
+    reason: Reason

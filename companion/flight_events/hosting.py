@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Annotated
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc, Reason
 
-IsRefused = Annotated[bool, Doc("whether the mission may not be flown")]
+PortName = Annotated[str, Doc("the URL of the port, as the command has it")]
+IS_REFUSED = Doc("whether the mission may not be flown")
 
 
 class UploadNews(FlightEvent):
@@ -29,8 +30,8 @@ class UploadChecked(UploadNews):
 
     template = "{verdict}"
 
-    verdict: InText[str]
-    is_refused: IsRefused
+    verdict: Annotated[str, Doc("what came of the check, in words")]
+    is_refused: Annotated[bool, IS_REFUSED]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +41,8 @@ class MissionReady(UploadNews):
     template = "{mission} is ready; MISSION_START flies it"
     is_recorded = False
 
-    mission: InText[str]
-    is_refused: IsRefused = field(default=False, init=False)
+    mission: Annotated[str, Doc("the name of the mission")]
+    is_refused: Annotated[Literal[False], IS_REFUSED] = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +52,8 @@ class MissionUnreadable(UploadNews):
     template = "the mission cannot be read: {reason}"
     is_recorded = False
 
-    reason: InText[str]
-    is_refused: IsRefused = field(default=True, init=False)
+    reason: Reason
+    is_refused: Annotated[Literal[True], IS_REFUSED] = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +63,8 @@ class RunNotBegun(UploadNews):
     template = "the flight does not begin: {reason}"
     is_recorded = False
 
-    reason: InText[str]
-    is_refused: IsRefused = field(default=True, init=False)
+    reason: Reason
+    is_refused: Annotated[Literal[True], IS_REFUSED] = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +92,8 @@ class PortLost(FlightEvent):
     kind = "port lost"
     template = "{port} is lost; trying to open it each second: {reason}"
 
-    port: InText[str]
-    reason: InText[str]
+    port: PortName
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +103,7 @@ class PortRestored(FlightEvent):
     kind = "port restored"
     template = "{port} works again"
 
-    port: InText[str]
+    port: PortName
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,4 +139,4 @@ class RecordingFailed(FlightEvent):
     template = "the run folder cannot be written; the flight continues: {reason}"
     is_recorded = False
 
-    reason: InText[str]
+    reason: Reason

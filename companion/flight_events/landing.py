@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc, Reason
 
 PlaceName = Annotated[str, Doc("the place whose marker it is")]
 
@@ -42,7 +42,7 @@ class SightingsRefused(FlightEvent):
 
     place: PlaceName
     number: Annotated[int, Doc("sightings refused since the landing began")]
-    reason: InText[str]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class MarkerAbandoned(FlightEvent):
     template = "no landing on the marker of {place}: {reason}"
 
     place: PlaceName
-    reason: InText[str]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Literal
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, Inline, InText
+from companion.flight_events.event_fields import Doc, Reason
 
-PlanNumber = Annotated[int, Doc("of the plan; 0 is the first, N the one after replan N")]
+PLAN_NUMBER = Doc("of the plan; 0 is the first, N the one after replan N")
 Task = Annotated[
     Mapping[str, str],
     Doc("each line of the task by its name: the formula, without patterns and goals"),
@@ -21,7 +21,7 @@ Priorities = Annotated[
 Dropped = Annotated[
     tuple[str, ...], Doc("a list of the lines of the task that the plan does not keep")
 ]
-Cause = Annotated[str, Doc("why there was a new plan")]
+Explanation = Annotated[str, Doc("why there is no plan, in words")]
 Cost = Annotated[float, Doc("expected duration in seconds")]
 
 
@@ -57,6 +57,15 @@ class PlannedLasso:
         return f"{prefix}({', '.join(step.action for step in self.loop)})^w"
 
 
+Plan = Annotated[
+    PlannedLasso,
+    Doc(
+        "`prefix` and `loop`, lists of `{action, skill, arguments, cost_s}`; `prefix_cost_s` and "
+        "`lap_cost_s`, the expected durations"
+    ),
+]
+
+
 @dataclass(frozen=True, slots=True)
 class PlanMade(FlightEvent):
     """The first plan was made."""
@@ -64,9 +73,9 @@ class PlanMade(FlightEvent):
     kind = "plan"
     template = "plan: {plan}"
 
-    number: PlanNumber = field(default=0, init=False)
+    number: Annotated[Literal[0], PLAN_NUMBER] = field(default=0, kw_only=True)
     task: Task
-    plan: Inline[PlannedLasso]
+    plan: Plan
     priorities: Priorities = field(default_factory=dict)
     dropped: Dropped = ()
 
@@ -78,7 +87,7 @@ class WrittenTreeAdopted(FlightEvent):
     kind = "plan"
     template = "flying the mission's own tree"
 
-    number: PlanNumber = field(default=0, init=False)
+    number: Annotated[Literal[0], PLAN_NUMBER] = field(default=0, kw_only=True)
     task: Task
     priorities: Priorities = field(default_factory=dict)
 
@@ -102,9 +111,9 @@ class PlanReplaced(FlightEvent):
     kind = "replan"
     template = "replan {number}: {reason} -> {plan}"
 
-    number: PlanNumber
-    reason: Cause
-    plan: Inline[PlannedLasso]
+    number: Annotated[int, PLAN_NUMBER]
+    reason: Reason
+    plan: Plan
     dropped: Dropped = ()
 
 
@@ -116,7 +125,7 @@ class LineDropped(FlightEvent):
     template = "{line} dropped: {reason}"
 
     line: Annotated[str, Doc("the name of the line of the task")]
-    reason: Annotated[str, Doc("why it is dropped")]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +151,7 @@ class EngineFailed(FlightEvent):
     kind = "engine failed"
     template = "{reason}; the built-in search plans instead"
 
-    reason: Annotated[str, Doc("why it made none")]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,9 +161,9 @@ class NoPlanFound(FlightEvent):
     kind = "replan"
     template = "replan {number}: {reason}: {explanation}"
 
-    number: InText[int]
-    reason: Cause
-    explanation: InText[str]
+    number: Annotated[int, PLAN_NUMBER]
+    reason: Reason
+    explanation: Explanation
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,11 +171,16 @@ class PlanAwaited(FlightEvent):
     """There is no plan now; the vehicle holds, since one may become possible again."""
 
     kind = "awaited"
-    template = "{explanation} Holding for up to {patience_s:g} s for a change of {hopes}"
+    template = "{explanation} Holding for up to {patience_s:g} s for a change of {listed}"
 
-    explanation: InText[str]
+    explanation: Explanation
     patience_s: Annotated[float, Doc("seconds that are left")]
-    hopes: InText[str]
+    hopes: Annotated[tuple[str, ...], Doc("a list of the changes that may make a plan possible")]
+
+    @property
+    def listed(self) -> str:
+        """The hopes in words."""
+        return ", ".join(self.hopes)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc, Reason
 
-RallyWords = Annotated[str, Doc("how many, or their names")]
+RallyWords = Annotated[str, Doc("how many rally points, or their names")]
+Before = Annotated[str, Doc("the same of what was there before")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +19,7 @@ class RallyWritten(FlightEvent):
     kind = "rally"
     template = "the autopilot's Return may land at {points} from now on, also after the flight"
 
-    points: InText[RallyWords]
+    points: RallyWords
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +29,8 @@ class RallyReplaced(FlightEvent):
     kind = "rally"
     template = "the autopilot's Return may land at {points} from now on, no longer at {before}"
 
-    points: InText[RallyWords]
-    before: InText[RallyWords]
+    points: RallyWords
+    before: Before
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class RallyKept(FlightEvent):
     kind = "rally"
     template = "the autopilot keeps {points}"
 
-    points: InText[RallyWords]
+    points: RallyWords
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +50,7 @@ class RallyRemoved(FlightEvent):
     kind = "rally"
     template = "{before} removed: the autopilot's Return goes home"
 
-    before: InText[RallyWords]
+    before: Before
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,7 @@ class RallyMissing(FlightEvent):
     kind = "rally"
     template = "no rally points for the autopilot: {reason}"
 
-    reason: InText[str]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,5 +70,5 @@ class RallyUnused(FlightEvent):
     kind = "rally"
     template = "the autopilot's Return does not land at {points}: {reason}"
 
-    points: InText[RallyWords]
-    reason: InText[str]
+    points: RallyWords
+    reason: Reason

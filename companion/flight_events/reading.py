@@ -1,34 +1,29 @@
 """Lines of events.jsonl as events, with the classes that have written them.
 
-A line is read strictly: its keys are those of a class of its kind, no more and no fewer, and each
-value is of the field's type. What the text alone carries is read out of it by the template that
-has made it. So writing what was read gives the same line.
+The `type` of a line names the class, and the class says which other keys there are and of which
+types they are: no more and no fewer. `kind` and `text` are for people, and are not read.
 """
 
 from __future__ import annotations
 
 import json
-import re
-from collections.abc import Mapping
-from string import Formatter
 from typing import Any
 
 from companion.errors import Location, MissionError
 from companion.flight_events.catalogue import RECORDED
 from companion.flight_events.event import FlightEvent, Stamped
-from companion.flight_events.event_fields import Carrier, fields_of, keys_of
-from companion.flight_events.values import Unfit, value_of
+from companion.flight_events.values import Unfit, object_of
 
-ABOUT = ("t_s", "kind", "text")
-"""Keys of every line."""
 MAX_S = 1e9
+_CLASSES = {event.__name__: event for event in RECORDED}
 
 
 def read_line(line: str | bytes, where: Location | None = None) -> Stamped:
-    """A line of events.jsonl.
+    """Reads a line of events.jsonl.
 
-    >>> read_line('{"t_s": 7.25, "kind": "at", "text": "at A", "action": "move(Home, A)"}')
-    Stamped(time_s=7.25, event=PlaceReached(place='A', action='move(Home, A)'))
+    >>> text = '"kind": "lost", "text": "no longer at A: 2.4 m away"'
+    >>> read_line('{"t_s": 7.25, "type": "PlaceLost", %s, "place": "A", "away_m": 2.4}' % text)
+    Stamped(time_s=7.25, event=PlaceLost(place='A', away_m=2.4))
 
     Args:
         line: without or with its end.
@@ -44,97 +39,23 @@ def read_line(line: str | bytes, where: Location | None = None) -> Stamped:
     if not isinstance(data, dict):
         raise MissionError("this line is not a JSON object", where)
     try:
-        kind, text = value_of(str, data, "kind"), value_of(str, data, "text")
-        return Stamped(_time_s(data), _event(kind, text, data))
+        time_s, event = _time_s(data.pop("t_s")), _class(data.pop("type"))
+        del data["kind"], data["text"]
+        return Stamped(time_s, object_of(event, data))
+    except KeyError as error:
+        raise MissionError(f"{error.args[0]} is missing here", where) from error
     except Unfit as error:
         raise MissionError(str(error), where) from error
 
 
-def _time_s(data: Mapping[str, Any]) -> float:
-    found = data.get("t_s")
+def _time_s(found: Any) -> float:
     if isinstance(found, bool) or not isinstance(found, int | float) or not 0 <= found < MAX_S:
-        raise Unfit("t_s is missing here, or no time in seconds")
+        raise Unfit("t_s is no time in seconds")
     return float(found)
 
 
-def _event(kind: str, text: str, data: Mapping[str, Any]) -> FlightEvent:
-    """The event of the first class whose keys, values and text a line has."""
-    classes = [event for event in RECORDED if event.kind == kind]
-    if not classes:
-        raise Unfit(f"{kind} is no kind of event")
-    keys = data.keys() - set(ABOUT)
-    alike = [event for event in classes if _keys(event) == keys]
-    if not alike:
-        raise Unfit(_difference(classes, keys))
-    *others, last = alike
-    for event in others:
-        try:
-            return _read(event, text, data, is_text_due=True)
-        except Unfit:
-            continue
-    return _read(last, text, data, is_text_due=len(alike) > 1)
-
-
-def _keys(event: type[FlightEvent]) -> set[str]:
-    return {field.name for field in keys_of(event)}
-
-
-def _difference(classes: list[type[FlightEvent]], keys: set[str]) -> str:
-    """What the class that is most like a line has and the line has not, or the other way round."""
-    nearest = min((_keys(event) for event in classes), key=lambda each: len(each ^ keys))
-    if missing := sorted(nearest - keys):
-        return f"{missing[0]} is missing here"
-    return f"{min(keys - nearest)} has no place here"
-
-
-def _read(
-    event: type[FlightEvent], text: str, data: Mapping[str, Any], is_text_due: bool
-) -> FlightEvent:
-    values = _from_keys(event, data)
-    in_text = [field for field in fields_of(event) if field.carrier is Carrier.TEXT]
-    if in_text:
-        found = re.fullmatch(_pattern(event, data), text, re.DOTALL)
-        if found is None:
-            raise Unfit(f'the text is not "{event.template}"')
-        values |= {field.name: _from_text(field.type, found[field.name]) for field in in_text}
-    made = event(**values)
-    if (in_text or is_text_due) and made.text != text:
-        raise Unfit(f'the text is not "{event.template}"')
-    return made
-
-
-def _from_keys(owner: type, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments for a class; its fields that the text carries are wanting."""
-    values = {}
-    for field in fields_of(owner):
-        if field.carrier is Carrier.KEYS:
-            values[field.name] = field.type(**_from_keys(field.type, data))
-        elif field.carrier is Carrier.KEY:
-            value = value_of(field.type, data, field.name)
-            if not field.is_constant:
-                values[field.name] = value
-            elif value != field.constant:
-                raise Unfit(f"{field.name} is not {field.constant} here")
-    return values
-
-
-def _pattern(event: type[FlightEvent], data: Mapping[str, Any]) -> str:
-    """A regular expression for the text of an event of which the keys of its line are known."""
-    in_text = {field.name for field in fields_of(event) if field.carrier is Carrier.TEXT}
-    pattern = ""
-    for literal, name, _, _ in Formatter().parse(event.template):
-        pattern += re.escape(literal)
-        if name in in_text:
-            pattern += f"(?P<{name}>.*)"
-        elif name is not None:
-            known = data.get(name)
-            pattern += re.escape(str(known)) if isinstance(known, str | int) else ".*"
-    return pattern
-
-
-def _from_text(type_: Any, text: str) -> object:
-    """A value of a field that the text carries: a string, a number, or of an enum."""
-    try:
-        return type_(text)
-    except ValueError as error:
-        raise Unfit(f"the text has {text} in a wrong place") from error
+def _class(name: Any) -> type[FlightEvent]:
+    found = _CLASSES.get(name) if isinstance(name, str) else None
+    if found is None:
+        raise Unfit(f"{name} is no type of event")
+    return found

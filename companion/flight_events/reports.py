@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc, Reason
 
 EventName = Annotated[str, Doc("an event of the mission")]
 SignalName = Annotated[str, Doc("the signal in the event's condition")]
@@ -41,7 +41,7 @@ class ReportRefused(FlightEvent):
     kind = "report"
     template = "reports refused: {number}; the last one: {reason}"
 
-    reason: InText[str]
+    reason: Reason
     number: Annotated[int, Doc("refused since the flight began")]
 
 
@@ -50,10 +50,15 @@ class ReportUnknown(FlightEvent):
     """Another program reports a name that the mission does not use; told once for each name."""
 
     kind = "report"
-    template = "a program reports {name}, which the mission does not use; it uses {known}"
+    template = "a program reports {name}, which the mission does not use; it uses {listed}"
 
-    name: InText[str]
-    known: InText[str]
+    name: Annotated[str, Doc("that is reported")]
+    known: Annotated[tuple[str, ...], Doc("a list of the names that the mission uses")]
+
+    @property
+    def listed(self) -> str:
+        """The names that the mission uses, in words."""
+        return ", ".join(self.known) or "none"
 
 
 @dataclass(frozen=True, slots=True)

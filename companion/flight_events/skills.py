@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc, Reason
 from companion.geometry import Ned
 
 ActionName = Annotated[str, Doc("as the mission spells it, e.g. `move(A, B)`")]
@@ -20,7 +20,7 @@ class PlaceReached(FlightEvent):
     kind = "at"
     template = "at {place}"
 
-    place: InText[str]
+    place: Annotated[str, Doc("that was reached")]
     action: ActionName
 
 
@@ -42,7 +42,7 @@ class SkillFailed(FlightEvent):
     template = "{action} failed: {reason}"
 
     action: ActionName
-    reason: InText[str]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,9 +84,14 @@ class FunctionsAwaited(FlightEvent):
     """The flight waits until the functions that its mission calls are loaded."""
 
     kind = "loading"
-    template = "waiting until these functions are loaded: {names}"
+    template = "waiting until these functions are loaded: {listed}"
 
-    names: InText[str]
+    names: Annotated[tuple[str, ...], Doc("a list of the functions")]
+
+    @property
+    def listed(self) -> str:
+        """The functions in words."""
+        return ", ".join(self.names)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +103,7 @@ class PlaceFunctionFailed(FlightEvent):
 
     place: Annotated[str, Doc("that it was asked about")]
     function: Annotated[str, Doc("the name of the suggester or test")]
-    reason: InText[str]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +114,7 @@ class OutcomeUnknown(FlightEvent):
     template = "{action}: it is unknown whether this was done; {consequence}"
 
     action: ActionName
-    consequence: InText[str]
+    consequence: Annotated[str, Doc("what is done about it, in words")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +124,7 @@ class WrittenTreeFailed(FlightEvent):
     kind = "failed"
     template = "the tree has failed: {reason}"
 
-    reason: InText[str]
+    reason: Reason
 
 
 class RouteResponse(Enum):
@@ -138,7 +143,7 @@ class RouteBlocked(FlightEvent):
     template = "the route to {place} is not clear: {response}"
 
     place: Annotated[str, Doc("where the flight leads")]
-    response: InText[RouteResponse]
+    response: Annotated[RouteResponse, Doc("what is done about it")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
-from typing import Annotated
+from typing import Annotated, Literal
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
-
-ExitCode = Annotated[int, Doc("with which the command ends")]
+from companion.flight_events.event_fields import Doc, Reason
 
 
 class Phase(Enum):
@@ -30,6 +28,14 @@ class Phase(Enum):
     ENDED = "ended"
 
 
+EXIT_CODE = Doc("with which the command ends")
+PhaseName = Annotated[Phase, Doc("the name of the phase")]
+Destination = Annotated[str, Doc("the place that the vehicle flies to")]
+LimitWords = Annotated[str, Doc("the limit: laps or seconds")]
+Percent = Annotated[int, Doc("the charge")]
+ZeroExitCode = Annotated[Literal[0], EXIT_CODE]
+
+
 @dataclass(frozen=True, slots=True)
 class PhaseEntered(FlightEvent):
     """A phase of the sortie began."""
@@ -37,7 +43,7 @@ class PhaseEntered(FlightEvent):
     kind = "phase"
     template = "{phase}"
 
-    phase: InText[Phase]
+    phase: PhaseName
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +53,7 @@ class GoalFailed(FlightEvent):
     kind = "phase"
     template = "{reason}"
 
-    reason: InText[str]
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +63,7 @@ class AutopilotSaid(FlightEvent):
     kind = "autopilot"
     template = "the autopilot says: {words}"
 
-    words: InText[str]
+    words: Annotated[str, Doc("what it says")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +73,7 @@ class WeakFailsafeAccepted(FlightEvent):
     kind = "phase"
     template = "weak failsafe accepted: {weakness}"
 
-    weakness: InText[str]
+    weakness: Annotated[str, Doc("which failsafe, and how it is weak")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +83,7 @@ class ControlYielded(FlightEvent):
     kind = "phase"
     template = "{loss}; hold, then continue, to give control back"
 
-    loss: InText[str]
+    loss: Annotated[str, Doc("who has control, or why the companion has lost it")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,9 +125,9 @@ class FlightFoundAgain(FlightEvent):
     kind = "phase"
     template = "the companion was away for {away_s} s, while {phase}; {key}"
 
-    away_s: InText[float]
-    phase: InText[Phase]
-    key: InText[str]
+    away_s: Annotated[float, Doc("how long the companion was away, in seconds")]
+    phase: PhaseName
+    key: Annotated[str, Doc("what the flight waits for, in words")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +153,7 @@ class ReturnBegun(FlightEvent):
     kind = "phase"
     template = "returning to {place}"
 
-    place: InText[str]
+    place: Destination
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,8 +163,8 @@ class ReturnFailed(FlightEvent):
     kind = "phase"
     template = "cannot return to {place}: {reason}"
 
-    place: InText[str]
-    reason: InText[str]
+    place: Destination
+    reason: Reason
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +174,7 @@ class FlightLimitReached(FlightEvent):
     kind = "phase"
     template = "{limit} flown: returning"
 
-    limit: InText[str]
+    limit: LimitWords
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +184,7 @@ class BatteryLow(FlightEvent):
     kind = "phase"
     template = "the battery is low, and the mission has no rule for this: returning to {place}"
 
-    place: InText[str]
+    place: Destination
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,7 +210,7 @@ class BatteryCharged(FlightEvent):
     kind = "phase"
     template = "charged to {percent} %"
 
-    percent: InText[int]
+    percent: Percent
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,8 +223,8 @@ class ChargeAwaited(FlightEvent):
         "up to {patience_s} s"
     )
 
-    percent: InText[int]
-    patience_s: InText[int]
+    percent: Percent
+    patience_s: Annotated[int, Doc("how long it waits at most, in seconds")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,7 +234,7 @@ class ChargeCutShort(FlightEvent):
     kind = "phase"
     template = "charging ends at {percent} %, to answer an event"
 
-    percent: InText[int]
+    percent: Percent
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,8 +244,8 @@ class ChargeSufficient(FlightEvent):
     kind = "phase"
     template = "no landing to charge: the battery has {percent} %, and {enough} % are enough"
 
-    percent: InText[int]
-    enough: InText[int]
+    percent: Percent
+    enough: Annotated[int, Doc("percent of the charge that are enough")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,7 +255,7 @@ class VehicleCrashed(FlightEvent):
     kind = "crash"
     template = "{sign}"
 
-    sign: InText[str]
+    sign: Annotated[str, Doc("what was seen")]
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,7 +265,7 @@ class SetpointRefused(FlightEvent):
     kind = "gate"
     template = "setpoint refused, holding: {reason}"
 
-    reason: Annotated[str, Doc("why the gate refused")]
+    reason: Reason
 
 
 class RunEnded(FlightEvent):
@@ -280,7 +286,7 @@ class TaskSatisfied(RunEnded):
 
     template = "task satisfied, landed"
 
-    exit_code: ExitCode = field(default=0, init=False)
+    exit_code: ZeroExitCode = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,7 +295,7 @@ class ReturnedAsAsked(RunEnded):
 
     template = "returned as asked, landed"
 
-    exit_code: ExitCode = field(default=0, init=False)
+    exit_code: ZeroExitCode = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -298,9 +304,9 @@ class EndedAtLimit(RunEnded):
 
     template = "{limit} flown, landed; {verdict}"
 
-    limit: InText[str]
-    verdict: InText[str]
-    exit_code: ExitCode = field(default=0, init=False)
+    limit: LimitWords
+    verdict: Annotated[str, Doc("whether the task holds, in words")]
+    exit_code: ZeroExitCode = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -309,7 +315,7 @@ class StoppedAsAsked(RunEnded):
 
     template = "stopped as asked"
 
-    exit_code: ExitCode = field(default=0, init=False)
+    exit_code: ZeroExitCode = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -318,5 +324,5 @@ class RunFailed(RunEnded):
 
     template = "{reason}"
 
-    reason: InText[str]
-    exit_code: ExitCode
+    reason: Reason
+    exit_code: Annotated[int, EXIT_CODE]

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Annotated, NamedTuple
 
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import Doc, InText
+from companion.flight_events.event_fields import Doc
 
 
 class NodeType(Enum):
@@ -156,8 +156,8 @@ class NodesChanged(FlightEvent):
     template = "{tip}: {tip_status}"
     is_told = False
 
-    tip: InText[str]
-    tip_status: InText[NodeStatus]
+    tip: Annotated[str, Doc("the node that was ticked last")]
+    tip_status: Annotated[NodeStatus, Doc("its status")]
     changed: Changes
 
 

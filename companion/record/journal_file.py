@@ -18,7 +18,7 @@ from typing import Any, get_args
 
 from companion.acting.journal import JournalEntry, JournalledFlight, put_together
 from companion.errors import CompanionError
-from companion.flight_events.values import Unfit, value_of
+from companion.flight_events.values import Unfit, object_of
 from companion.flight_events.writing import json_of
 from companion.record.events import JOURNAL_FILE
 
@@ -110,7 +110,7 @@ def read_journal(folder: Path, now_unix_s: float) -> JournalledFlight | None:
             data = json.loads(line)
             unix_s = float(data.pop("unix_s"))
             time_s, kind = float(data.pop("t_s")), KINDS[data.pop("kind")]
-            entries.append((time_s, value_of(kind, {"entry": data}, "entry")))
+            entries.append((time_s, object_of(kind, data)))
         except (ValueError, KeyError, TypeError, AttributeError, Unfit) as error:
             raise CompanionError(f"{path}:{number}: this is no entry of a journal") from error
     flight = put_together(entries)

@@ -115,8 +115,7 @@ class Detections:
         if name in self._told or len(self._told) >= MOST_NAMES_TOLD:
             return
         self._told.add(name)
-        known = ", ".join(sorted(self._signals)) or "none"
-        self._news.append(ReportUnknown(_short(name), known))
+        self._news.append(ReportUnknown(_short(name), tuple(sorted(self._signals))))
 
 
 def _number(value: object) -> float | None:

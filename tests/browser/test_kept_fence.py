@@ -10,15 +10,20 @@ from pathlib import Path
 import pytest
 from browsing import Open, replayed
 
+from companion.flight_events.event import Stamped
+from companion.flight_events.fence import FenceKept
+from companion.flight_events.writing import line_of
+
 pytestmark = pytest.mark.sockets
 
-KEPT = {
-    "t_s": 2.0,
-    "kind": "fence",
-    "text": "the autopilot keeps its fence (7 points, 2 areas)",
-    "within": [[[-1, -1], [-1, 30], [20, 30], [20, -1]]],
-    "keep_out": [[[8, 8], [8, 10], [10, 10]]],
-}
+KEPT = Stamped(
+    2.0,
+    FenceKept(
+        "7 points, 2 areas",
+        within=(((-1.0, -1.0), (-1.0, 30.0), (20.0, 30.0), (20.0, -1.0)),),
+        keep_out=(((8.0, 8.0), (8.0, 10.0), (10.0, 10.0)),),
+    ),
+)
 
 
 @pytest.fixture
@@ -26,8 +31,8 @@ def kept(surveillance_run: Path, tmp_path: Path) -> Iterator[str]:
     """The address of a replay of a flight that keeps to such a fence."""
     run = shutil.copytree(surveillance_run, tmp_path / "run")
     events = (run / "events.jsonl").read_text(encoding="utf-8").splitlines()
-    at = next(i for i, line in enumerate(events) if json.loads(line)["t_s"] > KEPT["t_s"])
-    lines = [*events[:at], json.dumps(KEPT), *events[at:]]
+    at = next(i for i, line in enumerate(events) if json.loads(line)["t_s"] > KEPT.time_s)
+    lines = [*events[:at], json.dumps(line_of(KEPT)), *events[at:]]
     (run / "events.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
     with replayed(run) as address:
         yield address

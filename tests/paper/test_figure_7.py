@@ -47,7 +47,7 @@ class Flown:
     def plan(self, number: int) -> tuple[list[str], list[str]]:
         """Names of the actions of prefix and loop."""
         text = (self.folder / f"plan-{number}.json").read_text(encoding="utf-8")
-        plan = json.loads(text)
+        plan = json.loads(text)["plan"]
         prefix, loop = ([a["action"] for a in plan[part]] for part in ("prefix", "loop"))
         return prefix, loop
 

@@ -52,7 +52,7 @@ class Patience:
     def tell(self, failure: NoPlanError | SearchLimit) -> None:
         """Reports that the vehicle begins to wait, and why."""
         why = str(failure).splitlines()[0]
-        self._flight.report(PlanAwaited(why, round(self.left_s, 1), ", ".join(self.hopes)))
+        self._flight.report(PlanAwaited(why, round(self.left_s, 1), tuple(self.hopes)))
 
     def hold(self) -> None:
         """Holds for a tick; if the map may change, the vehicle turns to and fro.

@@ -43,8 +43,8 @@ export function applyCharge(charge, event) {
       complete(event.action);
       break;
     case "replan":
-      charge.replans.push({ t_s: event.t_s, label: String(event.number ?? "×") });
-      if (!event.loop) charge.ahead = [];
+      charge.replans.push({ t_s: event.t_s, label: event.plan ? String(event.number) : "×" });
+      if (!event.plan) charge.ahead = [];
       break;
     case "tree":
       stop();
@@ -58,7 +58,7 @@ export function applyCharge(charge, event) {
       }
       break;
     case "phase":
-      if (OVER.has(event.text)) charge.ahead = [];
+      if (event.type === "PhaseEntered" && OVER.has(event.phase)) charge.ahead = [];
       break;
     case "end":
       stop();

@@ -115,7 +115,7 @@ function apply(state, event) {
       for (const [row, col, occupied] of event.cells) state.cells.set(`${row},${col}`, occupied);
       break;
     case "fence":
-      if (event.within) state.kept = event; // others of this kind are in words alone
+      if (event.type === "FenceKept") state.kept = event;
       break;
     case "phase":
       state.phase = event.text;

@@ -18,9 +18,8 @@ export class PlanView {
 }
 
 function drawPlan(state, actions) {
-  const number = state.plan?.number;
-  const isWritten = state.plan && !state.plan.loop; // by hand, not planned
-  byId("plan-title").textContent = isWritten
+  const number = state.plan?.plan && state.plan.number;
+  byId("plan-title").textContent = state.plan?.type === "WrittenTreeAdopted"
     ? "Actions of the mission's own tree"
     : number ? `Plan ${number + 1}, after replan ${number}` : "Plan";
   const steps = (list) => list.map(({ name, status }) => html(

@@ -114,7 +114,7 @@ export class Timeline {
       const event = events[this.listed];
       this.lines.add(event);
       if (event.kind !== "replan" && event.kind !== "violation") continue;
-      const label = event.kind === "replan" ? String(event.number ?? "×") : "!";
+      const label = event.kind === "violation" ? "!" : event.plan ? String(event.number) : "×";
       const mark = html("button", {
         type: "button", class: "mark", title: event.text, "aria-label": event.text,
         onclick: () => this.seek(event.t_s) }, label);

@@ -11,7 +11,7 @@ import pytest
 from companion.flight_events.catalogue import EVENTS, RECORDED
 from companion.flight_events.description import json_schema, kinds_table, with_tables
 from companion.flight_events.event import FlightEvent
-from companion.flight_events.event_fields import keys_of
+from companion.flight_events.event_fields import fields_of
 from companion.flight_events.plans import PlannedAction
 from companion.flight_events.tree import ActionTreeNode, TreeNode
 
@@ -40,7 +40,7 @@ def test_tables_are_made_anew_where_they_stand() -> None:
 def test_every_class_and_every_key_is_described(owner: type) -> None:
     first = (owner.__doc__ or "").partition("\n")[0]
     assert first.endswith(".") and len(first) > 10
-    assert [field.name for field in keys_of(owner) if not field.doc] == []
+    assert [field.name for field in fields_of(owner) if not field.doc] == []
 
 
 def test_every_recorded_class_is_in_the_schema_by_its_name() -> None:
@@ -49,8 +49,10 @@ def test_every_recorded_class_is_in_the_schema_by_its_name() -> None:
     assert [each["$ref"] for each in schema["anyOf"]] == [f"#/$defs/{name}" for name in names]
     for event in RECORDED:
         about: dict[str, Any] = schema["$defs"][event.__name__]["properties"]
+        assert about["type"] == {"const": event.__name__}
         assert about["kind"] == {"const": event.kind}
-        assert list(about) == ["t_s", "kind", "text", *(field.name for field in keys_of(event))]
+        fields = [field.name for field in fields_of(event)]
+        assert list(about) == ["t_s", "type", "kind", "text", *fields]
 
 
 def test_the_catalogue_is_complete() -> None:

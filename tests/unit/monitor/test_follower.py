@@ -18,9 +18,11 @@ from pymavlink import mavutil
 from companion.api.simulating import lockstep, world_of
 from companion.errors import MissionError
 from companion.flight_events.event import FlightEvent, Stamped
+from companion.flight_events.fence import FenceKept
 from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import RunEnded
 from companion.flight_events.word import PositionLeft
+from companion.flight_events.writing import line_of
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.monitor.follower import Follower
@@ -35,7 +37,6 @@ from companion.monitor.scene import read_scene
 from companion.record.run_folder import RunFolder
 from companion.run_sources.only_run import OnlyRun
 
-KEPT_TEXT = "the autopilot keeps its fence (4 points, 1 area)"
 MISSIONS = Path(__file__).parents[3] / "missions"
 
 
@@ -285,13 +286,13 @@ def test_a_damaged_scene_is_refused(surveillance_run: Path, tmp_path: Path, chan
 @pytest.mark.parametrize(
     "line",
     [
-        {"kind": "plan", "task": {"it": "G ("}},
-        {"kind": "plan"},
-        {"kind": "position", "facts": 3, "restarted": []},
-        {"kind": "symbol", "place": "nowhere", "position": [0, 0, 0]},
-        {"kind": "symbol", "place": "A", "position": ["x", 0, 0]},
-        {"kind": "tree", "nodes": [7]},
-        {"kind": "fence", "text": KEPT_TEXT, "within": [[[0, 0], [1, 0]], []], "keep_out": [[]]},
+        {"type": "WrittenTreeAdopted", "number": 0, "task": {"it": "G ("}, "priorities": {}},
+        {"type": "PlanMade"},
+        {"type": "PositionLeft", "facts": 3, "restarted": []},
+        {"type": "SymbolMoved", "place": "nowhere", "position": [0, 0, 0], "source": "a test"},
+        {"type": "SymbolMoved", "place": "A", "position": ["x", 0, 0], "source": "a test"},
+        {"type": "TreeBuilt", "nodes": [7]},
+        {"type": "FenceKept", "fence": "2", "within": [[[0, 0], [1, 0]], []], "keep_out": [[]]},
     ],
 )
 def test_a_line_that_is_not_as_documented_stops_nothing(
@@ -300,7 +301,7 @@ def test_a_line_that_is_not_as_documented_stops_nothing(
     for name in ("scene.json", "flight.tlog"):
         (tmp_path / name).write_bytes((surveillance_run / name).read_bytes())
     first, rest = (surveillance_run / "events.jsonl").read_text(encoding="utf-8").split("\n", 1)
-    damaged = json.dumps({"t_s": 0.05, "text": "", **line})
+    damaged = json.dumps({"t_s": 0.05, "kind": "", "text": "", **line})
     (tmp_path / "events.jsonl").write_text(f"{first}\n{damaged}\n{rest}", encoding="utf-8")
     run = read_whole(tmp_path)
     assert of(run, RunEnded)
@@ -314,8 +315,9 @@ def test_ways_keep_to_a_fence_of_the_autopilots_own(surveillance_run: Path, tmp_
     (first, *_), *_ = of(whole, WayPlanned)[0].legs
     (east, north), *_ = [leg[-1] for leg in of(whole, WayPlanned)[0].legs]
     middle = ((first[1] + north) / 2, (first[0] + east) / 2)
-    zone = [[middle[0] + n, middle[1] + e] for n, e in ((-1, -1), (-1, 1), (1, 1), (1, -1))]
-    kept = {"t_s": 0.0, "kind": "fence", "text": KEPT_TEXT, "within": [], "keep_out": [zone]}
+    corners = ((-1, -1), (-1, 1), (1, 1), (1, -1))
+    zone = tuple((middle[0] + n, middle[1] + e) for n, e in corners)
+    kept = line_of(Stamped(0.0, FenceKept("4 points, 1 area", keep_out=(zone,))))
     events = (surveillance_run / "events.jsonl").read_text(encoding="utf-8")
     (tmp_path / "events.jsonl").write_text(f"{json.dumps(kept)}\n{events}", encoding="utf-8")
     ways = of(read_whole(tmp_path), WayPlanned)

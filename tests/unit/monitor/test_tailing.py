@@ -61,10 +61,11 @@ def test_frames(sizes: list[int]) -> None:
 
 def test_what_is_no_event_is_left_out(tmp_path: Path) -> None:
     path = tmp_path / "events.jsonl"
-    no_events = b'[1]\n{"kind": 3}\n{"t_s": NaN, "kind": "at"}\nnonsense\n'
-    event = b'{"t_s": 1, "kind": "phase", "text": "arming"}\n'
-    path.write_bytes(no_events + event + b'{"t_s": 2, "kind": "a')
-    assert EventLines(path).news() == [Stamped(1.0, PhaseEntered(Phase.ARMING))]
+    no_events = b'[1]\n{"type": 3}\n{"t_s": NaN, "type": "TreeStopped"}\nnonsense\n'
+    event = Stamped(1.0, PhaseEntered(Phase.ARMING))
+    line = json.dumps(line_of(event)).encode() + b"\n"
+    path.write_bytes(no_events + line + b'{"t_s": 2, "type": "P')
+    assert EventLines(path).news() == [event]
 
 
 def test_nothing_is_read_behind_damage(tmp_path: Path) -> None:

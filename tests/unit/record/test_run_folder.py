@@ -87,15 +87,29 @@ def test_each_report_is_a_line_at_once(run: RunFolder, told: list[Stamped]) -> N
         run.report(report)
         assert comes_true(lambda number=number: len(lines(run)) == number)
     assert lines(run) == [
-        {"t_s": 0.05, "kind": "phase", "text": "arming"},
+        {
+            "t_s": 0.05,
+            "type": "PhaseEntered",
+            "kind": "phase",
+            "text": "arming",
+            "phase": "arming",
+        },
         {
             "t_s": 1.25,
+            "type": "MissionEventChanged",
             "kind": "event",
             "text": "low battery",
             "event": "lowBattery",
             "holds": True,
         },
-        {"t_s": 2.0, "kind": "at", "text": "at Böschung “é”", "action": "move(H, A)"},
+        {
+            "t_s": 2.0,
+            "type": "PlaceReached",
+            "kind": "at",
+            "text": "at Böschung “é”",
+            "place": "Böschung “é”",
+            "action": "move(H, A)",
+        },
     ]
     assert told == reports
 
@@ -118,7 +132,7 @@ def test_each_plan_is_a_file_by_its_number(run: RunFolder) -> None:
     ]
     for number, known in enumerate(about):
         text = (run.folder / f"plan-{number}.json").read_text(encoding="utf-8")
-        assert json.loads(text) == known | REST_AS_JSON
+        assert json.loads(text) == known | {"plan": REST_AS_JSON}
 
 
 def test_a_replan_without_a_plan_leaves_no_file(run: RunFolder) -> None:

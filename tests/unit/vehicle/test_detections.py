@@ -80,7 +80,7 @@ def test_a_flood_of_refusals_is_told_when_they_have_doubled() -> None:
 def test_a_name_that_is_not_asked_for_is_told_once_and_not_without_end() -> None:
     heard = detections()
     assert heard.read([b'{"dogs": 1}', b'{"dogs": 2}']) == []
-    assert heard.news() == [ReportUnknown("dogs", "door, persons")]
+    assert heard.news() == [ReportUnknown("dogs", ("door", "persons"))]
     heard.read([json.dumps({f"n{n}": 1}).encode() for n in range(100)])
     assert len(heard.news()) == MOST_NAMES_TOLD - 1
 
