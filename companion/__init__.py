@@ -3,8 +3,8 @@
     from companion import load_mission, simulate
     simulate(load_mission("missions/surveillance.yaml"), seed=7).events
 
-These are the public names; docs/python.md shows their use. Each is imported when it is first asked
-for (PEP 562), so that `import companion` takes no time.
+These are the public names; docs/python.md shows their use. Each is imported on first use (PEP 562),
+so `import companion` is fast.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`python -m companion` is the `companion` command."""
+"""Makes `python -m companion` the same as `companion`."""
 
 from companion.cli import main
 

@@ -1,7 +1,7 @@
-"""The companion as a whole, from the link to the flight; it lives as long as the program.
+"""The companion as a whole, from the link to the flight; it exists as long as the program.
 
-`Companion` is a state machine: time and datagrams in, datagrams out. `driving.fly` drives it in
-real (or scaled) time from a socket; the simulator's harness drives the same object in lockstep.
+`Companion` is a state machine: time and datagrams in, datagrams out. `driving.fly` runs it over a
+link in real (or scaled) time; the simulator's harness runs the same object in lockstep.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ NOTHING_FLOWN = Refusal("nothing is flown")
 
 
 class Companion:
-    """MAVLink component 191: flies its mission at once, or waits for operators who start missions.
+    """MAVLink component 191: flies its mission at once, or waits until operators start missions.
 
     Args:
         runs: what it flies, one run after the other.
-        terms: what the operator has chosen beforehand for each sortie.
+        terms: the operator's choices for all sorties.
         page: the monitor page, if there is one.
         memory: of earlier flights.
 
     Attributes:
-        failure: why the last run did not end well.
+        failure: why the last run failed.
         wire: decodes and packs messages.
-        telemetry: what the autopilot was last heard to say.
+        telemetry: what was last heard from the autopilot.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Companion:
         self._listen()
         self._begin_next()
 
-    # -- from outside --------------------------------------------------------------------------
+    # -- for the program -----------------------------------------------------------------------
 
     @property
     def missing(self) -> str | None:
@@ -92,13 +92,13 @@ class Companion:
         return self._run is None and self._runs.awaits_start
 
     def stop(self) -> None:
-        """Holds, lands and ends, as Ctrl-C demands."""
+        """Holds, lands and ends, as after Ctrl-C."""
         self._is_stopping = True
         if self._run is not None:
             self._run.sortie.stop()
 
     def hang_up(self) -> None:
-        """Notes that the terminal is gone; the flight goes on."""
+        """Notes that the terminal is gone; the flight continues."""
         self._has_hung_up = True
 
     def note(self, news: list[FlightEvent]) -> None:
@@ -107,7 +107,7 @@ class Companion:
             self._say(event)
 
     def is_urgent(self, now_s: float, datagrams: list[bytes]) -> bool:
-        """Whether datagrams change an event that the plan watches; they are not taken yet."""
+        """Whether datagrams, which are not taken yet, change an event that the plan watches."""
         if self._run is None or not self._run.watched:
             return False
         messages = self.wire.peek(datagrams)
@@ -120,17 +120,17 @@ class Companion:
         is_tick: bool = True,
         reports: Sequence[bytes] = (),
     ) -> list[bytes]:
-        """One tick: reads what arrived, acts, returns what has to leave.
+        """One tick: reads what arrived, acts, returns the datagrams to send.
 
-        Or a step between two ticks: what is planned anew in it is flown in it, too. Reports are
-        those of other programs on board (`vehicle/detections.py`).
+        Or an extra step between two ticks, which flies a plan that is made in it at once. Reports
+        come from other programs on board (`vehicle/detections.py`).
         """
         self._now_s = now_s
         self._begin_next()
         if self._has_hung_up:
             self._has_hung_up = False
             self._say(TerminalHungUp())
-        if self.wire.system:  # before that, nobody would hear what is told
+        if self.wire.system:  # before that, nobody would receive the texts
             for event in self._runs.news(now_s, is_flying=self._run is not None):
                 self._say(event)
         messages = self.wire.parse(datagrams)
@@ -162,17 +162,17 @@ class Companion:
 
     @property
     def system_status(self) -> SystemStatus:
-        """What HEARTBEAT says of the sortie, or of the last one."""
+        """The status in HEARTBEAT: of the present sortie, or of the last one."""
         phase = self._run.sortie.phase if self._run else Phase.ENDED
         return SystemStatus.of(phase, has_failed=self.failure is not None)
 
     @property
     def awaited(self) -> frozenset[str]:
-        """The MAV_CMD names that the events of the flown mission wait for."""
+        """The MAV_CMD names for which events of the flown mission wait."""
         return self._run.awaited if self._run else frozenset()
 
     def start(self) -> Refusal | None:
-        """Flies the newest mission, from the step on after which it is prepared."""
+        """Flies the newest mission, from the step after its preparation."""
         if self._run is not None:
             phase = self._run.sortie.phase
             if phase in BEGINNING:
@@ -182,15 +182,15 @@ class Companion:
         return self._runs.start(self.telemetry, self._now_s, speed_max_mps)
 
     def pause(self) -> Refusal | None:
-        """Holds in the air, the task frozen."""
+        """Holds in the air and freezes the task."""
         return self._run.sortie.pause() if self._run else NOTHING_FLOWN
 
     def resume(self) -> Refusal | None:
-        """Goes on after a pause, or with control that the pilot has handed over."""
+        """Continues after a pause, or takes the control that the pilot has handed over."""
         return self._run.sortie.resume() if self._run else NOTHING_FLOWN
 
     def return_home(self) -> Refusal | None:
-        """Flies home and lands; the mission's own event for that goes before, and ends a pause."""
+        """Flies home and lands; the mission's own event for this has priority, and ends a pause."""
         if self._run is None:
             return NOTHING_FLOWN
         if RETURN not in self._run.awaited:
@@ -221,14 +221,14 @@ class Companion:
         self._listen()
 
     def _idle(self, messages: list[Message]) -> None:
-        """Nothing is flown: hears the autopilot."""
+        """Reads messages while nothing is flown."""
         for message in messages:
             is_theirs = source(message) == (self.wire.system, AUTOPILOT)
             if is_theirs and self.telemetry.is_news(self._now_s, message):
                 self.telemetry.take(self._now_s, message)
 
     def _say(self, event: FlightEvent) -> None:
-        """Reports what is not of the flight; in its records if there is one."""
+        """Reports an event outside of the flight; in the flight's record if there is one."""
         stamped = Stamped(round(self._now_s, 3), event)
         if self._run is not None:
             self._run.flight.add_report(stamped)
@@ -237,14 +237,14 @@ class Companion:
         self._component.tell(self._now_s, event)
 
     def _follow_parameters(self) -> None:
-        """A run follows the companion's parameters."""
+        """Applies the companion's parameters to the run."""
         parameters = self._component.parameters
         if self._run is not None and self._adjusted != parameters.version:
             self._adjusted = parameters.version
             self._run.adjust(parameters[SPEED_MAX], parameters[BELIEF_RETRY])
 
     def _listen(self) -> None:
-        """What is decoded depends on the events of the mission."""
+        """Selects the messages to decode, which depend on the mission's events."""
         if self._run is None:
             self.wire.listen(TELEMETRY | WANTED, frozenset())
             return

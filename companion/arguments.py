@@ -1,6 +1,6 @@
-"""Arguments of functions, held against what they may be: what they are instead is told in words.
+"""Checks arguments of functions, and says in words what is wrong with them.
 
-For the doors that Python programs call; what files say is read by `documents`.
+For the functions that Python programs call; `documents` reads files.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from companion.errors import CompanionError, RequestError
 
 
 def check_kind(value: object, kinds: type | tuple[type, ...], expected: str) -> None:
-    """Refuses an argument that is of another kind than a function takes.
+    """Refuses an argument of a wrong type.
 
     >>> check_kind("hall.yaml", int, "a number")
     Traceback (most recent call last):
     companion.errors.CompanionError: expected a number, and this is a str
 
     Args:
-        value: what was given.
-        kinds: what it may be.
-        expected: that, in words.
+        value: the argument.
+        kinds: the allowed types.
+        expected: the allowed types, in words.
 
     Raises:
-        CompanionError: it is none of them.
+        CompanionError: it has none of these types.
     """
     if not isinstance(value, kinds):
         raise CompanionError(f"expected {expected}, and this is a {type(value).__name__}")
@@ -38,10 +38,10 @@ def check_function(value: object, argument: str) -> None:
 
     Args:
         value: what was given.
-        argument: what it is called.
+        argument: its name.
 
     Raises:
-        CompanionError: it cannot be called.
+        CompanionError: it is not callable.
     """
     if not callable(value):
         kind = type(value).__name__
@@ -49,17 +49,17 @@ def check_function(value: object, argument: str) -> None:
 
 
 def names_of(given: object, kind: str) -> frozenset[str]:
-    """The names in an argument, which is not one text by itself.
+    """The names in an argument, which must not be a single string.
 
     >>> sorted(names_of(["b", "a"], "places"))
     ['a', 'b']
 
     Args:
         given: the argument.
-        kind: what is named.
+        kind: what the names stand for.
 
     Raises:
-        CompanionError: it is one text, or something in it is none.
+        CompanionError: it is a single string, or contains something else than strings.
     """
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise CompanionError(f"expected names of {kind}, and this is a {type(given).__name__}")
@@ -70,10 +70,10 @@ def names_of(given: object, kind: str) -> frozenset[str]:
 
 
 def check_wait(timeout_s: object) -> None:
-    """Refuses an argument timeout_s that is no number of seconds to wait, 0 or more.
+    """Refuses a `timeout_s` that is not a number of seconds, 0 or more.
 
     Raises:
-        CompanionError: it is none.
+        CompanionError: it is no such number.
     """
     check_kind(timeout_s, (int, float), "a timeout_s in seconds")
     if isinstance(timeout_s, int | float) and not timeout_s >= 0:
@@ -81,7 +81,7 @@ def check_wait(timeout_s: object) -> None:
 
 
 def path_of(given: object, expected: str) -> Path:
-    r"""The path that an argument is, or that is written in it.
+    r"""The path in an argument, which may be a string.
 
     >>> path_of("a\0b", "the path of a folder")
     Traceback (most recent call last):
@@ -89,10 +89,10 @@ def path_of(given: object, expected: str) -> Path:
 
     Args:
         given: the argument.
-        expected: what it may be, in words.
+        expected: what it must be, in words.
 
     Raises:
-        CompanionError: it is no path, or one that no system takes.
+        CompanionError: it is no path, or one that no system accepts.
     """
     if not isinstance(given, str | Path):
         raise CompanionError(f"expected {expected}, and this is a {type(given).__name__}")
@@ -109,7 +109,7 @@ E = TypeVar("E", bound=StrEnum)
 
 
 def named(kind: type[E], name: str, argument: str) -> E:
-    """The value of a name, in an argument that may be one of a few.
+    """The value with a name, for an argument that must be one of a few names.
 
     >>> named(StrEnum("Meal", ["LUNCH", "DINNER"]), "lunch", "meal").name
     'LUNCH'
@@ -117,10 +117,10 @@ def named(kind: type[E], name: str, argument: str) -> E:
     Args:
         kind: the values.
         name: of one of them.
-        argument: what it is called.
+        argument: its name.
 
     Raises:
-        RequestError: there is none of that name.
+        RequestError: no value has this name.
     """
     if name not in [each.value for each in kind]:
         raise RequestError(f"no {argument} {name!r}; there are {', '.join(kind)}")

@@ -1,7 +1,7 @@
-"""The battery of a vehicle in numbers: what it holds, and what flying takes from it.
+"""The battery of a vehicle in numbers: its energy, and the power that flying takes.
 
-Energy, and not charge, is what flights are reckoned in: the current rises as the voltage falls, but
-the power of a hover stays. The defaults are those of the bundled simulator's vehicle.
+Flights are calculated in energy and not in charge: the current rises as the voltage falls, but the
+power of a hover is constant. The defaults are those of the bundled simulator's vehicle.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 Points = tuple[tuple[float, float], ...]
-"""Pairs of a function, ascending; linear between them."""
+"""Points of a function in ascending order; linear between them."""
 
 
 def interpolated(points: Sequence[tuple[float, float]], x: float) -> float:
-    """The value of a function that is linear between points, and goes on so beyond the last ones.
+    """A function that is linear between points, and is extrapolated beyond the last ones.
 
     >>> interpolated([(0.0, 1.0), (2.0, 5.0)], 1.0), interpolated([(0.0, 1.0), (2.0, 5.0)], 3.0)
     (3.0, 7.0)
@@ -32,10 +32,10 @@ class BatteryProfile:
     """A battery, and the power of the vehicle that it drives.
 
     Attributes:
-        capacity_wh: usable energy of a full new one, at the power of a hover.
-        curve: charge, 0 to 1, and the share of the energy that is left then.
+        capacity_wh: usable energy of a full, new one at the power of a hover.
+        curve: charge, 0 to 1, and the share of the energy that remains at that charge.
         level_w: airspeed in m/s, from 0, and the power of level flight.
-        climb_w: climb in m/s, negative for a descent, and the power at no other speed.
+        climb_w: climb rate in m/s, negative for a descent, and the power at airspeed 0.
 
     >>> battery = BatteryProfile()
     >>> battery.power_w(0.0), round(battery.power_w(5.0, 1.0), 1)
@@ -66,15 +66,15 @@ class BatteryProfile:
     climb_w: Points = ((-1.0, 179.4), (0.0, 189.4), (1.0, 199.9), (3.0, 225.0))
 
     def power_w(self, airspeed_mps: float, climb_mps: float = 0.0) -> float:
-        """The power at a speed through the air, and of climb."""
+        """The power at an airspeed and a climb rate."""
         rising_w = interpolated(self.climb_w, climb_mps) - interpolated(self.climb_w, 0.0)
         return interpolated(self.level_w, airspeed_mps) + rising_w
 
     def energy_wh(self, charge: float) -> float:
-        """What is left at a charge, 0 to 1."""
+        """The remaining energy at a charge, 0 to 1."""
         return self.capacity_wh * interpolated(self.curve, charge)
 
     def charge(self, energy_wh: float) -> float:
-        """The charge at which so much is left."""
+        """The charge at a remaining energy."""
         inverse = [(share, charge) for charge, share in self.curve]
         return interpolated(inverse, energy_wh / self.capacity_wh)

@@ -12,10 +12,10 @@ class ScaledClock:
 
     Args:
         speed: scaled seconds per wall-clock second.
-        max_jump_s: wall-clock seconds between two readings that count at most; after a longer
-            stall the clock goes on as if it had stood still for the rest.
+        max_jump_s: most wall-clock seconds that count between two readings; during a longer stall,
+            the clock stands still for the rest.
         monotonic_s: reads the machine's clock.
-        begin_s: what it shows at first, in scaled seconds.
+        begin_s: its first reading, in scaled seconds.
 
     >>> readings = iter((50.0, 50.05, 60.0))
     >>> clock = ScaledClock(2.0, max_jump_s=0.1, monotonic_s=lambda: next(readings))
@@ -46,7 +46,7 @@ class ScaledClock:
 
     @property
     def zero_s(self) -> float | None:
-        """What the machine's clock showed when this one showed 0; None if it does not run as it."""
+        """What the machine's clock showed when this one showed 0; None if their rates differ."""
         return self._start_s if self._is_machines else None
 
     @property
@@ -55,7 +55,7 @@ class ScaledClock:
         return self._speed
 
     def quicken(self, factor: float) -> None:
-        """Goes on so many times as fast, from what it shows now."""
+        """Runs faster by a factor, from the present reading."""
         now_s = self.now_s()
         self._speed *= factor
         self._start_s = self._read_s - now_s / self._speed

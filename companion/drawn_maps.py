@@ -1,11 +1,10 @@
-"""Maps that a YAML file draws itself: an area with walls, where no map file is needed.
+"""Maps that a YAML file draws itself: an area with walls, without a map file.
 
-What may be said is the model `MapEntry`. Walls are polygons; a box is one with four corners. The
-area may be left out where there is a fence: then it is the fence's, a little beyond it, and open:
-nothing is known to stand outside.
-
-A drawn area has cells of 0.1 m. An open one may be large, so its cells are the smallest of
-`CELLS_M` of which there are at most `MAX_OPEN_CELLS`; a file may say another size.
+1. The model `MapEntry` has the keys. Walls are polygons; a box has four corners.
+2. If there is a fence, the area may be left out. It is then that of the fence, a little larger, and
+   open: nothing is known to stand outside.
+3. A drawn area has cells of 0.1 m. An open one may be large: its cells have the smallest size of
+   `CELLS_M` that gives at most `MAX_OPEN_CELLS`. A file may give another size.
 """
 
 from __future__ import annotations
@@ -27,14 +26,14 @@ from companion.motion.polygons import cells_of, cells_touched, problem_of, witho
 CELL_M = 0.1
 CELLS_M = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 MAX_OPEN_CELLS = 250_000
-"""The ways to one place are searched in a tenth of a second."""
+"""Most cells of an open area: routes to one place are then found in a tenth of a second."""
 RIM_M = 5.0
-"""So far beyond its fence an open area reaches, for what is seen there."""
+"""How far an open area extends beyond its fence, for what is seen there."""
 _ROUNDING = 1e-9
 
 
 def _pair(value: Any) -> Any:
-    """Makes a tuple of a list: where a key is optional, a validation that is strict wants one."""
+    """Makes a tuple of a list, which strict validation demands for an optional key."""
     return tuple(value) if isinstance(value, list) else value
 
 
@@ -56,7 +55,7 @@ class DrawnModel(BaseModel):
 
 
 class WallEntry(DrawnModel):
-    """A box, or a polygon, that is occupied."""
+    """An occupied box or polygon."""
 
     east_m: Annotated[Span | None, Field(description="Of a box: [from, to], metres.")] = None
     north_m: Annotated[Span | None, Field(description="Of a box: [from, to], metres.")] = None
@@ -113,24 +112,24 @@ class MapEntry(DrawnModel):
 
 @dataclass(frozen=True, slots=True)
 class Wall:
-    """What is occupied of a map.
+    """An occupied part of a map.
 
     Attributes:
         corners: of the polygon.
-        up_m: its upper end above home; None if it has none.
+        up_m: its upper end above home; None for a wall without an upper end.
     """
 
     corners: tuple[NorthEast, ...]
     up_m: float | None = None
 
     def as_entry(self) -> dict[str, object]:
-        """The wall as a file has it, in metres."""
+        """The wall as it is written in a file, in metres."""
         corners: dict[str, object] = {"corners": [[east, north] for north, east in self.corners]}
         return corners if self.up_m is None else corners | {"up_m": self.up_m}
 
 
 ReadCorner = Callable[..., NorthEast]
-"""What a corner in a file means, and the keys that lead to it from the map's."""
+"""Converts a corner in a file, given the keys that lead to it from the map's."""
 
 
 def north_east(corner: Corner, *keys: str | int) -> NorthEast:
@@ -144,19 +143,19 @@ def walls_of(entry: MapEntry, read: ReadCorner = north_east) -> tuple[Wall, ...]
 
     Args:
         entry: the map.
-        read: what the corners of polygons mean; boxes are in metres.
+        read: converts the corners of polygons; boxes are in metres.
 
     Raises:
-        MissionError: one is neither a box nor a polygon, or has no area.
+        MissionError: a wall is neither a box nor a polygon, or has no area.
     """
     return tuple(_wall(wall, read, i) for i, wall in enumerate(entry.walls))
 
 
 def polygon(corners: Iterable[NorthEast], name: str) -> tuple[NorthEast, ...]:
-    """A polygon, if some corners are those of one.
+    """A polygon from its corners.
 
     Args:
-        corners: as they were read; the first one may be there again at the end.
+        corners: as they were read; the last one may repeat the first.
         name: of the polygon, for messages.
 
     Raises:
@@ -189,7 +188,7 @@ def _wall(entry: WallEntry, read: ReadCorner, number: int) -> Wall:
 def drawn_map(
     entry: MapEntry, walls: Iterable[Wall], fence: Sequence[NorthEast] | None = None
 ) -> OccupancyGrid:
-    """The occupancy grid of an area with walls; a cell with a part in a wall is occupied.
+    """The occupancy grid of an area with walls; a cell that a wall touches is occupied.
 
     >>> entry = MapEntry(east_m=(0, 4), north_m=(0, 2), cell_m=1.0)
     >>> room = drawn_map(entry, [Wall(((0.0, 1.0), (0.0, 2.0), (1.0, 2.0), (1.0, 1.0)))])
@@ -198,8 +197,8 @@ def drawn_map(
 
     Args:
         entry: its area and cells.
-        walls: of `walls_of`.
-        fence: corners of the area, if it has no other.
+        walls: from `walls_of`.
+        fence: corners of the fence, for an entry without an area.
 
     Raises:
         MissionError: there is no area, it is empty, or it has too many cells.
@@ -219,7 +218,7 @@ def drawn_map(
 
 
 def walled(grid: OccupancyGrid, walls: Iterable[Wall]) -> OccupancyGrid:
-    """A grid that has no low walls, with walls added."""
+    """A grid without low walls, with walls added."""
     walls = tuple(walls)
     high = cells_of(grid, (wall.corners for wall in walls if wall.up_m is None))
     low = [wall for wall in walls if wall.up_m is not None]
@@ -234,19 +233,19 @@ def walled(grid: OccupancyGrid, walls: Iterable[Wall]) -> OccupancyGrid:
 
 
 def _around(fence: Sequence[NorthEast], axis: int) -> tuple[float, float]:
-    """From where to where the area of a fence reaches along an axis."""
+    """The range of a fence's area along an axis."""
     metres = [corner[axis] for corner in fence]
     return min(metres) - RIM_M, max(metres) + RIM_M
 
 
 def _open_cell_m(*edges_m: float) -> float:
-    """The edge of a cell of an open area."""
+    """The cell size of an open area."""
     fits = (c for c in CELLS_M if math.prod(math.ceil(e / c) for e in edges_m) <= MAX_OPEN_CELLS)
     return next(fits, CELLS_M[-1])
 
 
 def _fitting_cell_m(spans: Sequence[tuple[float, float]]) -> str:
-    """What to write for an area that has too many cells."""
+    """Advice for an area with too many cells."""
     edges_m = [last - first for first, last in spans]
 
     def is_allowed(cell_m: float) -> bool:
@@ -260,7 +259,7 @@ def _fitting_cell_m(spans: Sequence[tuple[float, float]]) -> str:
 def _cells(
     key: str, span: tuple[float, float] | None, cell_m: float, remedy: str
 ) -> tuple[float, int]:
-    """Where the cells of an area begin along an axis, and how many they are."""
+    """The start of an area's cells along an axis, and their number."""
     if span is None:
         hint = "write east_m and north_m: [from, to], or neither: then it is that of the fence"
         raise MissionError(f"the map has no {key}", hint=hint)

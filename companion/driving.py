@@ -1,4 +1,4 @@
-"""Drives a companion by the clock, over a link.
+"""Runs a companion by the clock, over a link.
 
 In real or scaled time, at 20 Hz, in one loop of one thread.
 """
@@ -24,7 +24,7 @@ from companion.vehicle.report_port import ReportPort
 log = logging.getLogger(__name__)
 
 NEWS = 1.1
-"""A change of the clock's speed by this factor is reported."""
+"""The clock's speed is reported when it has changed by this factor."""
 
 
 def fly(
@@ -35,39 +35,38 @@ def fly(
     beat: Callable[[], None] = lambda: None,
     reports: ReportPort | None = None,
 ) -> None:
-    """Drives a companion over a link, at 20 Hz of the clock's time, until it has ended.
+    """Runs a companion over a link, at 20 Hz of the clock's time, until it has ended.
 
-    While nothing is flown, messages are answered at once, between ticks: a file is sent as a series
-    of requests, and each of them would wait for a tick. The autopilot's questions for the time are
-    answered at once in flight, too, without a step. If an event changes that the plan watches, one
-    extra step is done between two ticks, without moving the ticks. The companion reports datagrams
-    that were lost in a flood, and what was refused on a signed link.
-
-    After a pause of this process (stopped, or a machine that stalls) the autopilot may have left
-    OFFBOARD, and the next setpoint could bring it back. So messages that were due before the pause
-    are not sent, messages that arrived during it are not read, and the flight waits for a heartbeat
-    (`ControlWatch`).
-
-    If the autopilot's clock runs faster or slower than this computer's, it belongs to a simulator,
-    and the flight's clock follows it.
+    1. While nothing is flown, messages are answered at once, between ticks: a file arrives as a
+       series of requests, each of which would otherwise wait for a tick.
+    2. In flight, the autopilot's time requests are answered at once too, without a step.
+    3. If an event that the plan watches changes, an extra step is done between two ticks, which
+       stay where they are.
+    4. The companion reports datagrams that were lost in a flood or refused on a signed link.
+    5. After a pause of this process (stopped, or a stalled machine) the autopilot may have left
+       OFFBOARD, and the next setpoint could bring it back. So messages that were due before the
+       pause are not sent, messages that arrived during it are not read, and the flight waits for a
+       heartbeat (`ControlWatch`).
+    6. If the autopilot's clock runs at another speed than this computer's, it belongs to a
+       simulator, and the flight's clock follows it.
 
     Args:
-        companion: what is driven.
+        companion: the companion to run.
         link: to its vehicle.
         clock: of the flight.
-        timeout_s: the vehicle has to be heard within this time.
+        timeout_s: time within which the vehicle must be heard.
         beat: called in each step.
-        reports: where other programs on board report events; each tick reads it.
+        reports: where other programs on board report events; read in each tick.
 
     Raises:
-        LinkTimeout: no vehicle was heard in time (seconds of the clock's time), or not what a
+        LinkTimeout: no vehicle was heard in time (seconds of the clock), or not everything that a
             mission needs to begin.
     """
     try:
         _drive(companion, link, clock, timeout_s, beat, reports)
     finally:
         abandon_all()
-        gc.unfreeze()  # what is left at the exit of the program is looked through again
+        gc.unfreeze()  # the garbage collection at exit covers everything again
 
 
 def _drive(
@@ -104,7 +103,7 @@ def _drive(
 
 
 def _timed_out(link: Link, timeout_s: float, missing: str) -> LinkTimeout:
-    """No vehicle was heard in time, or one that does not tell what a mission needs to begin."""
+    """No vehicle was heard in time, or not everything that a mission needs to begin."""
     if link.has_heard:
         return LinkTimeout(
             f"the vehicle on {link.endpoint} is not ready after {timeout_s:.0f} s: it tells "
@@ -139,15 +138,15 @@ def _step(
     stepped_s: float,
     reports: ReportPort | None,
 ) -> float:
-    """One step; in flight, nothing of before a pause of this process is read or sent.
+    """One step; in flight, messages from before a pause of this process are not read or sent.
 
     Args:
-        heard: what has arrived already.
-        stepped_s: when the step before began.
+        heard: messages that have arrived already.
+        stepped_s: when the last step began.
         reports: read in a tick.
 
     Returns:
-        when it began.
+        When the step began.
     """
     is_flying = companion.system_status is not SystemStatus.STANDBY
     now_s = clock.now_s()
@@ -165,10 +164,10 @@ def _step(
 def _hears(
     companion: Companion, link: Link, clock: ScaledClock, until_s: float, heard: list[bytes]
 ) -> bool:
-    """Waits for what a step should answer before a time; whether it has come.
+    """Waits until a time for messages that need a step; returns whether any came.
 
     Args:
-        heard: what else arrives meanwhile is added, for the next step.
+        heard: receives all other messages, for the next step.
     """
     while link.wait(clock.wall_s_until(until_s)):
         if companion.is_idle:
@@ -183,7 +182,7 @@ def _hears(
 
 
 def _keep_pace(companion: Companion, clock: ScaledClock, told_speed: float) -> float:
-    """Lets the flight's clock run as fast as the autopilot's; returns which speed was told last."""
+    """Adapts the flight's clock to the autopilot's speed; returns the last reported speed."""
     if (rate := companion.telemetry.clock.rate.take_news()) is None:
         return told_speed
     clock.quicken(rate)
@@ -195,10 +194,10 @@ def _keep_pace(companion: Companion, clock: ScaledClock, told_speed: float) -> f
 
 
 def _set_aside() -> None:
-    """Before a flight: what is there by now is not searched for garbage any more.
+    """Excludes existing objects from garbage collection before a flight.
 
-    With 20 sites that took 50 ms, a tick, once in a flight of a minute. What a flight leaves behind
-    is searched again before the next one.
+    With 20 sites a collection took 50 ms, which is a tick, once per minute of flight. Before the
+    next flight, all objects are collected again.
     """
     gc.unfreeze()
     gc.collect()

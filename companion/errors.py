@@ -1,22 +1,22 @@
-"""What can go wrong, as one tree of exceptions with one exit code each.
+"""All errors, as a tree of exceptions with one exit code each.
 
     CompanionError            exit 1, anything of ours
     +- MissionError           exit 2, a file from outside is wrong: file:line:column
     |  +- FormulaError        with a caret under the offending token
-    +- RequestError           exit 2, what is asked for cannot be, whatever the files say
+    +- RequestError           exit 2, the request is impossible, whatever the files say
     +- LibraryMissing         exit 2, something is not installed; with the line that installs it
-    +- NoPlanError            exit 3, the task cannot be done, and why
+    +- NoPlanError            exit 3, the task has no plan, and why
     +- LinkError              exit 4, no vehicle to talk to
     |  +- LinkTimeout
-    |  +- AddressError        exit 2, an address that is none
+    |  +- AddressError        exit 2, an invalid address
     +- Aborted                exit 5, the pilot or a failsafe ended the flight
-    +- TaskViolated           exit 6, a flight that was judged does not satisfy its task
-    +- SearchLimit            exit 7, a search was given up: whether there is a plan is not known
+    +- TaskViolated           exit 6, a judged flight does not satisfy its task
+    +- SearchLimit            exit 7, a search was given up: there may be a plan or not
 
-A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill,
-a blocked route) are values and never exceptions. `cli.py` is the only place that catches.
+A message has three parts: what happened, where, what to do. Expected outcomes (a failed skill, a
+blocked route) are values and never exceptions. Only `cli/` turns errors into exit codes.
 
-A message quotes what came from outside, and is shown on terminals: no error has control characters.
+A message quotes external text and is shown on terminals, so no error has control characters.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
 
 def printable(text: str) -> str:
-    r"""A text whose control characters a terminal shows and does not obey; tabs and lines stay.
+    r"""A text with escaped control characters, which a terminal does not obey; tabs and newlines
+    stay.
 
     >>> print(printable("a\x1b[2Jb"))
     a\x1b[2Jb
@@ -41,7 +42,7 @@ class CompanionError(Exception):
     """Anything this program reports about itself or its input.
 
     Args:
-        text: what people are told.
+        text: the message for people.
     """
 
     exit_code = 1
@@ -92,13 +93,13 @@ class KeyPath:
 
 
 class MissionError(CompanionError):
-    """A mission, map or scenario that cannot be used.
+    """A mission, map or scenario cannot be used.
 
     Args:
         what: what is wrong, in one line.
         where: the place in the file, or in the data, if known.
         hint: what to do about it; may have several lines.
-        others: what else is wrong with the same file, told after it.
+        others: further mistakes in the same file, reported after it.
     """
 
     exit_code = 2
@@ -120,28 +121,28 @@ class MissionError(CompanionError):
 
     @property
     def each(self) -> list[MissionError]:
-        """This one alone, and then the others."""
+        """This error alone, then the others."""
         return [self.beside(()) if self._others else self, *self._others]
 
     def beside(self, others: Sequence[MissionError]) -> MissionError:
-        """The same, told with what else is wrong."""
+        """The same error with further mistakes."""
         return MissionError(self.what, self.where, self.hint, others)
 
 
-_SHOWN = 80  # characters of a long formula before and after the offending token
+_SHOWN = 80  # characters of a long formula that are shown before and after the offending token
 
 
 class FormulaError(MissionError):
-    """A formula that cannot be read; shows the text with a caret under the offending token.
+    """A formula cannot be read; shows the text with a caret under the offending token.
 
     Args:
         what: what is wrong, in one line.
         text: the formula as it was given.
         offset: index into `text` of the offending token.
         length: characters to underline.
-        hint: what was expected, or which name was perhaps meant.
+        hint: what was expected, or which name was probably meant.
         where: the place of the token in a file or in data, once the caller knows it.
-        others: what else is wrong, as in MissionError.
+        others: further mistakes, as in MissionError.
     """
 
     def __init__(
@@ -162,7 +163,7 @@ class FormulaError(MissionError):
         end = text.find("\n", offset)
         line = text[start:end] if end >= 0 else text[start:]
         at, width = offset - start, max(1, min(length, _SHOWN))
-        if len(line) > 2 * _SHOWN:  # an excerpt
+        if len(line) > 2 * _SHOWN:  # show an excerpt
             first = max(0, at - _SHOWN)
             before, after = "... " * (first > 0), " ..." * (at + _SHOWN < len(line))
             line = before + line[first : at + _SHOWN] + after
@@ -175,7 +176,7 @@ class FormulaError(MissionError):
         super().__init__(what, where, shown, others)
 
     def beside(self, others: Sequence[MissionError]) -> FormulaError:
-        """The same, told with what else is wrong."""
+        """The same error with further mistakes."""
         return self._with(self.where, others)
 
     def located(self, where: Location | KeyPath) -> FormulaError:
@@ -197,18 +198,19 @@ class FormulaError(MissionError):
 
 
 class RequestError(CompanionError):
-    """What a command line or a call asks for cannot be: options that do not go together, a key
-    that is none, another mission than the one that is to be gone on with."""
+    """A command line or a call asks for something impossible: conflicting options, an invalid key,
+    or the continuation of another mission.
+    """
 
     exit_code = 2
 
 
 class LibraryMissing(CompanionError):
-    """A library that is asked for is not installed.
+    """A required library is not installed.
 
     Args:
-        what: is asked for, and what it needs.
-        remedy: the line that installs it, or what else to do.
+        what: what was asked for, and what it needs.
+        remedy: the line that installs it, or other advice.
     """
 
     exit_code = 2
@@ -224,7 +226,7 @@ class NoPlanError(CompanionError):
 
 
 class LinkError(CompanionError):
-    """The link to the vehicle cannot be opened or has gone."""
+    """The link to the vehicle cannot be opened, or was lost."""
 
     exit_code = 4
 
@@ -234,7 +236,7 @@ class LinkTimeout(LinkError):
 
 
 class AddressError(LinkError):
-    """An address, of a vehicle or of reports, that is none; the message has their forms."""
+    """An invalid address of a vehicle or of reports; the message shows the valid forms."""
 
     exit_code = 2
 
@@ -246,10 +248,10 @@ class Aborted(CompanionError):
 
 
 class Collided(Aborted):
-    """The simulated vehicle has hit something, whatever its companion says of the flight.
+    """The simulated vehicle has hit something, whatever its companion reports.
 
     Args:
-        ending: how the flight had ended for its companion, where that was no success.
+        ending: how the flight ended for its companion, unless it was a success.
     """
 
     def __init__(self, ending: str = "") -> None:
@@ -264,7 +266,7 @@ class TaskViolated(CompanionError):
 
 
 class SearchLimit(CompanionError):
-    """A search was given up at a limit of its effort; whether there is a plan is not known.
+    """A search was given up at a limit of its effort; it is unknown whether there is a plan.
 
     Args:
         limit: the limit that was reached, with its number.

@@ -1,7 +1,7 @@
 """The areas of a geofence: to stay in, and to stay out of.
 
-They come from a mission, or from the items of the mission protocol, and mean the same: each of them
-must be kept to. The simulator's autopilot and the companion read them alike.
+They come from a mission, or from the items of the mission protocol, and mean the same: all of them
+must be obeyed. The simulator's autopilot and the companion use the same code.
 
 Source: PX4 1.16, src/modules/navigator/geofence.cpp. Areas have no altitudes; PX4 reads none.
 """
@@ -15,15 +15,15 @@ from dataclasses import dataclass
 from companion.geometry import NorthEast, horizontal_distance, is_in_polygon
 
 SAGITTA_M = 0.1
-"""By so much, at most, the polygon that stands for a circle is on the safe side of it,"""
+"""Largest distance by which a polygon for a circle deviates to the safe side of the circle,"""
 LEAST_CORNERS, MOST_CORNERS = 12, 64
-"""as far as so many corners go, and those of all circles together."""
+"""if these numbers of corners allow: for one circle at least, and for all circles at most."""
 ALL_CORNERS = 512
 
 
 @dataclass(frozen=True, slots=True)
 class FencePolygon:
-    """A simple polygon of three or more corners. One without corners contains nothing.
+    """A simple polygon of three or more corners; one without corners contains nothing.
 
     >>> FencePolygon(((0, 0), (0, 2), (2, 2), (2, 0))).contains((1, 1))
     True
@@ -32,11 +32,11 @@ class FencePolygon:
     corners: tuple[NorthEast, ...]
 
     def contains(self, point: Sequence[float]) -> bool:
-        """True if a point lies inside, seen from above."""
+        """Whether a point lies inside, seen from above."""
         return bool(self.corners) and is_in_polygon(point, self.corners)
 
     def is_like(self, other: object, within_m: float) -> bool:
-        """Whether the corners are the same, wherever they begin and whichever way they go."""
+        """Whether the corners are the same, from any start and in either direction."""
         if not isinstance(other, FencePolygon) or len(other.corners) != len(self.corners):
             return False
         count = len(self.corners)
@@ -58,7 +58,7 @@ class FenceCircle:
     radius_m: float
 
     def contains(self, point: Sequence[float]) -> bool:
-        """True if a point lies inside, seen from above."""
+        """Whether a point lies inside, seen from above."""
         return horizontal_distance(point, self.centre) < self.radius_m
 
     def is_like(self, other: object, within_m: float) -> bool:
@@ -89,28 +89,28 @@ class FenceCircle:
 
 @dataclass(frozen=True, slots=True)
 class FenceArea:
-    """A part of a fence: to stay in, or to stay out of."""
+    """An area of a fence: to stay in, or to stay out of."""
 
     shape: FencePolygon | FenceCircle
     is_inclusion: bool
 
     def allows(self, point: Sequence[float]) -> bool:
-        """True if a point keeps to this area."""
+        """Whether a point obeys this area."""
         return self.shape.contains(point) == self.is_inclusion
 
     def is_like(self, other: FenceArea, within_m: float) -> bool:
-        """Whether both are the same area."""
+        """Whether both areas are the same."""
         return self.is_inclusion == other.is_inclusion and self.shape.is_like(other.shape, within_m)
 
 
 @dataclass(frozen=True, slots=True)
 class StoredFence:
-    """The fence that an autopilot has.
+    """The fence in an autopilot.
 
     Attributes:
-        areas: in the mission's frame, as the autopilot takes them.
-        points: items of which it is made.
-        flaw: why the autopilot does not take it as it was meant; None if it does.
+        areas: in the mission's frame, as the autopilot interprets them.
+        points: number of its items.
+        flaw: why the autopilot interprets it otherwise than intended; None if it does not.
     """
 
     areas: tuple[FenceArea, ...]
@@ -123,7 +123,7 @@ class StoredFence:
 
 @dataclass(frozen=True, slots=True)
 class KeptFence:
-    """A fence of somebody else that a flight keeps to, as polygons.
+    """A fence that is not the mission's and that a flight obeys, as polygons.
 
     Attributes:
         within: to stay in each of them.
@@ -134,7 +134,7 @@ class KeptFence:
     keep_out: tuple[tuple[NorthEast, ...], ...]
 
     def allows(self, point: Sequence[float]) -> bool:
-        """True if a point keeps to all of it.
+        """Whether a point obeys the whole fence.
 
         >>> square, bed = ((0, 0), (0, 9), (9, 9), (9, 0)), ((2, 2), (2, 4), (4, 4), (4, 2))
         >>> fence = KeptFence((square,), (bed,))
@@ -146,7 +146,7 @@ class KeptFence:
 
     @classmethod
     def of(cls, areas: Sequence[FenceArea]) -> KeptFence:
-        """The fence that some areas make; circles become polygons on their safe side."""
+        """The fence of some areas; circles become polygons on their safe side."""
         circles = sum(isinstance(area.shape, FenceCircle) for area in areas)
         most = min(MOST_CORNERS, ALL_CORNERS // max(circles, 1))
         outlines: dict[bool, list[tuple[NorthEast, ...]]] = {True: [], False: []}

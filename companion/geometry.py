@@ -1,4 +1,4 @@
-"""Frames, angles and polygons: the one place where coordinates change their meaning.
+"""Frames, angles and polygons: the only module that converts coordinates.
 
 Inside the program everything is local NED in metres and radians, with the origin at the home
 position. ENU with up positive, and degrees, exist only in YAML files and in what people read.
@@ -23,10 +23,10 @@ Quaternion = tuple[float, float, float, float]
 """w, x, y, z; rotates body (forward, right, down) into NED."""
 
 FAR_M = 10_000
-"""Nothing of a mission or its world lies further from home: what does is in another unit."""
+"""Nothing of a mission or its world is farther from home; a larger value has another unit."""
 
 EARTH_RADIUS_M = 6_371_000.0  # PX4, src/lib/geo/geo.h
-GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901; PX4 takes the same
+GRAVITY_MPS2 = 9.80665  # standard gravity, CGPM 1901; as in PX4
 
 
 def ned_from_enu(east_m: float, north_m: float, up_m: float) -> Ned:
@@ -64,13 +64,13 @@ def distance(a: Ned, b: Ned) -> float:
 
 
 def times(vector: Ned, factor: float) -> Ned:
-    """A vector, longer by a factor."""
+    """A vector times a factor."""
     north, east, down = vector
     return (north * factor, east * factor, down * factor)
 
 
 def moved(point: Ned, by: Ned, factor: float) -> Ned:
-    """A point, moved so many times by a vector.
+    """A point, shifted by a multiple of a vector.
 
     >>> moved((1.0, 2.0, 3.0), (0.0, 0.0, -1.0), 0.5)
     (1.0, 2.0, 2.5)
@@ -83,7 +83,7 @@ def moved(point: Ned, by: Ned, factor: float) -> Ned:
 
 
 def quaternion_from_yaw(yaw_rad: float) -> Quaternion:
-    """Attitude of a level vehicle."""
+    """The attitude of a level vehicle."""
     return (math.cos(yaw_rad / 2), 0.0, 0.0, math.sin(yaw_rad / 2))
 
 
@@ -97,7 +97,7 @@ def euler_from_quaternion(q: Quaternion) -> tuple[float, float, float]:
 
 
 def body_plane(roll_rad: float, pitch_rad: float, yaw_rad: float) -> tuple[Ned, Ned]:
-    """Where a vehicle's forward and its right point, as unit vectors.
+    """A vehicle's forward and right directions, as unit vectors in NED.
 
     >>> forward, right = body_plane(0.0, math.radians(90), math.radians(90))
     >>> [round(x) for x in forward], [round(x) for x in right]
@@ -146,7 +146,7 @@ class GlobalOrigin:
     def to_global(self, ned: Ned) -> tuple[float, float, float]:
         """Latitude and longitude in degrees and altitude above mean sea level in metres.
 
-        Across the 180th meridian the longitude goes on at -180.
+        Beyond the 180th meridian the longitude continues from -180.
         """
         north, east = ned[0] / EARTH_RADIUS_M, ned[1] / EARTH_RADIUS_M
         c = math.hypot(north, east)

@@ -1,12 +1,12 @@
-"""Maps: which cells of the world are occupied, as far as the vehicle has been told.
+"""Reads maps: which cells of the world are occupied, as far as the mission says.
 
-Reads the format of ROS map_server (wiki.ros.org/map_server, nav2_map_server): a YAML file that
-names an image (PGM or PNG) and says what its grey values mean, in mode `trinary`. In the map's
-frame x is east and y is north of the home position; the image's top row is the northmost.
+The format is that of ROS map_server (wiki.ros.org/map_server, nav2_map_server): a YAML file that
+names an image (PGM or PNG) and the meaning of its grey values, in mode `trinary`. In the map's
+frame, x is east and y is north of home; the image's top row is the northmost.
 
-This is a door: it opens the files whose path it is given. Left out: rotated maps, the modes
-`scale` and `raw`, and images with more than 8 bits. A pixel that is not opaque is unknown, and
-unknown cells count as occupied. Keys that map_server does not know are ignored, as it does.
+A door: it opens the files of a path. Left out: rotated maps, the modes `scale` and `raw`, and
+images with more than 8 bits. A pixel that is not opaque is unknown, and unknown cells count as
+occupied. Like map_server, it ignores unknown keys.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ from companion.motion.grid import OccupancyGrid
 MAX_EDGE_CELLS = 4000
 MAX_CELLS = 4_000_000
 MANY = 1e9
-"""Cells beyond which it does not matter how many there would be."""
-MAX_YAML_BYTES = 64 * 1024  # a map's YAML has seven lines; more is another file
+"""Number of cells above which the exact number is not computed."""
+MAX_YAML_BYTES = 64 * 1024  # a map's YAML has seven lines; a larger file is none
 
 _NO_MAP = (
     "name the YAML file beside the map's image; names are relative to the file that names it\n"
     "without a map file draw the walls, map: {east_m: [0, 9], north_m: [0, 9], walls: []}, or "
     "leave map: out"
 )
-_GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")  # Pillow's names of images with 8 bits or less
+_GREY_MODES = ("1", "L", "LA", "P", "RGB", "RGBA")  # Pillow's names of modes with at most 8 bits
 
 
 def read_map(path: Path) -> OccupancyGrid:
     """The occupancy grid of a map file.
 
     Args:
-        path: the YAML file; its image lies relative to it.
+        path: the YAML file, to which its image is relative.
 
     Raises:
-        MissionError: a file is missing or unreadable, or a value is not one that map_server
-            allows; the message names the line where it is known.
+        MissionError: a file is missing or unreadable, or map_server does not allow a value; names
+            the line if it is known.
     """
     fields = _Fields(path)
     resolution_m = fields.number("resolution", 0.001, 100.0)
@@ -66,7 +66,7 @@ def read_map(path: Path) -> OccupancyGrid:
 
 
 def check_cells(east: int, north: int, remedy: str = "use larger cells") -> None:
-    """Refuses a map that takes too much memory, whatever its edges."""
+    """Refuses a map that would take too much memory."""
     if east * north > MAX_CELLS:
         what = f"the map has {east} x {north} cells, at most {MAX_CELLS:,} are allowed"
         raise MissionError(what, hint=remedy)
@@ -82,19 +82,19 @@ def image_of(path: Path) -> Path:
 
 
 class _Fields:
-    """The keys of a map's YAML file, each of which knows its line."""
+    """The keys of a map's YAML file, with their lines."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.values = _yaml_mapping(path)
 
     def error(self, key: str, what: str, hint: str = "") -> MissionError:
-        """An error at a key's value."""
+        """The error for a key's value."""
         line, column = self.values.lc.value(key)
         return MissionError(what, Location(str(self.path), line + 1, column + 1), hint)
 
     def value(self, key: str) -> Any:
-        """The value of a key that must be there."""
+        """The value of a required key."""
         if key not in self.values:
             raise MissionError(
                 f"the map has no `{key}`",
@@ -167,7 +167,7 @@ def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bo
     """Grey values 0 to 255 and which pixels are opaque; (rows, cols), row 0 northmost.
 
     Raises:
-        MissionError: the image is missing, too large or not one that is understood.
+        MissionError: the image is missing, too large, or of an unknown kind.
     """
     path = _image(fields)
     try:
@@ -189,6 +189,6 @@ def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bo
             rgba = np.asarray(image.convert("RGBA"))
     except (UnidentifiedImageError, Image.DecompressionBombError) as error:
         raise fields.error("image", f"{path} is no usable PGM or PNG image") from error
-    except (OSError, ValueError, SyntaxError) as error:  # what Pillow raises on broken images
+    except (OSError, ValueError, SyntaxError) as error:  # Pillow raises these on broken images
         raise fields.error("image", f"the image {path} cannot be read: {error}") from error
     return rgba[..., :3].mean(axis=2), rgba[..., 3] == 255

@@ -1,7 +1,7 @@
 """One mission flown once, with all its parts.
 
-`Run` puts the acting side and the MAVLink side together, and records what happens: messages and the
-time in, messages out. The link, which outlives a run, belongs to `app.py`.
+`Run` joins the acting side and the MAVLink side, and records what happens: messages and time in,
+messages out. The link, which outlives a run, belongs to `app.py`.
 """
 
 from __future__ import annotations
@@ -53,11 +53,11 @@ from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 
 SEEN_EVERY_S = 1.0
-"""How often the journal has where the vehicle is."""
+"""How often the journal gets the vehicle's position."""
 
 
 class Recorder(Protocol):
-    """Keeps what happens in a run."""
+    """Records what happens in a run."""
 
     @property
     def name(self) -> str:
@@ -65,19 +65,19 @@ class Recorder(Protocol):
 
     @property
     def journal(self) -> Journal:
-        """Keeps what another process needs to go on with the run."""
+        """Stores what another process needs to continue the run."""
 
     def report(self, stamped: Stamped) -> None:
         """Records an event."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Records datagrams that went over the link, in either direction."""
+        """Records datagrams of the link, in either direction."""
 
     def position(self, now_s: float, position: Ned) -> None:
-        """Records where the vehicle is, once per tick."""
+        """Records the vehicle's position, once per tick."""
 
     def clocks(self, reading: ClockReading) -> None:
-        """Records what the clocks showed."""
+        """Records a reading of the clocks."""
 
 
 @dataclass(frozen=True)
@@ -85,10 +85,10 @@ class PreparedRun:
     """A run that can begin.
 
     Attributes:
-        mission: what to do.
+        mission: the mission to fly.
         recorder: records everything that happens.
         journalled: a run that was cut off, which this one continues in the same record.
-        may_yield: waits for the operator when somebody else has taken control in flight.
+        may_yield: wait for the operator when somebody else takes control in flight.
     """
 
     mission: PreparedMission
@@ -98,18 +98,18 @@ class PreparedRun:
 
 
 class Run:
-    """One flight of one mission, with all its parts; reports count time from its start.
+    """One flight of one mission, with all its parts; reported times count from its start.
 
     Args:
-        prepared: what to do.
+        prepared: what to fly.
         wire: knows the system id of the vehicle.
-        telemetry: what the autopilot was last heard to say, also before this run.
+        telemetry: what was last heard from the autopilot, also before this run.
         start_s: when the run begins.
-        terms: what the operator has chosen beforehand.
+        terms: the operator's choices for all sorties.
         memory: of earlier flights.
 
     Raises:
-        LookupError: that run was of another mission.
+        LookupError: the run that was cut off had another mission.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class Run:
         self.mission, self.recorder, self.start_s = mission, prepared.recorder, start_s
         self._wire, self._telemetry = wire, telemetry
         telemetry.anchor_at(mission.anchor)
-        telemetry.words.take_news()  # of another flight
+        telemetry.words.take_news()  # discards that of another flight
         signals = detector.signals | confirming(mission.skills)
         said = frozenset(signal for signal in signals if not signal.is_report)
         self.vehicle = self._vehicle(said, memory)
@@ -158,7 +158,7 @@ class Run:
         self._charge = ChargeReport(self.flight, planner.energy)
 
     def _vehicle(self, said: frozenset[Signal], memory: FlightMemory | None) -> MavlinkVehicle:
-        """The vehicle, which reads these signals for the mission."""
+        """The vehicle, which reads the mission's signals."""
         markers = (place.marker for place in self.mission.places.values())
         return MavlinkVehicle(
             self._wire,
@@ -171,7 +171,7 @@ class Run:
         )
 
     def _keep(self, planner: Planner, journalled: JournalledFlight | None) -> None:
-        """Keeps what another process would need to continue, from now on, in the journal."""
+        """From now on, stores in the journal what another process would need to continue."""
         flight, mission, journal = self.flight, self.mission, self.recorder.journal
         flight.journal, flight.now_s = journal, self.start_s
         if journalled is None:
@@ -188,22 +188,22 @@ class Run:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether it waits for its vehicle, and does not search a plan."""
+        """Whether it waits for its vehicle, and not for a plan."""
         return self.sortie.phase is Phase.WAITING and not self.sortie.beginning.is_planning
 
     @property
     def has_armed(self) -> bool:
-        """Whether the vehicle was heard to be armed in this step, and not before."""
+        """Whether the vehicle was first heard to be armed in this step."""
         return self._clocks.has_armed
 
     @property
     def watched(self) -> frozenset[Fact]:
-        """The events that the plan under way watches; none while no plan is flown."""
+        """The events that the present plan watches; none while no plan is flown."""
         is_flown = self.sortie.phase is Phase.TASK
         return self.executive.watched if is_flown else frozenset()
 
     def is_urgent(self, now_s: float, messages: list[Message], asked: list[SignalReading]) -> bool:
-        """Whether messages that are not taken yet, or what they ask for, change one of these."""
+        """Whether messages that are not taken yet, or requests, change a watched event."""
         readings = asked + self.vehicle.foresee(messages)
         return not self.watched.isdisjoint(self._detector.foresee(now_s, readings))
 
@@ -217,8 +217,8 @@ class Run:
     ) -> list[Stamped]:
         """One tick, or a step between two: reads what arrived and acts; returns what happened.
 
-        A plan that is made in a tick is flown from the next one on. One that is made between two
-        ticks is flown at once: that is what the step is for.
+        A plan made in a tick is flown from the next tick on. A plan made in a step between two
+        ticks is flown at once, which is the purpose of such a step.
         """
         plan = self.executive.lasso
         self.flight.speed_limit.advance(now_s)
@@ -232,7 +232,7 @@ class Run:
                 zero_s=self._wire.time.zero_s,
                 zero=self._telemetry.frame.zero,
             )
-        if not self.sortie.has_ended:  # the end is the last of its record
+        if not self.sortie.has_ended:  # the end is the last event of its record
             self._tell_of_others(messages)
         self._sight.take(self.vehicle.scans, self.vehicle.state)
         if self._surroundings.take(self.vehicle.scans):
@@ -252,7 +252,7 @@ class Run:
         return self.flight.collect_reports()
 
     def _tell_of_others(self, messages: list[Message]) -> None:
-        """What the autopilot has said, and what is refused of others' reports and messages."""
+        """Reports the autopilot's texts, and refused reports and messages of others."""
         for text in self._telemetry.words.take_news():
             self.flight.report(AutopilotSaid(text))
         passed_over = self._other_systems.news(self._wire.system, messages)
@@ -260,13 +260,13 @@ class Run:
             self.flight.report(news)
 
     def _tell_of_silence(self, now_s: float) -> None:
-        """Which events' signals have fallen silent, or are heard again."""
+        """Reports events whose signals have fallen silent, or are heard again."""
         for event, is_silent in self._detector.silences(now_s):
             of_signal = SignalSilent if is_silent else SignalHeard
             self.flight.report(of_signal(event.name, str(event.when.signal)))
 
     def _note_vehicle(self, now_s: float) -> None:
-        """The journal has once a second where the vehicle is in the air."""
+        """Notes the position of a vehicle in the air in the journal, once a second."""
         state, frame = self.vehicle.state, self._telemetry.frame
         is_flown = state is not None and state.is_armed and now_s - state.stamp_s < SEEN_EVERY_S
         is_flown = is_flown and self.vehicle.frame_doubt is None
@@ -284,7 +284,7 @@ class Run:
             self._seen_s = now_s
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
-        """Hands everything on to the recorder."""
+        """Passes everything on to the recorder."""
         self.recorder.packets(now_s - self.start_s, packets)
         state = self.vehicle.state
         if state is not None and self.vehicle.frame_doubt is None:
@@ -302,14 +302,14 @@ class Run:
             self.recorder.report(Stamped(time_s, since(stamped.event, self.start_s)))
 
     def _learn(self) -> None:
-        """What the vehicle's drag is; and how good its position is, by what routes keep more."""
+        """Updates the drag of the vehicle, and the clearance that its accuracy demands."""
         state = self.vehicle.state
         if not self.sortie.has_ended and state is not None:
             self.flight.guidance.learn(state)
             self._clearance.follow(state)
 
     def adjust(self, speed_max_mps: float, belief_retry_s: float) -> None:
-        """Takes over the companion's parameters; a flight under way is slowed, if need be."""
+        """Applies the companion's parameters; slows down a flight under way if necessary."""
         self.flight.speed_limit.set_operator_limit(speed_max_mps)
         self.flight.belief_retry_s = belief_retry_s if belief_retry_s >= 0.0 else None
         settings = OperatorSettings(speed_max_mps, belief_retry_s)

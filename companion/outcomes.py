@@ -1,7 +1,7 @@
-"""Outcomes of what somebody asks for, as values: an expected failure is not an exception.
+"""Outcomes of requests as values: an expected failure is no exception.
 
-A function that does what it is asked or declines returns `Refusal | None`; None says that it is
-done. What takes time is running, done or failed: an `Outcome`, or a result in place of DONE.
+A function that does what it is asked, or declines, returns `Refusal | None`; None means done. What
+takes time is running, done or failed: an `Outcome`, or a result in place of DONE.
 """
 
 from __future__ import annotations

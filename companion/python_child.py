@@ -1,9 +1,9 @@
-"""How the programs start others of their own: with this interpreter, and nothing of the folder.
+"""Starts programs of our own: with this interpreter, and with nothing from the working directory.
 
-Without `-P`, Python looks for modules in the working directory first: a file that lies there under
-the name of one of ours, in an uploaded folder or a download, would be run.
+Without `-P`, Python looks for modules in the working directory first. A file there with the name of
+one of our modules, from an upload or a download, would be executed.
 
-A child that reads what a stranger has written, or runs a program of others, confines itself first.
+A child that reads untrusted text, or runs another program, confines itself first.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ def python_module(module: str, *arguments: str) -> list[str]:
 
 
 def confine_memory(memory_bytes: int) -> None:
-    """Bounds the memory of this process, and of each that it starts; none leaves a core file.
+    """Limits the memory of this process and its children; none of them writes a core file.
 
-    Libraries that are mapped from files do not count. Python raises MemoryError at the bound.
+    Libraries that are mapped from files do not count. Python raises MemoryError at the limit.
     """
     resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 def confine_time(cpu_s: float, grace_s: int = 1) -> None:
-    """Bounds the processor time of this process from now on.
+    """Limits the processor time of this process from now on.
 
     Args:
-        cpu_s: by then it gets SIGXCPU; up to a second earlier, as the system counts in seconds.
-        grace_s: seconds of processor time more after which it is killed.
+        cpu_s: time until SIGXCPU; up to a second less, because the system counts in seconds.
+        grace_s: further seconds of processor time until the process is killed.
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
     last_s = max(1, math.floor(used.ru_utime + used.ru_stime + cpu_s))

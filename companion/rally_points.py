@@ -3,7 +3,7 @@
 They come from a mission, or from the items of the mission protocol, and mean the same.
 
 Source: https://mavlink.io/en/services/mission.html#rally-points; PX4 1.16, src/modules/navigator/
-rtl.cpp, which flies to the nearest of them and home, and takes their altitude for the ground's.
+rtl.cpp, which flies to the nearest of them and home, and takes their altitude as the ground's.
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from companion.geometry import NorthEast, horizontal_distance
 
 @dataclass(frozen=True, slots=True)
 class RallyPoint:
-    """One of them.
+    """A rally point.
 
     Attributes:
-        up_m: of the ground there, above home; None for an altitude that is not given so.
+        up_m: height of the ground there, above home; None if its altitude has another reference.
     """
 
     position: NorthEast
     up_m: float | None = 0.0
 
     def is_like(self, other: RallyPoint, within_m: float) -> bool:
-        """Whether both are the same, up and down as well."""
+        """Whether both are the same, in height too."""
         if self.up_m is None or other.up_m is None:
             return False
         is_level = abs(self.up_m - other.up_m) <= within_m
@@ -35,11 +35,11 @@ class RallyPoint:
 
 @dataclass(frozen=True, slots=True)
 class StoredRally:
-    """The rally points that an autopilot has.
+    """The rally points in an autopilot.
 
     Attributes:
         points: in the mission's frame.
-        flaw: what else it has among them; None if it has nothing.
+        flaw: what else is stored among them; None if nothing.
     """
 
     points: tuple[RallyPoint, ...]

@@ -1,8 +1,8 @@
-"""The bundled simulator as a child process, which is met on UDP exactly as a PX4 would be.
+"""Runs the bundled simulator as a child process, which uses UDP exactly like a PX4.
 
-It gets a session of its own, so that Ctrl-C in a terminal reaches the companion alone: that has
-to land the vehicle first, and ends the simulator afterwards. It ends also when this process does,
-however that happens: then its standard input ends.
+It has a session of its own, so Ctrl-C in a terminal reaches only the companion, which first lands
+the vehicle and then ends the simulator. The simulator also ends with this process, in any case: its
+standard input is then closed.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class SimulatorChild:
     """The running simulator.
 
     Attributes:
-        is_damaged: its vehicle has hit something; known when the context is left.
+        is_damaged: whether its vehicle has hit something; known when the context is left.
     """
 
     is_damaged = False
@@ -32,11 +32,11 @@ class SimulatorChild:
 
 @contextmanager
 def simulator(options: list[object], log: Path) -> Iterator[SimulatorChild]:
-    """Runs `sitl` with some options for as long as the context lasts.
+    """Runs `sitl` with some options while the context lasts.
 
     Args:
         options: as on the command line.
-        log: where its output goes.
+        log: receives its output.
 
     Raises:
         LinkError: it ended before it had its ports, or did not get them in time.
@@ -64,7 +64,7 @@ def simulator(options: list[object], log: Path) -> Iterator[SimulatorChild]:
 
 
 def _await_start(child: subprocess.Popen[bytes], log: Path) -> None:
-    """Returns when it has its ports; without them another simulator's vehicle would be flown."""
+    """Waits until it has its ports; otherwise the vehicle of another simulator would be flown."""
     deadline_s = time.monotonic() + START_TIMEOUT_S
     while "ground station on UDP" not in (said := log.read_text(errors="replace")):
         if child.poll() is not None:

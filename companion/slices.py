@@ -1,13 +1,13 @@
-"""Long work in slices: what takes longer than a tick is done in parts, and setpoints leave between.
+"""Does long work in slices, between which setpoints are sent.
 
-A flight plans in the loop that sends its setpoints. So planning works in slices: wherever it takes
-long it says `spent`, with about how long the steps before took, and when this adds up to a slice it
-is put aside, in the middle of whatever it does, until the next tick. The times are rated and
-counted, not measured: equal flights have equal slices on every machine.
-
-Work in slices is a coroutine (greenlet), so the functions between need not know. What else happens
-in between happens at a `spent`: work that reads what may change there takes a copy before. Outside
-of slices `spent` does nothing, and work takes the time it takes.
+1. A flight plans in the loop that sends its setpoints. So planning works in slices. Wherever it
+   takes long it calls `spent`, with the approximate duration of the last steps. When these add up
+   to a slice, the work is suspended wherever it is, until the next tick.
+2. The times are rated and counted, not measured: equal flights have equal slices on every machine.
+3. Work in slices is a coroutine (greenlet), so the functions between need not know of it.
+4. Other code runs only during `spent`. Work that reads data which may change there makes a copy
+   before.
+5. Outside of slices `spent` does nothing, and work runs without interruption.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from weakref import WeakSet
 from greenlet import getcurrent, greenlet
 
 SLICE_US = 8_000
-"""Work of a tick, as rated; on slower machines it is more, and two in a tick must leave time."""
+"""Rated work of a tick; slower machines take longer, and two slices must leave time in a tick."""
 
 T = TypeVar("T")
 
@@ -36,8 +36,8 @@ class InSlices(Generic[T]):
     (False, False, True, 5)
 
     Args:
-        work: what is to be done. An exception of it leaves `step`.
-        slice_us: work of a step, as rated; None for `SLICE_US`.
+        work: what to do; `step` raises its exceptions.
+        slice_us: rated work of a step; None means `SLICE_US`.
     """
 
     def __init__(self, work: Callable[[], T], slice_us: float | None = None) -> None:
@@ -50,7 +50,7 @@ class InSlices(Generic[T]):
         self.result = self._work()
 
     def step(self) -> bool:
-        """The slice of a tick; whether the work is done."""
+        """Works for one slice; returns whether the work is done."""
         if not self._routine.dead:
             self._routine.left_us = self._slice_us or SLICE_US
             self._routine.parent = getcurrent()
@@ -58,7 +58,7 @@ class InSlices(Generic[T]):
         return self._routine.dead
 
     def abandon(self) -> None:
-        """The work is ended where it was put aside."""
+        """Ends the work where it was suspended."""
         if not self._routine.dead:
             self._routine.throw()
 
@@ -66,8 +66,7 @@ class InSlices(Generic[T]):
 class _Routine(greenlet):
     """The coroutine of some work.
 
-    Attributes:
-        left_us: of the slice.
+    left_us: rest of the slice.
     """
 
     left_us: float = 0.0
@@ -77,10 +76,10 @@ _UNDER_WAY: WeakSet[_Routine] = WeakSet()
 
 
 def abandon_all() -> None:
-    """All work that was begun from here is ended where it was put aside, at the end of a flight.
+    """Ends all suspended work that was begun from this coroutine, at the end of a flight.
 
-    The interpreter does not look through what is put aside: at its exit all that such work refers
-    to would be left, which libraries written in C++ report on standard error.
+    The garbage collection does not reach suspended work: at exit, all that it refers to would
+    remain, and libraries in C++ would report this on standard error.
 
     >>> adding = InSlices(lambda: spent(9_000))
     >>> adding.step(), abandon_all(), adding.step()
@@ -93,7 +92,7 @@ def abandon_all() -> None:
 
 
 def spent(work_us: float) -> None:
-    """Says how long the steps before took, about; puts the work aside where a slice is over."""
+    """States how long the last steps took, about; suspends the work at the end of a slice."""
     routine = getcurrent()
     if isinstance(routine, _Routine):
         routine.left_us -= work_us
@@ -102,10 +101,10 @@ def spent(work_us: float) -> None:
 
 
 def wait_a_tick() -> None:
-    """Puts the work aside until the next tick: there is nothing to do but to wait.
+    """Suspends the work until the next tick, because it has to wait.
 
     Raises:
-        RuntimeError: it is not done in slices.
+        RuntimeError: the work is not done in slices.
     """
     routine = getcurrent()
     if not isinstance(routine, _Routine):
@@ -119,7 +118,7 @@ def _put_aside(routine: _Routine) -> None:
 
 
 def ask_once(think: Callable[[], T]) -> T | None:
-    """The answer to a question, if it can be thought over in a slice; else None."""
+    """The answer to a question, if one slice is enough; otherwise None."""
     thinking = InSlices(think)
     if thinking.step():
         return thinking.result
@@ -128,18 +127,18 @@ def ask_once(think: Callable[[], T]) -> T | None:
 
 
 class Question(Generic[T]):
-    """One question at a time, thought over in slices, a slice each time it is asked."""
+    """One question at a time, whose answer is found in slices, one at each call."""
 
     def __init__(self) -> None:
         self._about: object = None
         self._thinking: InSlices[T] | None = None
 
     def ask(self, about: object, think: Callable[[], T]) -> T | None:
-        """The answer; None while it is not known.
+        """The answer; None while it is unknown.
 
         Args:
-            about: what decides on the answer; another one makes another question of it.
-            think: finds the answer, which is not None.
+            about: what the answer depends on; another value begins another question.
+            think: finds the answer, which must not be None.
         """
         if self._thinking is None or self._about != about:
             self.abandon()
@@ -152,11 +151,11 @@ class Question(Generic[T]):
 
     @property
     def is_open(self) -> bool:
-        """Whether it was asked, and not answered yet."""
+        """Whether a question was asked and not answered yet."""
         return self._thinking is not None
 
     def abandon(self) -> None:
-        """It is not asked any more."""
+        """Drops the question."""
         if self._thinking is not None:
             self._thinking.abandon()
             self._thinking = None

@@ -1,8 +1,8 @@
-"""State machines as tables: in which state which event leads where, and what happens then.
+"""State machines as tables: the next state for each state and event, and the effect.
 
-A machine's states are one enum and its events another; each row of its table is one transition.
-The code asks the table for the next state, and the documentation's diagrams are drawn from the
-same rows (scripts/make_diagrams.py). A state without a row of its own is final.
+The states of a machine are one enum and its events another; each row of its table is one
+transition. The code looks up the next state in the table, and the documentation's diagrams are
+drawn from the same rows (scripts/make_diagrams.py). A state without a row of its own is final.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ class StateTransition(Generic[S, E]):
 
     Attributes:
         state: before the event; None before the machine exists.
-        event: what occurs.
-        then: the state after it.
-        effect: what happens on the way, for people.
+        event: what happens.
+        then: the next state.
+        effect: what is done in the transition, in words.
     """
 
     state: S | None
@@ -51,7 +51,7 @@ class TransitionTable(Generic[S, E]):
     ValueError: no transition from shut on pushed
 
     Raises:
-        ValueError: two transitions begin with the same event in the same state.
+        ValueError: two rows have the same state and event.
     """
 
     def __init__(self, *transitions: StateTransition[S, E]) -> None:
@@ -63,7 +63,7 @@ class TransitionTable(Generic[S, E]):
         return iter(self._rows.values())
 
     def next(self, state: S | None, event: E) -> S:
-        """The state after an event.
+        """The next state after an event.
 
         Raises:
             ValueError: the event cannot occur in this state.

@@ -4,12 +4,12 @@
     radius_m: 0.35
     ...
 
-A profile has all its keys; how the vehicle responds and turns may be left out, and is then that of
-the default profile. A mission or scenario names one (`vehicle: NAME`) and may override single
-values of it (`vehicle: {profile: NAME, radius_m: 0.4}`). Without the key the default profile is
-meant; it is built in, for where it has no file.
+A profile has all keys, except those for response and turning, which may be left out and default to
+the default profile. A mission or scenario names a profile (`vehicle: NAME`) and may override single
+values (`vehicle: {profile: NAME, radius_m: 0.4}`). Without the key `vehicle`, the default profile
+applies; it is built in, because its file may not be there.
 
-A door: it opens the file that is named.
+A door: it opens the file of the profile.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def _given(value: Any) -> Any:
 
 
 Override = Annotated[T | SkipJsonSchema[None], BeforeValidator(_given)]
-"""A value that may be left out, but not left empty."""
+"""A value that may be left out, but not be empty."""
 
 ProfileName = Annotated[
     str,
@@ -99,7 +99,7 @@ Carrot = Annotated[float, _positive("Greatest distance of a setpoint from the ve
 
 
 class VehicleEntry(BaseModel):
-    """A vehicle profile, and the values that differ from it."""
+    """A vehicle profile, and the values that override its own."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -159,12 +159,12 @@ VehicleKey = Annotated[
 
 
 def read_vehicle(entry: VehicleEntry, folder: Path, document: Document) -> VehicleProfile:
-    """The profile that a mission or scenario is about.
+    """The profile that a mission or scenario names.
 
     Args:
         entry: the value of its key `vehicle`.
-        folder: what the profile's file is relative to.
-        document: the mission or scenario, for the place of a mistake.
+        folder: to which the profile's file is relative.
+        document: the mission or scenario, to locate a mistake.
 
     Raises:
         MissionError: the profile has no file, or one with a mistake.
@@ -186,7 +186,7 @@ def read_profile(path: Path) -> VehicleProfile:
 
 
 def profile_path(name: str, folder: Path) -> Path:
-    """The file of a profile, which may not exist."""
+    """The file of a profile, which need not exist."""
     return folder / FOLDER / f"{name}.yaml"
 
 

@@ -1,8 +1,8 @@
 """The vehicle in numbers: its size, its speeds and how fast they change.
 
-One profile for planning, trajectories and the gate of a mission, and one for the simulator, which
-may differ from it. A profile is read from a file by vehicle_files.py; the defaults here are those
-of missions/vehicles/quad_35cm.yaml, so that they are there without any file.
+A mission has one profile, for planning, trajectories and the gate. The simulator has another, which
+may differ from it. vehicle_files.py reads profiles from files. The defaults here are those of
+missions/vehicles/quad_35cm.yaml, so that they need no file.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 DEFAULT_VEHICLE = "quad_35cm"
 LEAST_MPS = 0.1
-"""Of a greatest speed: who flies slower cannot be told from one that is held in the wind."""
+"""Least value of a top speed; a slower vehicle looks like one that the wind holds back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,21 +20,21 @@ class VehicleProfile:
 
     Attributes:
         name: of its file.
-        radius_m: from the centre to the furthest point of a rotor.
-        margin_m: stays free beside the vehicle, wherever it really flies.
-        deviation_m: how much nearer than its route it may come to an obstacle: tracking,
-            the way to a stop.
-        speed_mps: greatest speed; a mission may allow less.
-        climb_mps: greatest vertical speed upwards.
-        descent_mps: greatest vertical speed downwards.
-        acceleration_mps2: of trajectories, and of what plans reckon with.
-        braking_mps2: of a stop before an obstacle that no route leads round.
-        max_acceleration_mps2: that the vehicle's position controller asks for.
+        radius_m: from the centre to the farthest point of a rotor.
+        margin_m: least free distance beside the vehicle, wherever it really flies.
+        deviation_m: how much nearer to an obstacle than its route the vehicle may come: by tracking
+            errors and on the way to a stop.
+        speed_mps: top speed; a mission may allow less.
+        climb_mps: top vertical speed upwards.
+        descent_mps: top vertical speed downwards.
+        acceleration_mps2: of trajectories, and assumed by plans.
+        braking_mps2: for a stop before an obstacle that no route leads around.
+        max_acceleration_mps2: limit of the vehicle's position controller.
         jerk_mps3: of trajectories.
-        response_s: how much later than it is asked for its acceleration comes.
-        feed_forward: share of a trajectory's acceleration that it is told.
-        yaw_rate_radps: how fast it is turned, on the spot and in flight.
-        carrot_m: greatest distance of a setpoint from the vehicle.
+        response_s: delay of the acceleration after its setpoint.
+        feed_forward: factor on a trajectory's acceleration in setpoints.
+        yaw_rate_radps: of turns, on the spot and in flight.
+        carrot_m: largest distance of a setpoint from the vehicle.
 
     >>> VehicleProfile(radius_m=0.5).clearance_m
     0.75

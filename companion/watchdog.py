@@ -1,7 +1,7 @@
-"""Tells the service manager that the loop goes on; a companion that hangs is started anew by it.
+"""Tells the service manager that the loop runs, so that it restarts a companion that hangs.
 
-The setpoints of a hung loop stop by themselves; this is for what comes after. Without a service
-manager nothing is told.
+The setpoints of a hanging loop stop by themselves; the restart serves what comes after. Without a
+service manager nothing is sent.
 
 Source: sd_notify(3), sd_watchdog_enabled(3) of systemd.
 """
@@ -13,16 +13,16 @@ from collections.abc import Mapping
 from contextlib import suppress
 
 BEATS = 4
-"""In the time after which the service manager gives the program up."""
+"""Number of messages within the service manager's time limit."""
 
 
 class Watchdog:
-    """Speaks to the service manager that the environment names.
+    """Sends messages to the service manager that the environment names.
 
     >>> Watchdog({}).beat(0.0)  # there is none
 
     Args:
-        environment: NOTIFY_SOCKET and WATCHDOG_USEC are read.
+        environment: only NOTIFY_SOCKET and WATCHDOG_USEC are read.
     """
 
     def __init__(self, environment: Mapping[str, str]) -> None:
@@ -35,7 +35,7 @@ class Watchdog:
             self._socket.setblocking(False)
 
     def beat(self, now_s: float) -> None:
-        """The loop goes on; the first beat says that the program is ready.
+        """Reports that the loop runs; the first call reports that the program is ready.
 
         Args:
             now_s: of a monotonic clock.
@@ -48,12 +48,12 @@ class Watchdog:
             self._next_s = now_s + self._period_s
 
     def close(self) -> None:
-        """Says that the program ends."""
+        """Reports that the program ends."""
         self._tell("STOPPING=1")
         if self._socket is not None:
             self._socket.close()
 
     def _tell(self, state: str) -> None:
         if self._socket is not None:
-            with suppress(OSError):  # it is busy, or gone: the flight goes on
+            with suppress(OSError):  # the receiver is busy or gone: the flight continues
                 self._socket.sendto(state.encode(), self._address)
