@@ -1,9 +1,9 @@
-"""Pictures of small Büchi automata as SVG: states in a row, in the order in which they are reached.
+"""Pictures of small Büchi automata as SVG: states in a row, in the order of reachability.
 
 An edge to the next state is straight, one to the state before is an arc below, one to another state
 goes down, along and up, and one to the same state is a loop above. An arrow from nowhere leads to
-each initial state. Where acceptance is one of states, they have a double line; else an edge that
-belongs to an acceptance set has a dot for it, after its label.
+each initial state. States of a state-based acceptance have a double line. Otherwise, an edge has a
+dot after its label for each acceptance set to which it belongs.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from svg_picture import svg_picture
 from companion.ltl.automaton import BuchiAutomaton
 
 RADIUS, GAP, CHARACTER, LINE = 16, 60, 7.3, 16
-"""In pixels: of a state, the least between two, and of the text."""
+"""Pixels: radius of a state, least gap, width of a character, height of a line."""
 TOP, LEFT = 34, 56
 DOTS = "●○◆◇"
 STYLE = (
@@ -41,7 +41,7 @@ class Row(NamedTuple):
 
 
 def picture(automata: list[BuchiAutomaton]) -> str:
-    """The automata, one below the other, each with its name above it."""
+    """The automata, one below the other, each under its name."""
     parts, width, height = [], 0.0, 0.0
     for automaton in automata:
         row = _row(automaton)
@@ -79,9 +79,9 @@ def _row(automaton: BuchiAutomaton) -> Row:
 
 
 def _order(automaton: BuchiAutomaton) -> list[int]:
-    """The states, as they are reached from the initial ones."""
+    """The states, in the order in which they are reached from the initial ones."""
     order = sorted(automaton.initial)
-    for state in order:  # grows
+    for state in order:  # grows in the loop
         order += sorted({t.target for t in automaton.outgoing[state]} - set(order))
     return order
 
@@ -93,7 +93,7 @@ def _accepting(automaton: BuchiAutomaton) -> frozenset[int]:
 
 
 def _labels(automaton: BuchiAutomaton) -> dict[tuple[int, int], list[str]]:
-    """The labels from one state to another, one a line."""
+    """The labels between each two states, one per line."""
     is_on_states = bool(_accepting(automaton))
     found: dict[tuple[int, int], list[str]] = defaultdict(list)
     for each in automaton.transitions:
@@ -103,7 +103,7 @@ def _labels(automaton: BuchiAutomaton) -> dict[tuple[int, int], list[str]]:
 
 
 def _places(order: list[int], labels: dict[tuple[int, int], list[str]]) -> list[float]:
-    """Where the states stand, so that no label meets another."""
+    """The positions of the states, such that labels do not overlap."""
 
     def widest(source: int, target: int) -> float:
         texts = labels.get((source, target), []) + (
@@ -119,7 +119,7 @@ def _places(order: list[int], labels: dict[tuple[int, int], list[str]]) -> list[
 
 
 def _edge(start: float, end: float, y: float, lines: int, steps: int) -> tuple[str, float]:
-    """The path of an edge, and where its label begins; `steps` is how many states on it ends."""
+    """The path of an edge that ends `steps` states further, and where its label begins."""
     if steps == 0:
         top = y - RADIUS - 30
         curve = f"C{start - 22:.0f} {top} {start + 22:.0f} {top} {start + 8:.0f} {y - 14}"
@@ -138,7 +138,7 @@ def _edge(start: float, end: float, y: float, lines: int, steps: int) -> tuple[s
 
 
 def _depth(steps: int) -> int:
-    """How far below the states an edge comes."""
+    """How far an edge extends below the states."""
     return 20 if steps == -1 else 30 + 26 * abs(steps) - (13 if steps > 0 else 0)
 
 

@@ -1,8 +1,8 @@
-"""Pictures of short flights as SVG: the way as seen from above, and beside it the word it makes.
+"""Pictures of short flights as SVG: the track from above, and beside it the word.
 
-A way ends with an arrow at each position, whose number stands at its place. Beside it stand the
-positions with their times and what is true there, as the automata read it, and events between them.
-What is done for ever, the loop of the plan, has a line on its left with an omega.
+The track has an arrow to each position, whose number is at its place. Beside it are the positions
+with their times and letters, as the automata read them, and the events between them. The loop of
+the plan, which is flown for ever, is marked on its left by a line with an omega.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from companion.geometry import Ned, enu_from_ned
 from companion.mission.facts import AT, Fact
 
 SCALE, MARGIN, LINE, TOP, CHARACTER = 5.0, 48.0, 17, 24, 7.3
-"""Pixels: for a metre, around the places, of a line and before the first one, of a character."""
+"""Pixels: per metre, around the places, of a line and before the first one, of a character."""
 RADIUS, HEAD, STEP = 5, 20, 20
-"""Pixels of a place, and of the straight end of an arrow; ticks from point to point."""
+"""Pixels of a place, and of the straight end of an arrow; ticks between two points."""
 STYLE = (
     "text{font:12px monospace;fill:#222;paint-order:stroke;stroke:#fff;stroke-width:4}"
     ".n{font-weight:bold}.e{fill:#b84a00}circle{fill:#fff;stroke:#222;stroke-width:1.4}"
@@ -40,11 +40,11 @@ ARROW = (
 
 
 Pixel = Callable[[Ned], tuple[float, float]]
-"""Where in the picture something is."""
+"""Converts a position to its pixel."""
 
 
 class Row(NamedTuple):
-    """What happens at one time: a position with its number, or an event without."""
+    """A position with its number, or an event without one, at a time."""
 
     time_s: float
     number: int | None
@@ -72,7 +72,7 @@ def picture(flight: FlightResult) -> str:
 
 
 def loop_of(flight: FlightResult) -> int:
-    """How many of the last positions are done for ever."""
+    """How many of the last positions are repeated for ever."""
     *_, last = (e.event for e in flight.events if isinstance(e.event, PositionLeft))
     *_, plan = (e.event.plan for e in flight.events if isinstance(e.event, PlanMade | PlanReplaced))
     return 1 if last.for_ever else len(plan.loop)
@@ -90,7 +90,7 @@ def _rows(flight: FlightResult, positions: Sequence[PositionLeft]) -> list[Row]:
 
 
 def _way(flight: FlightResult, positions: Sequence[PositionLeft], pixel: Pixel) -> Iterator[str]:
-    """An arrow to each position at another place, through where the vehicle was each second."""
+    """An arrow to each position at another place, through the vehicle's position in each second."""
     track = flight.trajectory
     for start, end in pairwise(positions):
         chosen = (track.times_s >= start.reached_s) & (track.times_s <= end.reached_s)
@@ -103,7 +103,7 @@ def _way(flight: FlightResult, positions: Sequence[PositionLeft], pixel: Pixel) 
 
 
 def _places(flight: FlightResult, positions: Sequence[PositionLeft], pixel: Pixel) -> Iterator[str]:
-    """Each place with its name, and the numbers of the positions there; also those on the way."""
+    """Each place with its name, and the numbers of its positions; also positions between places."""
     numbers: dict[tuple[float, float], list[str]] = defaultdict(list)
     for name, place in flight.mission.places.items():
         x, y = pixel(place.position)
@@ -122,7 +122,7 @@ def _places(flight: FlightResult, positions: Sequence[PositionLeft], pixel: Pixe
 
 
 def _where(flight: FlightResult, position: PositionLeft) -> Ned:
-    """A place, or where the vehicle was on the way."""
+    """The position of a place, or of the vehicle between places."""
     if place := flight.mission.places.get(place_of(position)):
         return place.position
     track = flight.trajectory
@@ -145,7 +145,7 @@ def _table(rows: Sequence[Row], left: float, first_looped: int) -> Iterator[str]
 
 
 def place_of(position: PositionLeft) -> str:
-    """The name of the place, or `here` on the way."""
+    """The name of the place, or `here` between places."""
     facts = map(Fact.parse, position.facts)
     return next(fact.arguments[0] for fact in facts if fact.predicate == AT)
 

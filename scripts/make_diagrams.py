@@ -1,13 +1,13 @@
-"""Draws state diagrams into the documentation, from the tables that the program runs by.
+"""Draws state diagrams into the documentation, from the transition tables of the program.
 
-Each diagram stands between two lines of a page, and is replaced as a whole:
+Each diagram is between two lines of a page, and is replaced as a whole:
 
     <!-- diagram: NAME -->
     <!-- end of diagram: NAME -->
 
-Run it after a change of a table; a test compares the pages with the tables. To draw one more
-table, add it to DIAGRAMS and the two lines to its page. What is drawn is a sequence of rows with
-the attributes of `companion.transitions.StateTransition`: state, event, then, effect.
+Run it after a change of a table; a test compares the pages with the tables. To draw another table,
+add it to DIAGRAMS and the two lines to its page. The input is a sequence of rows with the
+attributes of `companion.transitions.StateTransition`: state, event, then, effect.
 
 Usage: python scripts/make_diagrams.py
 """
@@ -26,13 +26,13 @@ from companion.transitions import StateTransition
 
 DOCS = Path(__file__).parent.parent / "docs"
 MOST_IN_WORDS = 20
-"""Rows of a table whose arrows have events in words; those of a longer one have numbers."""
+"""Most rows of a diagram whose arrows have events in words; larger ones have numbers."""
 Rows = Iterable[StateTransition[Any, Any]]
 _Key = tuple[Any, Any, str]
 
 
 class Diagram(NamedTuple):
-    """A table, and the page that shows it."""
+    """A table and its page."""
 
     name: str
     page: str
@@ -50,9 +50,9 @@ DIAGRAMS = (
 def mermaid(rows: Rows) -> str:
     """A Mermaid state diagram (https://mermaid.js.org/syntax/stateDiagram.html).
 
-    An arrow has its events, or in a diagram of a long table the numbers of their lines, as words
-    would cover it. States without a row of their own are final. A table that has no rows for its
-    beginning begins in the state of its first row.
+    Arrows are labelled with their events, or, for a long table, with the numbers of its lines,
+    because words would cover the diagram. States without a row of their own are final. A table
+    without a row for its beginning begins in the state of its first row.
     """
     rows = list(rows)
     begun = {row.state for row in rows}
@@ -79,9 +79,9 @@ def mermaid(rows: Rows) -> str:
 
 
 def table(rows: Rows) -> str:
-    """The rows as a table of Markdown.
+    """The rows as a Markdown table.
 
-    In a long one, rows that differ in their state alone share a line, and lines have numbers.
+    In a long table, rows that differ only in their state share a line, and lines have numbers.
     """
     rows = list(rows)
     head = ["state", "event", "next state", "what happens"]
@@ -97,7 +97,7 @@ def table(rows: Rows) -> str:
 
 
 def drawn(page: str, diagrams: Mapping[str, Rows]) -> str:
-    """The text of a page with its diagrams drawn anew.
+    """The text of a page with its diagrams regenerated.
 
     Raises:
         ValueError: a diagram has no place in the page.
@@ -113,7 +113,7 @@ def drawn(page: str, diagrams: Mapping[str, Rows]) -> str:
 
 
 def pages() -> dict[Path, str]:
-    """Each page that has diagrams, as it should be."""
+    """Each page that has diagrams, as generated."""
     wanted: dict[Path, dict[str, Rows]] = {}
     for diagram in DIAGRAMS:
         wanted.setdefault(DOCS / diagram.page, {})[diagram.name] = diagram.rows
@@ -123,7 +123,7 @@ def pages() -> dict[Path, str]:
 
 
 def _alike(rows: Rows) -> dict[_Key, list[StateTransition[Any, Any]]]:
-    """The rows that differ in their state alone, together, in the order of the first of them."""
+    """The rows, grouped if they differ only in state, in the order of the first of each group."""
     alike: dict[_Key, list[StateTransition[Any, Any]]] = {}
     for row in rows:
         alike.setdefault(_key(row), []).append(row)
@@ -141,7 +141,7 @@ def _title(row: StateTransition[Any, Any]) -> str:
 
 
 def _identifier(title: str) -> str:
-    """A state's title as Mermaid lets it be named: one word."""
+    """A state's title as an identifier of Mermaid: one word."""
     return re.sub(r"\W+", "_", title)
 
 

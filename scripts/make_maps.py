@@ -1,9 +1,9 @@
-"""Draws the maps that the shipped missions fly in.
+"""Draws the maps of the shipped missions.
 
-Writes NAME.pgm and NAME.yaml into missions/maps for each map of `MAPS`, the same bytes each time.
-All lengths are metres, seen from the home position: x is east, y is north. Change a wall here,
-run the script again, and see whether tests/unit/motion/test_hall.py and
-tests/flights/test_shipped.py still find what the missions rely on.
+Writes NAME.pgm and NAME.yaml into missions/maps for each map of `MAPS`, always the same bytes. All
+lengths are metres from home: x is east, y is north. After a change of a wall, run the script again,
+and check by tests/unit/motion/test_hall.py and tests/flights/test_shipped.py that the missions
+still find what they rely on.
 
 Usage: python scripts/make_maps.py [FOLDER]
 """
@@ -26,7 +26,7 @@ class Drawing:
     """A map: an outer wall of 0.2 m, walls and pillars.
 
     Attributes:
-        edge: of the map, the outer wall inside it.
+        edge: of the map; the outer wall is inside it.
         pillars: east, north, radius.
     """
 
@@ -51,8 +51,8 @@ MAPS = {
     "hall": Drawing(
         edge=(-2.0, -2.0, 22.0, 14.0),
         walls=(
-            (5.0, 7.6, 8.8, 7.8),  # gallery, western part
-            (11.4, 7.6, 14.6, 7.8),  # gallery, eastern part
+            (5.0, 7.6, 8.8, 7.8),  # western part of the gallery
+            (11.4, 7.6, 14.6, 7.8),  # eastern part of the gallery
             (7.6, 10.6, 7.8, 13.8),  # screen in the gallery
             (12.0, -1.8, 12.2, 5.0),  # between the workshops
         ),
@@ -64,7 +64,7 @@ MAPS = {
             (17.2, 6.0, 0.5),
         ),
     ),
-    # Two rooms; from one to the other lead a corridor, a doorway, and a passage in the north.
+    # Two rooms, joined by a corridor, a doorway, and a passage in the north.
     "rooms": Drawing(
         edge=(-2.0, -2.0, 18.0, 14.0),
         walls=(
@@ -116,7 +116,7 @@ def pgm(drawing: Drawing) -> bytes:
 
 
 def main(folder: Path) -> None:
-    """Write both files of each map into a folder."""
+    """Writes both files of each map into a folder."""
     for name, drawing in MAPS.items():
         west_m, south_m, _, _ = drawing.edge
         text = YAML.format(name=name, cell_m=drawing.cell_m, west_m=west_m, south_m=south_m)

@@ -1,6 +1,6 @@
-"""Writes docs/options.md: every command with its arguments and options, as `--help` has them.
+"""Writes docs/options.md: every command with its arguments and options, as in `--help`.
 
-Run it after a change of a command line; a test compares.
+Run it after a change of a command line; a test compares the page.
 
 Usage: python scripts/make_options.py
 """
@@ -27,18 +27,18 @@ Every command with its arguments and options, as `--help` has them (`scripts/mak
 [commands.md](commands.md) says which command does what, and what exit codes mean.
 """
 OF_ALL = {"--help", "--install-completion", "--show-completion"}
-"""Options that every program of typer has."""
+"""Options of every typer program."""
 
 
 def commands() -> dict[str, Any]:
-    """The public commands, by what one types."""
+    """The public commands, by what the user types."""
     simulator = typer.Typer()
     simulator.command()(simulate)
     return dict(_public(get_command(app), "companion")) | {"sitl": get_command(simulator)}
 
 
 def _public(command: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """A command of click and those below it; groups are none themselves."""
+    """A click command and those below it; groups themselves are left out."""
     inner = getattr(command, "commands", None)
     if inner is None:
         yield path, command
@@ -48,7 +48,7 @@ def _public(command: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 
 def page() -> str:
-    """The page as it should be."""
+    """The page as generated."""
     return INTRODUCTION + "".join(_section(path, command) for path, command in commands().items())
 
 
@@ -78,7 +78,7 @@ def _row(parameter: Any, type_: Any) -> str:
 
 
 def _names(parameter: Any, type_: Any) -> str:
-    """What one types, with what follows it."""
+    """What the user types, and the value after it."""
     if parameter.param_type_name == "argument":
         return f"`{parameter.metavar or parameter.name.upper()}`"
     kinds: list[Any] = [t for t in (type_, *get_args(type_)) if isinstance(t, EnumType)]

@@ -1,6 +1,7 @@
-"""Draws docs/monitor.png: the monitor page of the paper's mission, after its second replan.
+"""Makes docs/monitor.png: the monitor page of the paper's mission, after its second replan.
 
-Flies the mission in lockstep with seed 0, replays it, and takes a picture with Debian's chromium.
+It flies the mission in lockstep with seed 0, replays it, and takes a picture with Debian's
+chromium.
 
 Usage: python scripts/make_page_picture.py [FILE]
 """
@@ -35,7 +36,7 @@ SEEK = """time => {
 
 
 def fly(folder: Path) -> None:
-    """Leaves a run folder of the mission."""
+    """Writes a run folder of the mission."""
     flight = next(each for each in shipped() if each.name == MISSION)
     mission = flight.load()
     run = RunFolder(folder, mission, 0.0, lambda report: None)
@@ -45,7 +46,7 @@ def fly(folder: Path) -> None:
 
 @contextmanager
 def paused_page() -> Iterator[Page]:
-    """The page of a flight of the mission, all of it read, and paused."""
+    """The page of a flight of the mission, completely loaded and paused."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / MISSION
         fly(folder)

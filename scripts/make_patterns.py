@@ -1,15 +1,15 @@
 """Draws the mission patterns into docs/patterns.md, with their pictures in docs/patterns/.
 
-What the companion makes of an example stands between two lines of the page, and is replaced as a
-whole: the formula, the picture of its automata, a plan, and the picture of a flight of two laps at
-most. The words around it are the page's own.
+What the companion makes of an example is between two lines of the page, and is replaced as a whole:
+the formula, the picture of its automata, a plan, and the picture of a flight of at most two laps.
+The text around it is written by hand.
 
     <!-- pattern: past_avoidance(A, lit); with F at(A) & F at(B) -->
     <!-- end of pattern -->
 
-After `with` there may be another line of the task, for a plan that shows more, and after `alarm at`
-the second of the flight at which the alarm rises. Run it after a change of the page, or of
-translation, planning or flying; tests compare.
+`with` may add another line of the task, for a plan that shows more; `alarm at` gives the second of
+the flight at which the alarm rises. Run it after a change of the page, or of translation, planning
+or flying; tests compare the result.
 
 Usage: python scripts/make_patterns.py
 """
@@ -111,7 +111,7 @@ def examples(page: str) -> list[Example]:
 
 
 def plan(example: Example) -> str:
-    """What the planner makes of an example, as a sentence."""
+    """The plan for an example, as a sentence."""
     beside = f", with `{example.also}` beside it" if example.also else ""
     before = f"`{Planner(example.mission).plan()}`"
     if not example.alarm_s:
@@ -121,7 +121,7 @@ def plan(example: Example) -> str:
 
 
 def made(example: Example) -> str:
-    """What stands between the lines of an example."""
+    """The text between the lines of an example."""
     return (
         f"\n`{PATTERNS[example.name].signature}`; for example `{example.text}` is\n\n"
         f"```\n{parse(example.text)}\n```\n\n"
@@ -132,7 +132,7 @@ def made(example: Example) -> str:
 
 
 def files(page: str) -> dict[Path, str]:
-    """The page and the pictures of automata as they should be."""
+    """The page and the pictures of automata as generated."""
 
     def replaced(found: re.Match[str]) -> str:
         opening = found[0][: found.start("made") - found.start()]
@@ -148,7 +148,7 @@ def files(page: str) -> dict[Path, str]:
 
 
 def flown(example: Example) -> str:
-    """The picture of a flight of an example, as it should be."""
+    """The picture of a flight of an example, as generated."""
     alarm = {"at_s": int(example.alarm_s), "operator": ALARM} if example.alarm_s else None
     world = WORLD | ({"happens": [alarm]} if alarm else {})
     flight = simulate(example.mission, world, laps=2)

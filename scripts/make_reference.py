@@ -1,10 +1,10 @@
 """Writes docs/mission-keys.md and docs/scenario-keys.md: every key of the files that people write.
 
-All of it is read off the JSON schemas of the models: what a key may be, its limits, its default and
-what it says. A unit is the ending of a key's name, or stands in UNITS. An example is what a file
-of missions/ has there; for keys that none of them uses it stands in EXAMPLES.
+Everything comes from the JSON schemas of the models: the value of a key, its limits, its default
+and its description. A unit is the ending of a key's name, or is in UNITS. An example is the value
+of the key in a file of missions/, or is in EXAMPLES if no file has the key.
 
-Run it after a change of a schema; a test compares the pages with it.
+Run it after a change of a schema; a test compares the pages.
 
 Usage: python scripts/make_reference.py
 """
@@ -30,17 +30,17 @@ ROOT = Path(__file__).parent.parent
 MISSION_PAGE, SCENARIO_PAGE = "mission-keys.md", "scenario-keys.md"
 HEAD = ("key", "value", "unit", "default", "what it says", "example")
 LONGEST = 64
-"""Longer examples, in characters, are left to the tables of their keys."""
+"""Longer examples, in characters, are left out; the tables of their keys have shorter ones."""
 Values = Mapping[tuple[str, str], list[Any]]
 
 
 class KeyPage(NamedTuple):
-    """A page, and the kinds of files that it is about.
+    """A page with its kinds of files.
 
     Attributes:
         name: of the page in docs/.
-        title: with what stands above the tables.
-        files: the heading, the schema, and the files of missions/ with examples, of each kind.
+        title: with the text above the tables.
+        files: for each kind, the heading, the schema, and the files of missions/ with examples.
     """
 
     name: str
@@ -78,7 +78,7 @@ is not required may be left out. In a path such as `places.NAME`, `NAME` is a na
 
 
 def examples(kinds: Iterable[tuple[str, Schema, str]]) -> Values:
-    """The values that shipped files give to each key."""
+    """The values of each key in the shipped files."""
     found: dict[tuple[str, str], list[Any]] = defaultdict(list)
     for _, schema, pattern in kinds:
         root = KeyTable("", str(schema["title"]), schema)
@@ -90,7 +90,7 @@ def examples(kinds: Iterable[tuple[str, Schema, str]]) -> Values:
 
 
 def written(value: Any) -> str:
-    """A value as YAML has it on one line."""
+    """A value as one line of YAML."""
     match value:
         case dict():
             return "{" + ", ".join(f"{key}: {written(each)}" for key, each in value.items()) + "}"
@@ -122,7 +122,7 @@ def page(about: KeyPage) -> str:
 
 
 def _places(about: KeyPage) -> dict[str, str]:
-    """Where the table of each model is: what stands in the mission page is there alone."""
+    """Where the table of each model is; tables of the mission page are not repeated."""
     found: dict[str, str] = {}
     for other in (PAGES[0], about):
         for _, schema, _ in other.files:
@@ -144,7 +144,7 @@ def _section(table: KeyTable, found: Values, places: Mapping[str, str]) -> str:
 
 
 def _alternatives(schema: Schema) -> str:
-    """Which keys have to be there together, or of which one has to be there."""
+    """Which keys must be given together, and which are alternatives."""
     for word, opening in {"oneOf": " Either ", "anyOf": " At least one of "}.items():
         if word in schema:
             groups = [" and ".join(f"`{k}`" for k in each["required"]) for each in schema[word]]
@@ -197,7 +197,7 @@ def _by_length(text: str) -> tuple[int, str]:
 
 
 def _given(table: KeyTable, key: str, found: Values) -> list[Any]:
-    """What may be an example: of this key, or of one with its name and unit, or its default."""
+    """Candidates for an example: of this key, of one with its name and unit, or its default."""
     where = (table.model, key)
     if where in EXAMPLES:
         return [EXAMPLES[where]]
@@ -213,7 +213,7 @@ def _given(table: KeyTable, key: str, found: Values) -> list[Any]:
 
 
 def _kind(value: Schema, places: Mapping[str, str]) -> str:
-    """What a value may be."""
+    """The type of a value, in words."""
     if "const" in value or "enum" in value:
         return " or ".join(f"`{written(each)}`" for each in value.get("enum", [value.get("const")]))
     if "$ref" in value:
@@ -257,7 +257,7 @@ def _limits(value: Schema) -> str:
 
 
 def pages() -> dict[Path, str]:
-    """The pages as they should be."""
+    """The pages as generated."""
     return {ROOT / "docs" / about.name: page(about) for about in PAGES}
 
 

@@ -1,8 +1,8 @@
 """Writes the table of hazards in docs/SAFETY.md, from docs/hazards.toml.
 
 Each hazard is a row: what is promised, the tests that show it, and what is not promised. The rest
-of the page is written by hand. Run it after a change of docs/hazards.toml; a test compares the two,
-and looks for each test that is named.
+of the page is written by hand. Run it after a change of docs/hazards.toml. A test compares the two,
+and checks that each named test exists.
 
 Usage: python scripts/make_safety.py
 """
@@ -54,14 +54,14 @@ def catalogue() -> dict[str, list[Hazard]]:
 
 
 def page(text: str, groups: dict[str, list[Hazard]]) -> str:
-    """The page with its tables made anew.
+    """The page with its tables regenerated.
 
     Args:
         text: of the page.
         groups: the hazards by title.
 
     Raises:
-        ValueError: it has not one place for them.
+        ValueError: the page does not have exactly one place for them.
     """
     place = re.compile(f"{re.escape(BEGIN)}\n.*?{re.escape(END)}", re.DOTALL)
     if len(place.findall(text)) != 1:
@@ -74,7 +74,7 @@ def page(text: str, groups: dict[str, list[Hazard]]) -> str:
 
 
 def _linked(test: str) -> str:
-    """A test as people read it, with a link to its file."""
+    """A test with its readable name and a link to its file."""
     file, function = test.split("::")
     words = function.removeprefix("test_").replace("_", " ")
     return f"[{words}](../tests/{file})"

@@ -1,7 +1,7 @@
 """Writes what is generated from models: missions/*.schema.json and tables of docs/run-folder.md.
 
-Editors with a YAML language server complete and check mission, scenario and vehicle files from
-their schemas; events.schema.json says what a line of events.jsonl may be. Run it after a change of
+With the schemas, editors with a YAML language server complete and check mission, scenario and
+vehicle files. events.schema.json describes the lines of events.jsonl. Run it after a change of
 companion/mission/schema.py, companion/vehicle_files.py, sitl/world/schema.py or
 companion/flight_events; tests compare the files with the models.
 

@@ -1,7 +1,7 @@
-"""Draws docs/monitor.webp: the monitor page while the paper's mission is flown, 10 s of pictures.
+"""Makes docs/monitor.webp: the monitor page during the paper's mission, 10 s of pictures.
 
-Flies the mission in lockstep with seed 0, replays it, and takes a picture for each step of its time
-with Debian's chromium; no camera and no clock. It is longest where a new plan has been made.
+It flies the mission in lockstep with seed 0, replays it, and takes a picture for each step of its
+time with Debian's chromium, so no camera and no clock matter. New plans are shown longest.
 
 Usage: python scripts/make_screencast.py [FILE]
 """

@@ -1,10 +1,10 @@
 """Builds the documentation as a site, with Zensical: build/docs/site.
 
-The pages are those of the repository, and their links lead from file to file there. So they are
-collected into a folder of the same shape, with whatever they link to. A link to a file that is not
-there is an error here, and so is a page that docs/zensical.toml gives no place in the navigation;
-a link to a page or heading that is not there is one of Zensical's. Diagrams in Mermaid become
-pictures, so that the site asks no other host for a program that draws them.
+The pages are those of the repository, where links lead from file to file. So they are collected
+into a folder of the same structure, with all files to which they link. A link to a missing file is
+an error here, and so is a page that is missing in the navigation of docs/zensical.toml. Zensical
+reports links to missing pages or headings. Mermaid diagrams become pictures, so that the site loads
+no program from another host.
 
 Usage: scripts/docs
 """
@@ -32,24 +32,24 @@ _CODE = re.compile(r"^```.*?^```$|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 
 
 class SiteError(Exception):
-    """What has to be mended before the site can be built."""
+    """What has to be fixed before the site can be built."""
 
 
 def pages(root: Path) -> list[Path]:
-    """The pages of a repository, from its root on."""
+    """The pages of a repository, from its root."""
     found = (path for pattern in PAGES for path in sorted(root.glob(pattern)))
     return [path.relative_to(root) for path in found]
 
 
 def links(text: str) -> list[str]:
-    """The files that a page links to, as it writes them; what stands in code is no link."""
+    """The files to which a page links, as written in the page; links in code do not count."""
     return list(dict.fromkeys(_LINK.findall(_CODE.sub("", text))))
 
 
 def as_zensical_reads_it(text: str) -> str:
-    r"""A page with the bars in code of tables as they are.
+    r"""A page with unescaped bars in the code of tables.
 
-    Elsewhere they have to be escaped, and here they would be shown with the escape.
+    Other renderers need the escape; Zensical would show it.
     """
     rows = re.compile(r"^\|.*$", re.MULTILINE)
     code = re.compile(r"`[^`\n]+`")
@@ -57,7 +57,7 @@ def as_zensical_reads_it(text: str) -> str:
 
 
 def with_pictures(text: str, page: Path) -> str:
-    """A page with its diagrams as pictures, which are written beside it and open by themselves."""
+    """A page with its diagrams as pictures, which are written beside it and can be opened."""
 
     def picture(found: re.Match[str]) -> str:
         name = f"{page.stem}-{text.count('```mermaid', 0, found.start()) + 1}.svg"
@@ -71,7 +71,8 @@ def collect(root: Path, folder: Path) -> None:
     """Copies the pages of a repository, and the files that they link to, into a folder.
 
     Raises:
-        SiteError: a file is missing, or is a folder, or a page has not one place in the navigation.
+        SiteError: a file is missing or is a folder, or a page is not exactly once in the
+            navigation.
     """
     known = pages(root)
     _check_navigation(root, known)
@@ -93,10 +94,10 @@ def build(root: Path, built: Path) -> None:
 
     Args:
         root: of the repository.
-        built: a folder that is made anew, with the collected `pages` and the `site`.
+        built: a folder that is recreated, with the collected `pages` and the `site`.
 
     Raises:
-        SiteError: with what is wrong.
+        SiteError: says what is wrong.
     """
     shutil.rmtree(built, ignore_errors=True)
     collect(root, built / "pages")
@@ -124,7 +125,7 @@ def _check_navigation(root: Path, known: Iterable[Path]) -> None:
 
 
 def _named(entry: Any) -> Iterator[str]:
-    """The pages of an entry of the navigation."""
+    """The pages in an entry of the navigation."""
     match entry:
         case str():
             yield entry

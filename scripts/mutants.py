@@ -1,8 +1,9 @@
-"""Mutants of a module: its source with one small mistake each; pure.
+"""Mutants of a module: its source with one small mistake each. Pure functions.
 
-Comparisons are shifted or turned, `and` and `or`, `+` and `-`, `*` and `/` change places, numbers
-grow, truths turn, pairs swap, a name falls out of a tuple, a call or a result is left out. Texts,
-annotations, aliases of types and decorators stay as they are: a wrong word is no wrong flight.
+Comparisons are shifted or negated; `and` and `or`, `+` and `-`, `*` and `/` are exchanged; numbers
+are increased, truth values negated, pairs swapped; a name is dropped from a tuple, a call or a
+result is left out. Texts, annotations, type aliases and decorators are not changed: a wrong word is
+no wrong flight.
 """
 
 from __future__ import annotations
@@ -42,11 +43,11 @@ OPPOSITE = {ast.Lt: ast.Gt, ast.LtE: ast.GtE, ast.Gt: ast.Lt, ast.GtE: ast.LtE}
 
 
 class Mutant(NamedTuple):
-    """One mistake.
+    """One mutant.
 
     Attributes:
-        name: what it is and where, the same as long as that line of the source is.
-        tree: the module with it.
+        name: the mistake and its function; stable while its line in the source is.
+        tree: the module with the mistake.
     """
 
     name: str
@@ -64,7 +65,7 @@ def mutants(source: str) -> list[Mutant]:
 
 
 def names(source: str) -> list[str]:
-    """Of all mutants of a module, none of which is made, which takes much longer.
+    """The names of all mutants of a module; making the mutants would take much longer.
 
     >>> names("a < 2")
     ['module: a < 2 -> a <= 2', 'module: a < 2 -> a > 2', 'module: 2 -> 20']
@@ -73,7 +74,7 @@ def names(source: str) -> list[str]:
 
 
 def _mistakes(tree: ast.Module) -> Iterator[tuple[str, int, ast.AST]]:
-    """The name of each mutant, the index of its node in `_nodes`, and what stands there then."""
+    """The name of each mutant, the index of its node in `_nodes`, and the replacement."""
     seen: Counter[str] = Counter()
     for index, (where, node) in enumerate(_nodes(tree)):
         for changed in _changes(node):
@@ -83,7 +84,7 @@ def _mistakes(tree: ast.Module) -> Iterator[tuple[str, int, ast.AST]]:
 
 
 def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
-    """What may be mutated, in order, each with the name of its function."""
+    """The nodes that may be mutated, in order, each with the name of its function."""
 
     def walk(node: ast.AST, where: str) -> Iterator[tuple[str, ast.AST]]:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -91,7 +92,7 @@ def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
         yield where, node
         match node:
             case ast.Assign(value=ast.Subscript(value=ast.Name())) if where == "module":
-                return  # an alias of a type
+                return  # a type alias
         for field, value in ast.iter_fields(node):
             if field in ("annotation", "returns", "decorator_list", "bases"):
                 continue
@@ -103,7 +104,7 @@ def _nodes(tree: ast.Module) -> Iterator[tuple[str, ast.AST]]:
 
 
 def _with(tree: ast.Module, index: int, changed: ast.AST) -> ast.Module:
-    """The tree with another node in place of one."""
+    """The tree with one node replaced."""
     whole = copy.deepcopy(tree)
     for at, (_, node) in enumerate(_nodes(whole)):
         if at == index:

@@ -1,4 +1,4 @@
-"""What the schemas do not say of keys: units that no name ends with, and examples."""
+"""What the schemas do not say about keys: units that no name ends with, and examples."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ UNITS: dict[tuple[str, str], str] = {
     ("SkillEntry", "cost"): "s",
     ("SkillEntry", "charge_rate"): "%, %/s",
 }
-"""By model and key."""
+"""Model and key -> unit."""
 
 EXAMPLES: dict[tuple[str, str], Any] = {
     ("Mission", "objects"): ["p1", "p2"],
@@ -72,4 +72,4 @@ EXAMPLES: dict[tuple[str, str], Any] = {
     ("GimbalEventModel", "taken"): True,
     ("GripperEventModel", "drops"): True,
 }
-"""By model and key, for keys that no shipped file has."""
+"""Model and key -> example, for keys that no shipped file has."""

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Flies every shipped mission in rough worlds, a campaign each, and sums up how the rows ended.
+"""Flies every shipped mission in rough worlds, one campaign each, and sums up the outcomes.
 
-To a mission's own world come wind with gusts, noise of GPS and lidar, an old battery, a link that
-loses, answers of payloads that are lost, and moments that come earlier or later. After 200 s an
-operator calls the vehicle home, thrice, as many missions have no end.
+The scenario of each mission gets wind with gusts, noise of GPS and lidar, an old battery, a lossy
+link, lost answers of payloads, and times that come earlier or later. After 200 s an operator calls
+the vehicle home, three times, because many missions have no end.
 
 Usage: .venv/bin/python scripts/rough_missions.py DIR [--rows N] [--seed S] [--only NAME ...]
 
-    DIR       for worlds, tables and reports; a campaign that lies there is gone on with
-    --rows    of all missions together (2000); missions that fly long have fewer
+    DIR       for worlds, tables and reports; a campaign that is there is continued
+    --rows    of all missions together (2000); long missions have fewer
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ LONG = {
     "orchard": 0.4,
     "night_watch": 0.5,
 }
-"""The share of rows, against others, of missions that fly long."""
+"""The share of rows of long missions, compared with the others."""
 CALLED_HOME_S, CALLS = 200.0, 3
 LIMIT_S = 600.0
 ROUGH = {
@@ -46,7 +46,7 @@ ROUGH = {
 
 
 def rough_world(mission: Path) -> dict[str, Any]:
-    """The scenario of a mission, with what varies in it."""
+    """The scenario of a mission, with its factors."""
     path = mission.with_suffix(".sim.yaml")
     world: dict[str, Any] = {"version": 1}
     if path.exists():
@@ -75,13 +75,13 @@ def rough_world(mission: Path) -> dict[str, Any]:
 
 
 def shares(names: list[str], rows: int) -> dict[str, int]:
-    """How many rows each mission has."""
+    """The number of rows of each mission."""
     weights = {name: LONG.get(name, 1.0) for name in names}
     return {name: max(1, round(rows * w / sum(weights.values()))) for name, w in weights.items()}
 
 
 def fly(mission: Path, rows: int, seed: int, out: Path) -> Counter[str]:
-    """Outcomes of a mission's rows; its table and its report lie in `out`."""
+    """Flies a mission's rows; returns their outcomes. Table and report are written to `out`."""
     if (out / "rows.jsonl").exists():
         options = ["--resume", str(out)]
     else:

@@ -1,4 +1,4 @@
-"""The keys of files that people write, as the JSON schemas of their models have them."""
+"""The keys of files that people write, read from the JSON schemas of their models."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ Schema = Mapping[str, Any]
 
 
 class KeyTable(NamedTuple):
-    """A mapping in a file: the path that leads to it, and its model."""
+    """A mapping in a file: its path and its model."""
 
     path: str
     model: str
@@ -17,7 +17,7 @@ class KeyTable(NamedTuple):
 
 
 def inlined(schema: Any, definitions: Schema | None = None) -> Any:
-    """A schema with its enumerations where they are used, and no null for what may be absent."""
+    """A schema with enumerations in place, and without null for what may be absent."""
     definitions = schema.get("$defs", {}) if definitions is None else definitions
     match schema:
         case {"$ref": str(), **rest} if "properties" not in definitions[name_of(schema)]:
@@ -33,10 +33,10 @@ def inlined(schema: Any, definitions: Schema | None = None) -> Any:
 
 
 def tables(schema: Schema, root: str) -> list[KeyTable]:
-    """The mappings of a file, each once, in the order in which keys lead to them."""
+    """The mappings of a file, each once, in the order of the keys that lead to them."""
     found = [KeyTable("", root, schema)]
     known = {root}
-    for table in found:  # grows
+    for table in found:  # grows in the loop
         for key, value in table.schema["properties"].items():
             for model, ending in references(value):
                 if model not in known:
@@ -47,7 +47,7 @@ def tables(schema: Schema, root: str) -> list[KeyTable]:
 
 
 def references(value: Schema, ending: str = "") -> Iterator[tuple[str, str]]:
-    """The models that a value may have, and how a path goes on to them."""
+    """The models that a value may have, each with the continuation of its path."""
     if "$ref" in value:
         yield name_of(value), ending
     for inner in value.get("anyOf", []):
@@ -59,7 +59,7 @@ def references(value: Schema, ending: str = "") -> Iterator[tuple[str, str]]:
 
 
 def named(value: Schema) -> Schema | None:
-    """What each entry of a mapping from names is, if the value is one."""
+    """The schema of the entries, if a value is a mapping from names."""
     inner = value.get("additionalProperties")
     if isinstance(inner, dict):
         return inner
@@ -67,12 +67,12 @@ def named(value: Schema) -> Schema | None:
 
 
 def name_of(reference: Schema) -> str:
-    """The model that a reference is to."""
+    """The model to which a reference points."""
     return str(reference["$ref"]).rpartition("/")[2]
 
 
 def values(content: Any, table: KeyTable, schema: Schema) -> Iterator[tuple[tuple[str, str], Any]]:
-    """All values that a file gives to keys, by the model and the key."""
+    """All values of a file by model and key."""
     for key, value in content.items():
         if key not in table.schema["properties"]:
             continue
@@ -86,7 +86,7 @@ def values(content: Any, table: KeyTable, schema: Schema) -> Iterator[tuple[tupl
 
 
 def _reached(value: Any, ending: str) -> Iterable[Any]:
-    """What a path's ending leads to, from a value on."""
+    """The values at the end of a path that begins at a value."""
     if ending.endswith((".NAME", "[]")) and isinstance(value, dict | list):
         return value.values() if isinstance(value, dict) else value
     return [] if ending else [value]

@@ -1,4 +1,4 @@
-"""An SVG picture on white, of the pictures that scripts draw for the documentation."""
+"""The SVG frame, with a white background, of the pictures that scripts draw for the docs."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ def svg_picture(
     """The text of a picture.
 
     Args:
-        parts: elements, in the order in which they are drawn.
+        parts: elements, in drawing order.
         width: in pixels.
         height: in pixels.
         style: CSS of the elements.
-        definitions: elements that others refer to, such as markers.
+        definitions: elements to which others refer, such as markers.
     """
     size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
     return (

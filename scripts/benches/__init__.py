@@ -1,4 +1,4 @@
-"""What the benches share: rows of the table, and how times are taken."""
+"""What the benches share: rows of the table, and measurement of times."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MISSION = ROOT / "missions" / "surveillance.yaml"
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One figure, and where there is one the peer's in the same unit."""
+    """One figure, and the peer's in the same unit, if there is one."""
 
     name: str
     figure: float
@@ -28,7 +28,7 @@ class Row:
 
 
 def timed(call: Callable[[], object], runs: int) -> list[float]:
-    """Milliseconds of each of several calls."""
+    """The milliseconds of each of several calls."""
     passed = []
     for _ in range(runs):
         start_s = perf_counter()

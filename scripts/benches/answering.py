@@ -1,4 +1,4 @@
-"""How soon a change of an event is answered, in real time over UDP."""
+"""The time from a change of an event to its answer, in real time over UDP."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from companion.vehicle.link import Link
 from companion.vehicle.run_clocks import ClockReading
 from sitl.link.server import COMPANION_PORT, HOST
 
-INSTANCE = 96  # of the simulator, away from any that runs
+INSTANCE = 96  # of the simulator, away from any other one that runs
 PORT = COMPANION_PORT + INSTANCE
 MOVE = {
     "parameters": {"from": "Place", "to": "Place"},
@@ -57,11 +57,11 @@ PATROL: dict[str, Any] = {
     "initially": ["at(Home)"],
     "task": {"a": "G F at(A)", "b": "G F (at(B) | red)", "c": "G F (at(C) | !red)"},
 }
-"""A and B in turn, or A and C while it is red."""
+"""Visits A and B in turn, or A and C while it is red."""
 
 
 class Answers(Link):
-    """The link and the recorder: when the first setpoint of each new plan leaves."""
+    """Link and recorder that note when the first setpoint of each new plan leaves."""
 
     def __init__(self) -> None:
         super().__init__(UdpPort(HOST, PORT))
@@ -72,7 +72,7 @@ class Answers(Link):
         self._is_replanned = self._is_due = False
 
     def report(self, stamped: Stamped) -> None:
-        """Looks for a new plan, and for its first move."""
+        """Waits for a new plan, then for its first move."""
         if isinstance(stamped.event, PlanReplaced):
             self._is_replanned = True
         elif isinstance(stamped.event, NodesChanged) and stamped.event.tip.startswith("move_cmd"):
@@ -80,16 +80,16 @@ class Answers(Link):
             self._is_due, self._is_replanned = self._is_due or self._is_replanned, False
 
     def clocks(self, reading: ClockReading) -> None:
-        """Not read."""
+        """Ignores the clocks."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Kept nowhere."""
+        """Ignores packets."""
 
     def position(self, now_s: float, position: Ned) -> None:
-        """The same."""
+        """Ignores positions."""
 
     def send(self, datagrams: list[bytes]) -> None:
-        """Notes the time of a setpoint that was waited for."""
+        """Notes the time of an awaited setpoint."""
         super().send(datagrams)
         if self._is_due:
             self.times_s.append(time.perf_counter())
@@ -97,17 +97,17 @@ class Answers(Link):
 
 
 class Asked(Companion):
-    """A companion whose events may be made to wait for their tick."""
+    """A companion that can be made to answer events only in ticks."""
 
     waits = False
 
     def is_urgent(self, now_s: float, datagrams: list[bytes]) -> bool:
-        """As ever, unless it waits."""
+        """As in the companion, or False while it waits for ticks."""
         return not self.waits and super().is_urgent(now_s, datagrams)
 
 
 def answering(runs: int) -> Iterator[Row]:
-    """From an event's datagram to the first setpoint of the new plan; the peer waits for ticks."""
+    """From an event's datagram to the new plan's first setpoint; the peer answers only in ticks."""
     command = [sys.executable, "-m", "sitl", "-i", str(INSTANCE)]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE) as sitl:
         assert sitl.stdout is not None
@@ -135,13 +135,13 @@ def answering(runs: int) -> Iterator[Row]:
 
 
 def ask(companion: Asked, link: Answers, times: int, asked: list[tuple[bool, float]]) -> None:
-    """Changes the event now and then, in flight; then the companion lands."""
+    """Changes the event now and then in flight; then lands the companion."""
     link.is_flown.wait(60.0)
     random, target = Random(0), MavlinkCodec(1 + INSTANCE, 42)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as udp:
         for number in range(2 * times):
             time.sleep(random.uniform(1.1, 1.6))
-            companion.waits = number % 4 >= 2  # as often for red as for not
+            companion.waits = number % 4 >= 2  # for red as often as for not red
             said = dialect.MAVLink_named_value_int_message(0, b"red", (number + 1) % 2)
             asked.append((companion.waits, time.perf_counter()))
             udp.sendto(target.pack(said), (HOST, PORT))

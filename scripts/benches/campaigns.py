@@ -1,4 +1,4 @@
-"""How many flights a second a campaign flies, and what memory its processes keep."""
+"""The number of flights per second in a campaign, and the memory that its processes keep."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ wind: {{east_mps: 0.5, north_mps: 0.3, turbulence_mps: 0.1}}
 happens: [{{at_s: 2, operator: MAV_CMD_NAV_RETURN_TO_LAUNCH}}]
 vary: {{"wind.east_mps": [-4, 4], "wind.north_mps": [-4, 4]}}
 """
-"""return_home is called home while it takes off: 9 s of flight."""
+"""The mission return_home, called home during the take-off: 9 s of flight."""
 LIMIT_S = 60.0
 PROCESSES = 2
 ALONE = "one process"
 
 
 def throughput(runs: int) -> Iterator[Row]:
-    """Flights a second of warm processes; the peer is a single one."""
+    """Flights per second in running processes; the peer is a single process."""
     mission = load_mission(MISSIONS / "return_home.yaml")
     kit = Kit.of(mission, varied_world_of(mission, SCENARIO), LIMIT_S)
     flights = random_rows(kit, 1, 4 * runs)
@@ -69,7 +69,7 @@ def _rate_on_dask(kit: Kit, flights: Sequence[Flight]) -> float:
 def _rate(
     engine: RowEngine, flights: Sequence[Flight], look: Callable[[], None] = lambda: None
 ) -> float:
-    """Flights a second, once each process has flown; looks after each of them."""
+    """Flights per second, after each process has flown once; calls `look` after each of them."""
     for _ in engine.fly(flights[:PROCESSES]):
         pass
     start_s = perf_counter()

@@ -1,4 +1,4 @@
-"""Missions with docks: a patrol of sites on a battery that is too small for it, as data."""
+"""Missions with docks, as data: a patrol of sites with a battery that is too small for it."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ def patrol_between_docks(
     charge_rate: Sequence[Sequence[float]],
     up_m: tuple[float, float] = (1, 15),
 ) -> dict[str, Any]:
-    """The data of a mission: all places but Home and the docks are visited for ever.
+    """The data of a mission that visits all places but Home and the docks for ever.
 
     Args:
         name: of the mission.
-        places: all of them, Home the first.
+        places: all of them, Home first.
         docks: places that charge.
         fence: its corners.
         battery: the section of the mission.

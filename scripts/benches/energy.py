@@ -1,4 +1,4 @@
-"""Plans on a battery: how long they take, and how good they are."""
+"""Plans on a battery: how long planning takes, and how good the plans are."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NOTHING = SolverMemory(KnownLoops(), KnownLaps())
 
 FIELDS = 8
 CAPACITIES_WH = {1: 30, 2: 18, 3: 13}
-"""By the charges that most laps over twenty sites take, with which battery."""
+"""Number of charges that most laps over twenty sites take -> capacity for it."""
 
 
 def patrol_on_a_battery(sites: int, docks: int, seed: int, capacity_wh: float = 30) -> Mission:
@@ -51,7 +51,7 @@ def patrol_on_a_battery(sites: int, docks: int, seed: int, capacity_wh: float = 
 def plans(runs: int) -> Iterator[Row]:
     """First plans, with automata and routes, and replans from any place and charge, in CPU time.
 
-    A replan keeps the lap of the first plan; anew is one for which no lap is known.
+    A replan keeps the lap of the first plan; for "anew" no lap is known.
     """
     seeds = range(max(1, runs // 10))
     for sites in (10, 20) if runs >= 50 else (6,):
@@ -83,7 +83,7 @@ def plans(runs: int) -> Iterator[Row]:
 
 
 def laps(runs: int) -> Iterator[Row]:
-    """How far from the shortest laps may be, over many sites, and how long it takes to say so."""
+    """How far laps may be from the shortest, over many sites, and how long that proof takes."""
     sites, fields = (20, FIELDS) if runs >= 50 else (12, 1)
     for charges, capacity_wh in CAPACITIES_WH.items():
         above, first_above, took_s = [], [], []
@@ -103,7 +103,7 @@ def laps(runs: int) -> Iterator[Row]:
 
 
 def _later(planner: Planner, seed: int) -> Iterator[Asked]:
-    """From some places, with any charge above a third."""
+    """Problems from some places, with any charge above a third."""
     chance = random.Random(seed)
     for place in chance.sample(list(planner.mission.places), 5):
         problem, histories = planner.initial_problem(at=place)

@@ -44,27 +44,27 @@ from sitl.world.lidar import STEP_RAD, Lidar, LidarSpec
 from sitl.world.scenario import PX4_HOME
 
 AUTOPILOT = 1  # component id
-INSTANCE = 97  # of the simulator at real time, away from any that runs
+INSTANCE = 97  # of the simulator in real time, away from any other one that runs
 CRATE = (122, 172)  # its south-west cell in the hall of the surveillance
-ALL = sys.maxsize  # cells
+ALL = sys.maxsize  # all cells
 
 
 @dataclass
 class Flight:
-    """A recorder that keeps what the other rows need of a flight."""
+    """A recorder that keeps what the other rows need."""
 
     datagrams: list[bytes] = field(default_factory=list)
     journal: Journal = field(default_factory=NoJournal)
     name: str = ""
 
     def report(self, stamped: Stamped) -> None:
-        """Events are not needed."""
+        """Ignores events."""
 
     def position(self, now_s: float, position: Ned) -> None:
-        """Positions are not needed."""
+        """Ignores positions."""
 
     def clocks(self, reading: ClockReading) -> None:
-        """Not read."""
+        """Ignores the clocks."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Keeps the datagrams of both directions."""
@@ -77,7 +77,7 @@ def cost_to_go(runs: int) -> Iterator[Row]:
     home = mission.places["Home"].position
 
     def first_path_to(goal: str) -> float:
-        routes = route_map(mission)  # keeps what it has found
+        routes = route_map(mission)  # stores what it has found
         return timed(lambda: routes.distance_m(home, goal), 1)[0]
 
     goals = [name for name in mission.places if name != "Home"]
@@ -90,7 +90,7 @@ def cost_to_go(runs: int) -> Iterator[Row]:
 
 
 def searching(mission: Mission, runs: int) -> Row:
-    """The waypoint of a place moves, and the ways to it are searched in parts; the longest part."""
+    """The waypoint of a place moves, and the routes to it are searched in slices; longest slice."""
     routes, home = route_map(mission), mission.places["Home"].position
     north, east, down = mission.places["B"].position
     took = []
@@ -104,7 +104,7 @@ def searching(mission: Mission, runs: int) -> Row:
 
 
 def repairing(mission: Mission, runs: int) -> Row:
-    """A crate comes and goes: each place's cost-to-go is repaired; the peer is a new search."""
+    """A crate comes and goes, and each place's cost-to-go is repaired; the peer is a new search."""
     crate = with_crate(mission.grid)
     routes, took, new = route_map(mission), [], []
     routes.find(ALL)
@@ -118,7 +118,7 @@ def repairing(mission: Mission, runs: int) -> Row:
 
 
 def with_crate(grid: OccupancyGrid) -> OccupancyGrid:
-    """The hall with a crate on the way to B."""
+    """The hall with a crate on the route to B."""
     occupied = grid.occupied.copy()
     row, col = CRATE
     occupied[row : row + 8, col : col + 8] = True
@@ -126,9 +126,9 @@ def with_crate(grid: OccupancyGrid) -> OccupancyGrid:
 
 
 def rerouting(runs: int) -> Iterator[Row]:
-    """A scan shows a crate on the way: the map, its distance field, and a new route round it."""
+    """A scan shows a crate on the route: the map, its distance field, and a new route."""
     mission = load_mission(MISSION)
-    start = (10.3, 12.0)  # before the crate
+    start = (10.3, 12.0)  # in front of the crate
     lidar = Lidar(LidarSpec(), with_crate(mission.grid), Random(0))
     scan = RangeScan(0.0, start, lidar.scan(start, 0.0), 0.0, STEP_RAD, lidar.spec.range_m)
     took: list[float] = []
@@ -148,7 +148,7 @@ def rerouting(runs: int) -> Iterator[Row]:
 
 
 def simulating(runs: int) -> Iterator[Row]:
-    """Physics and control of a vehicle that flies 2 m up; the peer is the physics alone."""
+    """Physics and control of a vehicle at 2 m height; the peer is the physics alone."""
     steps = 500 * runs
     setpoint = TrajectorySetpoint(
         position=(3.0, 4.0, -2.0), velocity=(None, None, None), yaw_rad=0.0
@@ -165,12 +165,12 @@ def simulating(runs: int) -> Iterator[Row]:
 
 
 def hover(physics: Physics) -> None:
-    """Commands that nearly hold the vehicle."""
+    """Motor commands that nearly hold the vehicle."""
     physics.follow((0.5, 0.5, 0.5, 0.5))
 
 
 def physics_speed(steps: int, control: Callable[[Physics], None] = hover) -> float:
-    """How many times real time the physics fly, where each state is read; of CPU time."""
+    """Speed of the physics as a multiple of CPU time, if each state is read."""
     physics = Physics(dt_s=DT_S, origin=PX4_HOME)
     start_s = process_time()
     for i in range(steps):
@@ -182,9 +182,9 @@ def physics_speed(steps: int, control: Callable[[Physics], None] = hover) -> flo
 
 
 def flying(runs: int) -> Iterator[Row]:
-    """The whole mission in lockstep as a campaign flies it; the peer is the physics alone.
+    """The whole mission in lockstep, as in a campaign; the peer is the physics alone.
 
-    Then MAVLink, on the autopilot's frames of such a flight.
+    Then MAVLink, with the autopilot's frames of this flight.
     """
     mission, speeds, steps = load_mission(MISSION), [], 0
     for _ in range(max(1, runs // 10)):
@@ -210,7 +210,7 @@ def flying(runs: int) -> Iterator[Row]:
 
 
 def serving(runs: int) -> Iterator[Row]:
-    """`python -m sitl` at real time in flight, telemetry on both links: its share of a core."""
+    """`python -m sitl` in real time in flight, telemetry on both links: its share of a core."""
     seconds = min(10.0, 0.5 * runs)
     command = [sys.executable, "-m", "sitl", "-i", str(INSTANCE)]
     with (
@@ -230,7 +230,7 @@ def serving(runs: int) -> Iterator[Row]:
 
 
 def take_off(udp: socket.socket) -> None:
-    """Has the simulator on the instance's port armed and climbing.
+    """Makes the simulator on the instance's port arm and climb.
 
     Raises:
         RuntimeError: it did not arm within 5 s.
@@ -267,7 +267,7 @@ def mavlink(frames: list[bytes], runs: int) -> Iterator[Row]:
 
 
 def signed(frames: list[bytes], runs: int) -> Iterator[Row]:
-    """The same with signatures: what packs and signs, and what verifies and parses."""
+    """The same with signatures: packing with signing, and verifying with parsing."""
     frames = frames[: 200 * runs]
     key, codec = SigningKey(bytes(range(32))), MavlinkCodec(1, AUTOPILOT)
     messages: list[Message] = [m for frame in frames for m in codec.parse(frame)]

@@ -1,4 +1,4 @@
-"""Flights over many sites: what the longest tick takes while events come and walls are seen."""
+"""Flights over many sites: the longest tick while events come and walls are seen."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ FIRST_EVENT_S, EVERY_S = 12.0, 8.0
 
 
 def flights(runs: int) -> Iterator[Row]:
-    """Half of the sites matter while it is red, all of them otherwise; columns are not mapped."""
+    """Half of the sites matter while it is red, all of them otherwise; no map has the columns."""
     sites, duration_s = (100, 60.0) if runs >= 50 else (20, 24.0)
     mission = load_mission(_patrol(sites))
     world = read_scenario(_world(duration_s), default_map=mission.grid)
@@ -62,7 +62,7 @@ def _patrol(sites: int) -> dict[str, Any]:
 
 
 def _scattered(sites: int) -> Iterator[dict[str, float]]:
-    """Places at random, some way apart, with small regions."""
+    """Random places with small regions and a minimum distance."""
     chance, taken = random.Random(1), [(0.0, 0.0)]
     while len(taken) <= sites:
         point = chance.uniform(2, SIDE_M - 2), chance.uniform(2, SIDE_M - 2)
@@ -72,7 +72,7 @@ def _scattered(sites: int) -> Iterator[dict[str, float]]:
 
 
 def _world(duration_s: float) -> dict[str, Any]:
-    """Columns at random, and an event that comes and goes."""
+    """Random columns, and an event that comes and goes."""
     chance = random.Random(2)
     columns = [
         {"east_m": chance.uniform(5, 55), "north_m": chance.uniform(5, 55), "radius_m": 0.5}

@@ -1,4 +1,4 @@
-"""The quality of plans and flights of the shipped missions, one flight each, seed 0."""
+"""The quality of plans and flights of the shipped missions; one flight each, seed 0."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ SETPOINT = bytes([84, 0, 0])  # id of SET_POSITION_TARGET_LOCAL_NED, in bytes 7 
 
 @dataclass
 class Tracking:
-    """A recorder of where the vehicle is told to be, and where it truly is.
+    """A recorder of the setpoints and of the vehicle's true positions.
 
     Attributes:
         gaps_m: from the newest setpoint to the vehicle, once per tick of the task in OFFBOARD, so
             not while a plan lands the vehicle.
-        told_mps: how fast the newest setpoint moves.
-        velocities: how it truly moves then, and when.
-        clearances_m: from the vehicle's centre to what is truly nearest, once per tick.
+        told_mps: speed of the newest setpoint.
+        velocities: the true velocity at that time, and the time.
+        clearances_m: from the vehicle's centre to the nearest true obstacle, once per tick.
     """
 
     simulation: Simulation | None = None
@@ -51,7 +51,7 @@ class Tracking:
     name: str = ""
 
     def report(self, stamped: Stamped) -> None:
-        """The task lasts until something else is flown than its plan."""
+        """Ends the task when anything but its plan is flown."""
         match stamped.event:
             case PhaseEntered(phase=phase):
                 self.is_on_task = phase in (Phase.TASK, Phase.RETURNING)
@@ -61,10 +61,10 @@ class Tracking:
                 self.is_on_task = False
 
     def clocks(self, reading: ClockReading) -> None:
-        """Not read."""
+        """Ignores the clocks."""
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Hears the setpoints."""
+        """Reads the setpoints."""
         for datagram in datagrams:
             for frame in split_frames(datagram):
                 if frame[7:10] == SETPOINT:
@@ -73,7 +73,7 @@ class Tracking:
                         self.told_mps = math.hypot(message.vx, message.vy, message.vz)
 
     def position(self, now_s: float, position: Ned) -> None:
-        """Takes the truth of this tick."""
+        """Takes the true state of this tick."""
         assert self.simulation is not None and self.simulation.true_map is not None
         truth = self.simulation.flight.position
         self.clearances_m.append(self.simulation.true_map.clearance_m(truth[:2]))
@@ -85,19 +85,19 @@ class Tracking:
 
     @property
     def speed_mps(self) -> float:
-        """The greatest true speed."""
+        """The highest true speed."""
         return max(math.hypot(*velocity) for _, velocity in self.velocities)
 
     @property
     def acceleration_mps2(self) -> float:
-        """The greatest true acceleration, over two ticks."""
+        """The highest true acceleration, over two ticks."""
         pairs = zip(self.velocities, self.velocities[2:], strict=False)
         over_s = 2 * TICK_S
         return max(distance(a, b) / over_s for (s, a), (t, b) in pairs if t - s < 1.1 * over_s)
 
 
 def timed_steps(companion: Companion) -> list[float]:
-    """Seconds of its thread that each step of a companion takes from now on, with the vehicle."""
+    """CPU seconds of each step of a companion from now on, with its vehicle."""
     ticks_s: list[float] = []
     step = companion.step
 
@@ -115,7 +115,7 @@ def timed_steps(companion: Companion) -> list[float]:
 
 
 def planning(runs: int) -> Iterator[Row]:
-    """The search for the first plan; the way between places is known."""
+    """The search for the first plan, with known routes between places."""
     for each in sorted({each.mission: each for each in shipped()}.values(), key=str):
         mission = each.load()
         planner = Planner(mission)
@@ -125,7 +125,7 @@ def planning(runs: int) -> Iterator[Row]:
 
 
 def flying(runs: int) -> Iterator[Row]:
-    """Setpoint against vehicle, and the room that was left, the same each time; what ticks take."""
+    """Setpoint against vehicle, and the room left, always the same; and the duration of ticks."""
     for each in shipped():
         mission, seen = each.load(), Tracking()
         flight = each.flight(mission, seen)

@@ -52,7 +52,7 @@ def loading(runs: int) -> Iterator[Row]:
 
 
 def _import_ms() -> float:
-    """Of a Python that has imported nothing of ours."""
+    """The import time in a Python process that has imported nothing of ours."""
     script = (
         "import time; t = time.perf_counter(); import companion; print(time.perf_counter() - t)"
     )
@@ -96,12 +96,12 @@ def _rows(name: str, passed: list[float], peer_ms: float) -> Iterator[Row]:
 
 
 def _peer_ms(asked: Asked) -> float:
-    """A classical planner on the decomposed compilation, its start included; the best of three."""
+    """A classical planner on the decomposed compilation, with its start; the best of three."""
     return min(timed(lambda: solve_with(*asked, ENGINE, Encoding.V4, Objective.SUM, 60.0), 3))
 
 
 def laps(runs: int) -> Iterator[Row]:
-    """Patrols over random places: how long a plan takes, and how far it may be from the best."""
+    """Patrols over random places: planning time, and the possible distance from the best plan."""
     seeds = range(max(1, runs // 10))
     for sites in (10, 17) if runs >= 50 else (6,):
         answers = [_answers(sites, 3, seed) for seed in seeds]
@@ -155,7 +155,7 @@ def _replan_ms(planner: Planner, asked: Asked) -> list[float]:
 
 
 def implied(runs: int) -> Iterator[Row]:
-    """Patrols with one to three lines that others imply: what these cost; 0 is wanted."""
+    """Patrols with one to three implied lines: the cost of these lines, ideally 0."""
     for sites in (10, 17) if runs >= 50 else (6,):
         excess, took = [], []
         for seed in range(max(1, runs // 10)):
@@ -175,7 +175,7 @@ def random_missions(runs: int) -> Iterator[Row]:
 def _answers(
     sites: int, upload_sites: int, seed: int, lines: int = 0
 ) -> list[tuple[float, Solution]]:
-    """The solutions of a patrol with the milliseconds after which each came."""
+    """The solutions of a patrol, each with the milliseconds until it was found."""
     mission = with_implied_lines(patrol(sites, upload_sites, seed), sites, lines, seed)
     planner = Planner(mission, straight(mission))
     asked = planner.initial_problem()
@@ -186,7 +186,7 @@ def _answers(
 def points_between(
     mission: Mission, routes: LayeredRoutes, start: str, goal: str, count: int
 ) -> Iterator[Ned]:
-    """Positions at even distances on the route from one place to another."""
+    """Equally spaced positions on the route from one place to another."""
     route = routes.route(mission.places[start].position, goal)
     assert route is not None
     legs = np.linalg.norm(np.diff(route.waypoints, axis=0), axis=1)

@@ -1,4 +1,4 @@
-"""Flights of shipped missions whose position is not exact: what room is left, and what it costs."""
+"""Flights of shipped missions with an inexact position: the room that is left, and the cost."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ ERRORS = {
     "GPS noise of 0.25 m": "\nhappens:\n  - {at_s: 0.1, gps: {noise_m: 0.25}}\n",
     "as a PX4": "\nairframe: px4_sih\nwander: {}\n",
 }
-"""What is added to a scenario, by the name of the row."""
+"""Name of the row -> what is added to the scenario."""
 
 
 @dataclass
 class Wandering(Tracking):
-    """A recorder of a flight in which nothing stands in the way that the map does not show.
+    """A recorder for flights without obstacles that the map does not show.
 
     Attributes:
-        reroutes: how often a way was not clear.
-        waits_s: how long each flight waited at its end until the vehicle was there.
+        reroutes: how often a route was not clear.
+        waits_s: for each flight, the wait at its end until the vehicle arrived.
     """
 
     reroutes: int = 0
@@ -45,14 +45,14 @@ class Wandering(Tracking):
             self.waits_s.append(max(0.0, stamped.time_s - self.moved_s))
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
-        """Notes when the vehicle was told to move last."""
+        """Notes when the last moving setpoint was sent."""
         super().packets(now_s, datagrams)
         if self.told_mps > 0.0:
             self.moved_s = now_s
 
 
 def flights(runs: int) -> Iterator[Row]:
-    """A minute of each mission, seed 0: GPS that wanders, and the drag and wander of a PX4."""
+    """A minute of each mission, seed 0: with wandering GPS, or the drag and wander of a PX4."""
     for each in (each for each in shipped() if each.name in MISSIONS):
         mission = each.load()
         assert each.scenario is not None

@@ -1,4 +1,4 @@
-"""Plans of random missions, held against the reference of the tests."""
+"""Compares plans of random missions with the reference planner of the tests."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from benches import ROOT
 from companion.planning.builtin.search import Search
 from companion.planning.objective import Objective
 
-sys.path.append(str(ROOT / "tests"))  # the missions and the reference are those of the tests
+sys.path.append(str(ROOT / "tests"))  # missions and reference come from the tests
 
 
 def share_of_best(missions: int) -> float:
-    """The share of plans, for both objectives, than which no lasso is better."""
+    """The share of plans, for both objectives, that no lasso surpasses."""
     from random_missions import random_mission
     from reference_lassos import Reference, TooLarge
 

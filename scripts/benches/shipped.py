@@ -1,4 +1,4 @@
-"""The shipped missions and their worlds; each is flown in lockstep from here."""
+"""The shipped missions and their worlds, to be flown in lockstep."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ SCENARIO = ".sim.yaml"
 
 @dataclass(frozen=True, slots=True)
 class Shipped:
-    """A mission and a world for it.
+    """A mission with a world.
 
     Attributes:
-        name: of the scenario, or of the mission if it needs none.
+        name: of the scenario, or of a mission without one.
     """
 
     name: str
@@ -34,12 +34,12 @@ class Shipped:
         return load_mission(self.mission)
 
     def flight(self, mission: Mission, recorder: Recorder) -> LockstepFlight:
-        """The flight, seed 0, that is still to be flown."""
+        """The flight with seed 0, before its first tick."""
         return lockstep(OnlyRun(mission, recorder), world_of(mission, self.scenario))
 
 
 def shipped() -> list[Shipped]:
-    """All, by name. A scenario without a mission of its name belongs to the one it begins with."""
+    """All, by name. A scenario without its own mission has the one whose name begins its own."""
     names = [path.name.removesuffix(SCENARIO) for path in sorted(MISSIONS.glob(f"*{SCENARIO}"))]
     missions = [name for name in names if (MISSIONS / f"{name}.yaml").exists()]
     with_scenario = [

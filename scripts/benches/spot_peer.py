@@ -1,4 +1,4 @@
-"""Spot as a peer: its automata of our formulas, where it is installed.
+"""Spot as a peer: its automata for our formulas, where it is installed.
 
 The extra `test` installs it where it has a wheel: `spottl`, for Linux on x86-64.
 """
@@ -15,14 +15,14 @@ except ImportError:
     spot = None
 
 NAME = f"Spot {spot.version()}" if spot is not None else None
-"""With its version; None where it is missing."""
+"""Its name with its version; None where it is missing."""
 
 KINDS = {"generalized": ("GeneralizedBuchi",), "state-based": ("Buchi", "SBAcc")}
-"""What Spot calls our kinds of automata. It makes them as small as it can, as `ltl2tgba` does."""
+"""Spot's names of our kinds of automata. It minimises them as `ltl2tgba` does."""
 
 
 def spot_text(formula: Formula) -> str:
-    """A formula as Spot reads it: each operator in brackets, since it binds -> and <-> alike."""
+    """A formula for Spot, with each operator in brackets, because Spot binds -> and <-> alike."""
     text: dict[Formula, str] = {}
     for node in subformulas(formula):
         operands = [text[operand] for operand in node.operands]

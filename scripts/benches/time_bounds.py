@@ -1,4 +1,4 @@
-"""Plans with bounds in time: how long they take, and what they find."""
+"""Plans with time bounds: how long planning takes, and what it finds."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from companion.slices import InSlices
 
 BOUNDS = 3
 ALL = ((6, 0.7, 1.2), (6, 0.9, 1.4), (10, 0.9, 1.4))
-"""Sites, and between which shares of the tour the limits are."""
+"""Number of sites, and the range of the limits as shares of the tour."""
 
 
 def bounded(sites: int, least: float, most: float, seed: int) -> Mission:
-    """A patrol, some sites of which have to be visited often."""
+    """A patrol in which some sites have to be visited often."""
     chance = random.Random(seed)
     mission = patrol(sites, 1, seed)
     tour_s = _planner(mission).plan().lap_cost_s
@@ -42,7 +42,7 @@ def _planner(mission: Mission) -> Planner:
 
 
 def plans(runs: int) -> Iterator[Row]:
-    """First plans, those that prove that there is none among them, and replans, in CPU time."""
+    """First plans, including proofs that there is none, and replans, in CPU time."""
     for sites, least, most in ALL if runs >= 50 else ALL[:1]:
         first_ms, later_ms, slices_ms = [], [], []
         found = longer = given_up = 0
@@ -78,7 +78,7 @@ def plans(runs: int) -> Iterator[Row]:
 
 
 def _later(planner: Planner, seed: int) -> Iterator[Asked]:
-    """From some places, with clocks that have run for some time."""
+    """Problems from some places, with clocks that have run for some time."""
     chance = random.Random(seed)
     for place in chance.sample(list(planner.mission.places), 5):
         problem, histories = planner.initial_problem(at=place)

@@ -1,7 +1,7 @@
 """The size of automata, and the time that it takes to make them.
 
-The peer is Spot in the same run: what `ltl2tgba` makes, with marks on edges and on states. It comes
-with the extra `test` where it has a wheel (Linux on x86-64); without it there is no peer.
+The peer is Spot in the same run: the automata of `ltl2tgba`, with marks on edges and on states. The
+extra `test` installs it where it has a wheel (Linux on x86-64); without it there is no peer.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ TABLE = ROOT / "tests" / "data" / "formulas.tsv"
 
 
 def formulas() -> list[tuple[str, str]]:
-    """Group and text; without the paper's formula, which has rows of its own."""
+    """Group and text of each formula, except the paper's, which has its own rows."""
     rows = [line.split("\t") for line in TABLE.read_text(encoding="utf-8").splitlines()]
     return [(group, text) for group, _, text, *_ in rows if group not in ("# group", "paper")]
 
 
 def edges(automaton: BuchiAutomaton) -> int:
-    """How many there are if labels may be any formula, as Spot's are."""
+    """The number of edges if labels may be any formula, like Spot's."""
     return len({(t.source, t.target, t.marks) for t in automaton.transitions})
 
 
 Totals = dict[tuple[str, str, str], int]
-"""By group, kind of automaton and unit."""
+"""Group, kind of automaton and unit -> sum."""
 
 
 def tables(runs: int) -> Iterator[Row]:
-    """States and edges of all formulas of a group, and milliseconds a formula."""
+    """States and edges of all formulas of a group, and milliseconds per formula."""
     ours: Totals = defaultdict(int)
     peers: Totals = defaultdict(int)
     passed, peer_passed = [], []
@@ -90,6 +90,6 @@ def paper(runs: int) -> Iterator[Row]:
 
 
 def search(sites: int) -> str:
-    """The paper's formula (Section V) for some number of sites."""
+    """The paper's formula (Section V) for a number of sites."""
     found = " & ".join(f"(F p{i} | ptf)" for i in range(sites))
     return f"G ({found}) & G ((ptf | ptr) -> F ptr) & G (ptr -> X ph)"

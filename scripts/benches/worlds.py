@@ -1,4 +1,4 @@
-"""The surveillance mission with more sites, at random places of a square or of a walled hall."""
+"""The surveillance mission with more sites, at random in a square or in a walled hall."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Asked = tuple[Problem, list[list[Letter]]]
 
 
 def patrol(sites: int, upload_sites: int, seed: int) -> Mission:
-    """Search so many sites; report from one of so many others; fly home."""
+    """Searches `sites` sites, reports from one of `upload_sites` others, flies home."""
     searched = [f"s{i}" for i in range(sites)]
     uploads = [f"r{i}" for i in range(upload_sites)]
     names = ["Home", *searched, *uploads]
@@ -80,7 +80,7 @@ def _walls(chance: random.Random) -> np.ndarray[tuple[int, int], np.dtype[np.boo
 
 
 def with_implied_lines(mission: Mission, sites: int, lines: int, seed: int) -> Mission:
-    """A patrol with lines that say nothing new: by one of its lines, or by several together."""
+    """A patrol with redundant lines: implied by one of its lines, or by several together."""
     chance = random.Random(seed)
     kinds = (
         "G ({} -> F {})",
@@ -98,19 +98,19 @@ def with_implied_lines(mission: Mission, sites: int, lines: int, seed: int) -> M
 
 
 def straight(mission: Mission) -> FlightTime:
-    """Flight times as the crow flies; `here` is the middle of the square."""
+    """Flight times in straight lines; `here` is the middle of the square."""
     positions = {name: place.position for name, place in mission.places.items()}
     positions[HERE] = (SIDE_M / 2, SIDE_M / 2, -2.0)
     return lambda origin, goal: math.dist(positions[origin], positions[goal]) / SPEED_MPS
 
 
 def target_found(planner: Planner, goal: str) -> Asked:
-    """The target is found on the first flight, which leads to some place."""
+    """The target is found on the first flight to a place."""
     return interrupted(planner, goal, "targetFound")
 
 
 def interrupted(planner: Planner, goal: str, *events: str) -> Asked:
-    """The first flight, which leads to some place, is interrupted after some events."""
+    """The first flight to a place is interrupted after some events."""
     task = TaskState(planner)
     task.begin(next(a for a in planner.model.actions if a.name == f"move(Home, {goal})"))
     for event in events:
