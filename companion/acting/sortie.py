@@ -276,6 +276,7 @@ class Sortie:
             self._on(SortieEvent.LANDING_GOES_ON)
         else:
             self._on(SortieEvent.FOUND_AGAIN, self._control.found(resumption, state))
+            self._flight.vehicle.release()  # from the hold that a flight home begins with
 
     def _check_autopilot(self, _: VehicleState) -> None:
         """Goes on to arming when the autopilot's failsafes are strong, and its fence in force."""

@@ -315,11 +315,12 @@ def test_a_pause_goes_on(flight: Lockstep) -> None:
     assert flight.ending == TaskSatisfied()
 
 
-def test_a_flight_home_goes_on(flight: Lockstep) -> None:
+@pytest.mark.parametrize("away_s", [0.1, 3.0])  # before the autopilot's own hold, and in it
+def test_a_flight_home_goes_on(flight: Lockstep, away_s: float) -> None:
     under_way(flight)
     flight.station_commands(RETURN, component=COMPANION)
     flight.until_reported(PhaseEntered, phase=Phase.RETURNING).run(1.0)
-    cut_off(flight)
+    cut_off(flight, away_s)
     flight.until_the_end()
     assert flight.exit_code == 0 and flight.places[-1:] != ["r2"]
     assert not flight.of(SkillCompleted)
