@@ -11,8 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from companion.planning.domain import Action
-from companion.planning.energy_check import place_of
+from companion.planning.domain import Action, ends_of
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
 
@@ -78,7 +77,7 @@ class PlannedDock:
         if running is None or running.charger is None:
             return 0.0
         docks = (action for action in self.planner.model.actions if action.charger is not None)
-        if any(self._is_in_reach(action) for action in docks if action.name != running.name):
+        if any(self._is_in_reach(each) for each in docks if _dock_of(each) != _dock_of(running)):
             return 0.0
         return max(self.planner.mission.patience_s, running.retry_after_s or 0.0)
 
@@ -97,5 +96,10 @@ class PlannedDock:
         energy = self.planner.energy
         if energy is None or self.task.withdrawn & action.assumes:
             return False
-        needed = energy.to_land_at(place_of(action.requires | action.adds))
+        needed = energy.to_land_at(_dock_of(action))
         return needed is not None and energy.charge.least() >= energy.model.reserve + needed
+
+
+def _dock_of(action: Action) -> str:
+    """Where an action charges, whether the vehicle has to be there or it flies there itself."""
+    return ends_of(action)[1] or ""
