@@ -1,7 +1,7 @@
 """Places whose position in their region is reported in flight.
 
 A report that is accepted makes the place known: from then on routes lead there, and its event
-    becomes true, which leads to a new plan. A later report moves the place. Rules:
+becomes true, which leads to a new plan. A later report moves the place. Rules:
 
 1. A report outside the place's region, or where the vehicle cannot be, is refused and reported. So
    no report widens fence or zones: the region was checked when the mission was read.

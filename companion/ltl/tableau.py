@@ -1,18 +1,17 @@
 """The tableau: from a formula in negation normal form to a first, rough automaton.
 
 A state is a set of obligations: formulas that must hold from the next position on. Expanding an
-    obligation splits it into what must hold now and what is left for later. An until can be
-    fulfilled now or postponed, but a run that postpones the same until for ever must not be
-    accepted. So each until has its mark, on all transitions that do not postpone it.
+obligation splits it into what must hold now and what is left for later. An until can be fulfilled
+now or postponed, but a run that postpones the same until for ever must not be accepted. So each
+until has its mark, on all transitions that do not postpone it.
 
 A *term* is one way to meet a set of obligations, as a set of bits in an int: literals that must
-    hold now (two bits a proposition), obligations for the next position, postponed untils. If a
-    term is a subset of another, it demands less, and the other is redundant. With sets of letters
-    as labels, a term can lose those of its letters for which another term demands less from then
-    on.
+hold now (two bits a proposition), obligations for the next position, postponed untils. If a term is
+a subset of another, it demands less, and the other is redundant. With sets of letters as labels, a
+term can lose those of its letters for which another term demands less from then on.
 
 A disjunction of one U or R with eventual formulas waits as a whole: a U b | F c is b | F c | a &
-    X(a U b | F c), because F c may also begin later.
+X(a U b | F c), because F c may also begin later.
 
 Source: Couvreur, On-the-fly verification of linear temporal logic, FM 1999; Giannakopoulou and
 Lerda, From states to transitions, FORTE 2002; Gastin and Oddoux, Fast LTL to Büchi automata

@@ -27,7 +27,7 @@ class Fact(str):
     """A proposition about the world: a predicate and its arguments.
 
     Facts are interned: equal predicates and arguments give the same object. As a str, a fact is its
-        spelling in the formula language.
+    spelling in the formula language.
 
     >>> Fact("trans_ok", ("A", "B"))
     'trans_ok(A, B)'

@@ -13,7 +13,7 @@ methods for Eikonal equations, SIAM J. Sci. Comput. 34, 2012):
    shortest, in whatever order tiles were searched.
 
 After a change of the map only those cells are searched again whose path changes: paths over an edge
-    that is gone are lost, and new edges may shorten paths.
+that is gone are lost, and new edges may shorten paths.
 
 Graphs, cells and flat indices are those of `grid_graph.py`.
 """
@@ -147,7 +147,7 @@ def _has_lost(next_cell: NextCells, gone: GridGraph) -> npt.NDArray[np.bool_]:
     """(rows * cols,) whether the path from each cell uses an edge that is gone.
 
     By pointer jumping: at first those cells count whose own edge is gone; then, in each pass, those
-        whose path leads to one of these within twice as many edges as in the pass before.
+    whose path leads to one of these within twice as many edges as in the pass before.
     """
     at = _flat(gone.outgoing)
     near, lengths = gone.successors(at)

@@ -6,7 +6,7 @@ between two edges). An edge exists if every cell that it crosses or touches is f
 both directions. Edges may be removed in one direction, such as those that enter a region.
 
 The edges at a cell are the bits of one number: bit i stands for the cell at `OFFSETS[i]` from it.
-    So one operation for each cell removes edges, or compares two maps.
+So one operation for each cell removes edges, or compares two maps.
 
 Cells are (row, column); a flat index is row * cols + col. Points are in cells
 (`line_of_sight.py`).

@@ -1,10 +1,10 @@
 """The two sides of the laws: U with |, and R with &.
 
 In negation normal form every law has a dual: exchange & with |, U with R, true with false. So each
-    law is written once, for a `Side` that stands for U or for R; comments show the case of U. A
-    formula is *eventual* if it holds whenever it holds at a later position (F a). It is *universal*
-    if, once it holds, it also holds at every later position (G a). A formula that is both (G F a)
-    is *ageless*: it does not depend on any finite prefix.
+law is written once, for a `Side` that stands for U or for R; comments show the case of U. A formula
+is *eventual* if it holds whenever it holds at a later position (F a). It is *universal* if, once it
+holds, it also holds at every later position (G a). A formula that is both (G F a) is *ageless*: it
+does not depend on any finite prefix.
 
 Source: Etessami and Holzmann, Optimizing Büchi automata, CONCUR 2000; Somenzi and Bloem,
 Efficient Büchi automata from LTL formulae, CAV 2000.
