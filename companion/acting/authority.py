@@ -35,7 +35,7 @@ SILENT_S = 3.0
 ASTRAY_M = 1.0
 """How far above the altitudes of the mission a vehicle on hold may be, by its own errors."""
 LANDING_M = 1.0
-"""How much further away an autopilot may land whose velocity estimate is wrong. In PX4's own
+"""How much further away an autopilot with a wrong velocity estimate may land. In PX4's own
 simulator it is wrong by 0.4 m/s, for the 6 s that a landing from 2 m takes."""
 LAID_BEFORE = "an earlier flight has begun there; restart the autopilot to begin elsewhere"
 AT_ZERO = "it stands at its autopilot's home position, and that is [0, 0] of the mission"
@@ -55,7 +55,7 @@ def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
 
 
 def why_left_alone(state: VehicleState | None, now_s: float) -> Refusal | None:
-    """Why a vehicle is not one to begin a run with; None if it is."""
+    """Why no run may begin with this vehicle; None if one may."""
     if state is None or loss_of_link(state, now_s):
         return Refusal("the vehicle's state is not known")
     if state.is_armed or not state.is_landed:
@@ -77,10 +77,10 @@ def not_at_home(
     vehicle, it may have landed further away.
 
     Args:
-        gap_m: from the vehicle to home.
-        state: of the vehicle.
+        gap_m: distance of the vehicle from home.
+        state: state of the vehicle.
         home: where the mission begins.
-        anchoring: what decides where that lies.
+        anchoring: what decides where home lies.
         location: where the frames lie on the earth, if that is known.
     """
     is_fixed = anchoring is not Anchoring.BY_VEHICLE
@@ -143,9 +143,9 @@ def not_handed_over(
     """Returns why control may not be taken back now; None if it may.
 
     Args:
-        state: of the vehicle.
-        now_s: the time.
-        is_hold_by_stream_loss: the autopilot's only failsafe is that it no longer heard us.
+        state: state of the vehicle.
+        now_s: the present time.
+        is_hold_by_stream_loss: whether the autopilot holds only because it no longer heard us.
         limits: of the mission; the gate passes no setpoint far above or outside of them.
         kept: the autopilot's own fence, if the flight keeps to it as well.
     """

@@ -3,8 +3,8 @@
 1. The journal has a step on the disk before the step begins. The step stays open there until its
    skill is completed, or the step or its try fails.
 2. An interruption (a pause, a pilot, a lost link, another plan) ends the waiting for a command, but
-      but not the command. If the skill begins again at the same position of the word, it learns the
-      outcomes of its steps: a step that is done is not done again.
+   not the command. If the skill begins again at the same position of the word, it learns the
+   outcomes of its steps: a step that is done is not done again.
 3. When a try has failed, the next one does all of its steps again.
 4. At another position of the word, the same skill has new steps.
 """
@@ -25,12 +25,12 @@ class StepOwner:
     """Identifies a step.
 
     Attributes:
-        action: the skill, with `*` for the place from which it flies: one that is interrupted on
-            its way goes on from `here`, and is the same.
+        action: the skill, with `*` for the place from which it flies: after an interruption on its
+            way it continues from `here`, and counts as the same skill.
         position: the position of the word at which the skill is done.
         nth: which leaf of the skill's tree, from 0.
-        asked: which of the commands that a function asks for, from 1; 0 for the leaf's own step.
-        begun_as: name of the action under way; it identifies nothing.
+        asked: which of the commands that a function requests, from 1; 0 for the leaf's own step.
+        begun_as: name of the present action; it is not part of the identity.
     """
 
     action: str
@@ -46,11 +46,11 @@ class BegunStep:
 
     Attributes:
         does: the command, or the text of a call.
-        number: of its intention in the journal.
-        intended_s: when the journal got that.
-        ticket: of the command; None before it is sent and after its final answer.
+        number: number of its intention in the journal.
+        intended_s: when the intention was noted in the journal.
+        ticket: ticket of the command; None before it is sent and after its final answer.
         is_done: whether it was done.
-        is_resumed: whether its skill has come back to it after an interruption.
+        is_resumed: whether its skill has returned to it after an interruption.
     """
 
     does: Command | str
@@ -98,15 +98,15 @@ class BegunSteps:
     def since_s(self, action: str, now_s: float) -> float:
         """The time from which a reading can confirm an action whose steps are done.
 
-        It is the present time, unless the last step was done before an interruption: then what that
-        step has caused may have been heard meanwhile, and never again.
+        It is the present time, unless the last step was done before an interruption. Then the
+        effect of that step may have been heard meanwhile, and may never be heard again.
         """
         own = [step for o, step in self._steps.items() if o.action == action and not o.asked]
         last = max(own, key=lambda step: step.number, default=None)
         return last.intended_s if last is not None and last.is_resumed else now_s
 
     def drop(self, owner: StepOwner) -> None:
-        """Ends a step that has failed, or of which nothing has begun."""
+        """Ends a step that has failed or has not really begun."""
         step = self._forget(owner)
         self._note(CommandSettled(step.number))
 

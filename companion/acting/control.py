@@ -26,10 +26,10 @@ class Control:
     """Watches who has control of the vehicle of one flight.
 
     Args:
-        flight: of the vehicle.
-        may_yield: an operator may give control back.
-        resumes: the operator has said beforehand that a hold by the loss of our stream may be
-            continued from.
+        flight: the flight.
+        may_yield: whether an operator may give control back.
+        resumes: whether the operator has allowed beforehand to continue after a hold by the loss of
+            our stream.
         resumption: the flight that was under way when the companion was cut off; None for none.
     """
 
@@ -43,7 +43,7 @@ class Control:
         self._stream_loss = StreamLossWatch()
 
     def step(self, state: VehicleState) -> None:
-        """Looks at the vehicle, in each tick of the flight."""
+        """Checks the vehicle, in each tick of the flight."""
         self._stream_loss.step(self._flight.now_s, state)
 
     def not_handed_over(self) -> Refusal | None:
@@ -93,5 +93,5 @@ class Control:
         return self._resumption is None or self._resumption.why_asked(state) is None
 
     def found(self, resumption: Resumption, state: VehicleState) -> FlightFoundAgain:
-        """What is told of a flight that is found still going on."""
+        """The event for a flight that is found still under way."""
         return resumption.found(state, self._resumes)

@@ -13,7 +13,7 @@ A plan that ends at rest satisfies the task when the vehicle rests. Each positio
 reported when the vehicle leaves it, with the conjuncts that it violates. Without a plan the
 vehicle holds, as long as one may become possible again (replanning/patience.py). After a violation
 a plan is searched once more; there is none if the violated line may not be dropped. On the way home
-after that, the only events that count are those by which all violated lines begin anew.
+after that, the only events that count are those by which all violated lines start again.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ class Executive:
 
     Attributes:
         state: what it is doing.
-        replans: how often it has planned again.
-        planner: of the mission.
+        replans: number of replans.
+        planner: the mission's planner.
         due: the replan that is due, or was due last; None before the first one.
         lasso: the present plan; None before the first, and with a tree written by hand.
         failure: why the task has no plan, or why none was found; None while there is a plan.
@@ -67,7 +67,7 @@ class Executive:
     Args:
         prepared: the mission, with its planner and its first plan.
         flight: what the tree acts on.
-        detector: the mission's events.
+        detector: detects the mission's events.
     """
 
     def __init__(self, prepared: PreparedMission, flight: Flight, detector: EventDetector) -> None:
@@ -97,11 +97,11 @@ class Executive:
 
     @property
     def status(self) -> TaskStatus:
-        """How the task stands."""
+        """The status of the task."""
         return STATUS.get(self.state, TaskStatus.RUNNING)
 
     def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
-        """Takes readings off the wire and turns them into facts."""
+        """Takes received readings and turns them into facts."""
         flight, events = self._flight, self.planner.mission.events
         restores: frozenset[str] = frozenset()
         for name, holds in self._detector.update(flight.now_s, flight.hear(readings)):
@@ -137,7 +137,7 @@ class Executive:
         return found
 
     def tick(self) -> TaskStatus:
-        """Does the work of one tick; returns how the task stands then."""
+        """Does the work of one tick; returns the status of the task."""
         if self.state is ExecutiveState.GROUNDED:  # and has taken off since
             self.state = self._plan_state
         lost = None if self.is_leaving else self._whereabouts.look()
@@ -242,7 +242,7 @@ class Executive:
     def _tick_by_hand(self, root: Behaviour) -> None:
         """One tick of a tree that was written by hand: it is not replaced when it fails.
 
-        After a skill that has failed on the ground it goes on in the air, as another plan would.
+        After a skill has failed on the ground, it continues in the air, as a new plan would.
         """
         root.tick_once()
         self._flight.hold_unless_told()
@@ -296,7 +296,7 @@ class Executive:
         self._tell_tree()
 
     def _wait_or_give_up(self, failure: PlanFailure, reason: str) -> None:
-        """Holds and looks again, as long as a plan may become possible; else gives up."""
+        """Holds and searches again, as long as a plan may become possible; then gives up."""
         patience, is_news = self._patience, self.failure is None
         self.failure = failure
         if not patience.lasts:
@@ -344,6 +344,6 @@ class Executive:
         tell_positions(self._flight, for_ever=True)
 
     def _tell_tree(self) -> None:
-        """Reports what the tree's nodes do now, if it is not what they did."""
+        """Reports changes in the status of the tree's nodes."""
         if self._tree_report is not None:
             self._tree_report.tell()

@@ -35,19 +35,19 @@ LAG_SHARE = 0.6
 
 
 class Guidance:
-    """What the vehicle is told to fly.
+    """Tells the vehicle what to fly.
 
     Args:
-        vehicle: which is told.
+        vehicle: receives the setpoints.
         routes: know the walls, and what is below.
         profile: of the vehicle that the mission is written for.
         limits: of the mission.
         now: the time of the tick.
-        report: is told of walls and of ground that are too near.
+        report: receives events about walls or ground that are too near.
 
     Attributes:
-        is_for_task: what is flown is the plan of the task; `FlownTask` writes it.
-        drag: of the vehicle, as it is learnt in flight.
+        is_for_task: whether the plan of the task is flown; `FlownTask` writes it.
+        drag: the vehicle's drag, as it is learnt in flight.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class Guidance:
 
     @property
     def setpoint(self) -> Setpoint | None:
-        """The setpoint that is streamed, before it was moved; None while there is none."""
+        """The setpoint that is streamed, as it was before any move; None if there is none."""
         return self._setpoint
 
     @property
@@ -168,7 +168,7 @@ class Guidance:
         self.brake()
 
     def sent(self, position: Ned) -> Ned:
-        """A position as it is sent: higher, if the vehicle is too near to the ground."""
+        """The position that is sent for a position: higher if the vehicle is near the ground."""
         north, east, down = position
         return (north, east, down - self._ground.lift_m)
 
@@ -178,7 +178,7 @@ class Guidance:
 
     @property
     def heading_rad(self) -> float:
-        """The heading that was told last, or that of the vehicle."""
+        """The heading of the last setpoint; without one, the heading of the vehicle."""
         before = self._setpoint or self._vehicle.state
         return before.yaw_rad if before is not None else 0.0
 

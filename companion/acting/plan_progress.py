@@ -31,8 +31,8 @@ class PlanProgress:
     """How far a plan has come. Each plan has its own; the nodes of its tree write it.
 
     Attributes:
-        completed: skills that were completed; `Effects` counts them.
-        laps: laps of the loop; `Effects` counts them.
+        completed: number of completed skills; `Effects` counts them.
+        laps: number of laps of the loop; `Effects` counts them.
         ground: where the plan has the vehicle.
         unnoticed_landing: why the last landing has failed, in LANDING_UNNOTICED; else None.
     """

@@ -29,7 +29,7 @@ class PlanUnderWay:
     Attributes:
         lasso: the plan.
         tree: its behaviour tree.
-        is_leaving: it flies to a safe place, because there is no plan for the task.
+        is_leaving: whether it flies to a safe place, because there is no plan for the task.
     """
 
     lasso: Lasso
@@ -42,7 +42,7 @@ class ReplanTrigger:
     """One reason to plan again.
 
     Attributes:
-        name: what is noticed.
+        name: what has happened.
         guard: says whether to look closer; it is quick and changes nothing.
         reason: looks closer, and returns in words why a new plan is due; None if it is not.
     """
@@ -56,12 +56,12 @@ class ReplanTriggers:
     """Notices what a plan did not expect.
 
     Attributes:
-        has_used_slice: the search slice of this tick was spent on the question whether the plan is
-            still the best one, without an answer.
+        has_used_slice: whether this tick's slice of search went into the question whether the plan
+            is still the best one, without an answer.
 
     Args:
-        flight: the facts that hold now, and the progress of the plan.
-        assumptions: of the plan.
+        flight: knows the present facts and the progress of the plan.
+        assumptions: the assumptions of the plan.
         replanner: knows the map, and which plan would be made now.
         energy: of the mission; None if its plans ignore energy.
     """
@@ -85,13 +85,13 @@ class ReplanTriggers:
         self.has_used_slice = False
 
     def adopt(self, lasso: Lasso) -> None:
-        """A plan is flown from now on."""
+        """Begins to watch a plan."""
         self._assumptions.narrow(lasso)
         if self._energy is not None:
             self._energy.adopt(lasso)
 
     def abandon(self) -> None:
-        """Drops all open questions: the plan they are about is not flown any more."""
+        """Drops all open questions, because their plan is no longer flown."""
         for question in self._questions:
             question.abandon()
 
@@ -105,7 +105,7 @@ class ReplanTriggers:
         return self._cut_off, self._line, self._possible, self._late, self._figure
 
     def look(self, plan: PlanUnderWay) -> None:
-        """Looks at events and map; adopts changed events if the plan is the best one even so."""
+        """Checks events and map; adopts changed events if the plan is still the best one."""
         assumptions, self.has_used_slice = self._assumptions, False
         if self._energy is not None:
             self._energy.meter.step()
@@ -189,7 +189,7 @@ class ReplanTriggers:
         return self._figure.is_open or energy.is_figure_wrong
 
     def _figure_is_wrong(self, plan: PlanUnderWay) -> str | None:
-        """Where flights take less, the plan under way lasts: it is kept if there is no other."""
+        """If flights take less, the charge lasts for the plan: it is kept if there is no other."""
         energy = self._energy
         assert energy is not None
 
@@ -207,7 +207,7 @@ class ReplanTriggers:
         )
 
     def _possible_again(self, _: PlanUnderWay) -> str | None:
-        """Beliefs have come back, or events have changed; the flight goes on while it is asked."""
+        """After restored beliefs or changed events; the flight continues during the search."""
         task = self._flight.task
         is_possible = None
         if not task.violated:
@@ -312,4 +312,4 @@ AFTER_THE_TREE = (
     ReplanTrigger("the end is not as predicted", _T._ends_surprised, _T._surprise),
 )
 REPLAN_TRIGGERS = (*BEFORE_THE_TREE, *AFTER_THE_TREE)
-"""In the order in which they are looked at in each tick; the first that has a reason decides."""
+"""In the order in which each tick checks them; the first one with a reason decides."""

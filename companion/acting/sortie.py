@@ -65,10 +65,10 @@ class Sortie:
 
     Args:
         flight: the flight.
-        executive: acts out the task.
-        mission: where it begins, and what to do when no plan exists.
+        executive: flies the task.
+        mission: says where it begins, and what to do when no plan exists.
         terms: what the operator has chosen beforehand.
-        may_yield: waits for the operator when somebody else has taken control in flight.
+        may_yield: whether it waits for the operator after somebody else has taken control.
         resumption: the flight that was under way when the companion was cut off; None for none.
     """
 
@@ -150,7 +150,7 @@ class Sortie:
         return None
 
     def resume(self) -> Refusal | None:
-        """Goes on from here after a pause or a loss of control."""
+        """Continues from here after a pause or a loss of control."""
         if self.phase in (Phase.TASK, Phase.RETURNING):
             return None
         if self.phase is Phase.PAUSED:
@@ -223,7 +223,7 @@ class Sortie:
             self._give_up(loss)
 
     def _is_waited_for(self, state: VehicleState) -> bool:
-        """Whether a vehicle in the air is silent; a landing by the plan goes on without us."""
+        """Whether a vehicle in the air is silent; a landing by the plan continues without us."""
         is_flown = self.phase in UNDER_TASK and not self._flight.progress.is_landed_by_plan
         return is_flown and is_silent(state, self._flight.now_s)
 
@@ -236,7 +236,7 @@ class Sortie:
         self._flight.vehicle.release()
 
     def _regain(self, news: FlightEvent) -> None:
-        """Control is back: streams again, and goes on with what was interrupted."""
+        """Takes control again: streams setpoints, and continues what was interrupted."""
         self._flight.vehicle.regain()
         self._flight.guidance.forget_setpoint()  # hold where it is, not where it was taken from us
         self._on(SortieEvent.HANDED_BACK, news)
@@ -279,7 +279,7 @@ class Sortie:
             self._flight.vehicle.release()  # from the hold that a flight home begins with
 
     def _check_autopilot(self, _: VehicleState) -> None:
-        """Goes on to arming when the autopilot's failsafes are strong, and its fence in force."""
+        """Proceeds to arming when the autopilot's failsafes are strong, and its fence in force."""
         outcome = self._ground_checks.tick()
         if isinstance(outcome, Failed):
             self._give_up(Aborted(outcome.reason))

@@ -95,7 +95,7 @@ class PointEntry(DrawnModel):
 
     @property
     def in_words(self) -> str:
-        """The point as people are told of it."""
+        """The point in words, for messages."""
         if self.lat_deg is not None and self.lon_deg is not None:
             return f"latitude {self.lat_deg:g}, longitude {self.lon_deg:g}"
         return f"east {self.east_m:g} m, north {self.north_m:g} m"

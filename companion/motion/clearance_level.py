@@ -125,7 +125,7 @@ class ClearanceLevel:
         self._space: FreeSpace | None = None  # computed when first asked for
         self._plain: dict[NorthEast, Cell | None] = {}
         self._maps: DistanceMaps | None = None
-        self._around: tuple[tuple[NorthEast, ...], FreeSpace] | None = None  # asked for last
+        self._around: tuple[tuple[NorthEast, ...], FreeSpace] | None = None  # last result
 
     @property
     def space(self) -> FreeSpace:
