@@ -32,9 +32,9 @@ class Flight:
     Its parts are given once. Each other field has one writer.
 
     Attributes:
-        speed_limit: of everything that is flown.
-        profile: of the vehicle that the mission is written for.
-        limits: of the mission.
+        speed_limit: the limit for everything that is flown.
+        profile: the profile of the vehicle that the mission is written for.
+        limits: the mission's limits.
         symbols: the waypoint of each place; read as late as possible, because it may change in
             flight.
         now_s: time of the tick; the sortie writes it before all else.

@@ -33,7 +33,7 @@ class GroundGuard:
 
     Args:
         routes: know what the map has below.
-        profile: of the vehicle.
+        profile: the vehicle's profile.
         highest_m: the upper end of the altitude band.
 
     Attributes:

@@ -25,7 +25,7 @@ class GroundPlans:
     Args:
         prepared: the mission, with its planner and its first plan.
         flight: the flight that begins.
-        assumptions: of the plan that is made.
+        assumptions: the assumptions of the plan that is made.
         replanner: follows the map.
     """
 

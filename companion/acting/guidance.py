@@ -40,8 +40,8 @@ class Guidance:
     Args:
         vehicle: receives the setpoints.
         routes: know the walls, and what is below.
-        profile: of the vehicle that the mission is written for.
-        limits: of the mission.
+        profile: the profile of the vehicle that the mission is written for.
+        limits: the mission's limits.
         now: the time of the tick.
         report: receives events about walls or ground that are too near.
 
@@ -147,7 +147,7 @@ class Guidance:
 
         Args:
             sample: where the vehicle has to be, and how it has to move.
-            heading_rad: to which it turns, as fast as the profile allows; None to keep the heading.
+            heading_rad: the heading to which it turns, as fast as the profile allows; None to keep the heading.
         """
         self._stop = None
         self._stream(sample, heading_rad, is_for_task=self.is_for_task)
@@ -188,7 +188,7 @@ class Guidance:
         If a pilot has given it back a little above its altitudes, it comes down to them.
 
         Args:
-            heading_rad: to which it turns; None to keep the heading.
+            heading_rad: the heading to which it turns; None to keep the heading.
         """
         state = self._vehicle.state
         if self._stop is not None:

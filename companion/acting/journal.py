@@ -251,7 +251,7 @@ def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFli
     ('ARMING', 3.5, False)
 
     Args:
-        entries: with their times.
+        entries: the entries, with their times.
     """
     flight: JournalledFlight | None = None
     changes: list[TaskChange] = []

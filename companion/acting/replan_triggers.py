@@ -63,7 +63,7 @@ class ReplanTriggers:
         flight: knows the present facts and the progress of the plan.
         assumptions: the assumptions of the plan.
         replanner: knows the map, and which plan would be made now.
-        energy: of the mission; None if its plans ignore energy.
+        energy: the mission's energy; None if its plans ignore energy.
     """
 
     def __init__(

@@ -33,10 +33,10 @@ class SafePlaces:
     """The safe places of a mission, and which of them were tried.
 
     Attributes:
-        place: to which the vehicle flies; None before.
+        place: the place to which the vehicle flies; None before.
 
     Args:
-        flight: of the vehicle.
+        flight: the flight.
         planner: knows how long flights take.
         places: by name.
     """

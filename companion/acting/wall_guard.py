@@ -35,7 +35,7 @@ class WallGuard:
 
     Args:
         routes: know the walls.
-        profile: of the vehicle.
+        profile: the vehicle's profile.
     """
 
     def __init__(self, routes: LayeredRoutes, profile: VehicleProfile) -> None:

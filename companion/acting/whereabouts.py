@@ -33,7 +33,7 @@ class Whereabouts:
 
     Args:
         flight: knows the task and the position of the vehicle.
-        places: of the mission, by name.
+        places: the mission's places, by name.
     """
 
     def __init__(self, flight: Flight, places: Mapping[str, Place]) -> None:

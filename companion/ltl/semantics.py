@@ -68,7 +68,7 @@ def _positions(operator: Operator, operands: list[int], everywhere: int, loop_st
         return everywhere if positions >> loop_start else (1 << positions.bit_length()) - 1
 
     def fixpoint(always: int, while_next: int, start: int) -> int:
-        """The positions p in `always`, or in `while_next` if p + 1 is among the result."""
+        """The positions p in `always`, or in `while_next` if p + 1 is in the result."""
         positions = start
         while (grown := always | while_next & next_(positions)) != positions:
             positions = grown

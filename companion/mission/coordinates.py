@@ -1,7 +1,7 @@
 """Converts the coordinates of a mission file to local NED; no other module does.
 
-        frame: enu      metres east, north and up from home
-        frame: wgs84    degrees north and east, metres above home or above the sea
+    frame: enu      metres east, north and up from home
+    frame: wgs84    degrees north and east, metres above home or above the sea
 
 Degrees become metres by PX4's own projection, centred at the place where the mission begins. So all
 planning is in metres and needs no vehicle. Where that place lies in the local frame of an autopilot

@@ -210,7 +210,7 @@ class _Import:
             yield f"({condition} -> {text})" if condition else text
 
     def _cost(self, name: str, action: Action) -> float | None:
-        """Returns what an action adds to the total cost, which the PDDL reader makes a metric."""
+        """Returns what an action adds to the total cost, which the reader moves into the metric."""
         costs = [effect.value for effect in action.effects if _is_cost(effect)]
         for metric in self.problem.quality_metrics:
             if metric.is_minimize_action_costs():

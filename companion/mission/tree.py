@@ -1,17 +1,16 @@
 """A plan written by hand: the behaviour tree of a mission file (Section IV-A of the paper).
 
-        text                        an action of a skill, `move(A, B)`, or facts to hold, `lit &
-        !late`
-        wait(seconds)               succeeds after a time
-        [node, ...]                 one after the other, until one fails
-        {fallback: [node, ...]}     one after the other, until one succeeds
-        {parallel: [node, ...]}     all at once, until all have succeeded or one has failed
-        {inverter: [node, ...]}     the sequence, with success and failure exchanged
-        {repeat: [node, ...]}       the sequence for ever, or `times` times; ends when it fails
-        {retry: [node, ...], times: n}      the sequence, at most n times, until it succeeds
-        {timeout: [node, ...], duration_s: s}       the sequence, which fails after a time
-        {watch: facts, do: [node, ...]}     the sequence while the facts hold, else interrupted
-        {subtree: name}             the sequence of that name under `subtrees`
+    text                        an action of a skill, `move(A, B)`, or facts to hold, `lit & !late`
+    wait(seconds)               succeeds after a time
+    [node, ...]                 one after the other, until one fails
+    {fallback: [node, ...]}     one after the other, until one succeeds
+    {parallel: [node, ...]}     all at once, until all have succeeded or one has failed
+    {inverter: [node, ...]}     the sequence, with success and failure exchanged
+    {repeat: [node, ...]}       the sequence for ever, or `times` times; ends when it fails
+    {retry: [node, ...], times: n}      the sequence, at most n times, until it succeeds
+    {timeout: [node, ...], duration_s: s}       the sequence, which fails after a time
+    {watch: facts, do: [node, ...]}     the sequence while the facts hold, else interrupted
+    {subtree: name}             the sequence of that name under `subtrees`
 
 The names are those of py_trees and BehaviorTree.CPP where these agree. After an interrupted flight
 the vehicle is between places, at `here`: `move(here, B)` flies on from there, and `move(*, B)`

@@ -23,7 +23,7 @@ heading, too."""
 BEAM_RAD = math.radians(5.0)
 """The angle between two beams of a range finder, if OBSTACLE_DISTANCE divides the turn by 72."""
 GLANCE_S = 4.0
-"""Period of a turn to and fro by that much; scans at 10 Hz pass each cell several times."""
+"""Period of a turn to and fro by that much; scans at 10 Hz pass a cell 5 m away several times."""
 
 
 def glance(time_s: float) -> float:

@@ -49,7 +49,7 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
     ()
 
     Args:
-        planner: of the mission.
+        planner: the mission's planner.
         plan: plan from the first state; None for a tree written by hand.
     """
     mission = planner.mission

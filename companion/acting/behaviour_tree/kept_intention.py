@@ -13,7 +13,7 @@ def kept(flight: Flight, intended_s: float) -> Outcome:
     """DONE once everything noted in the journal is on the disk; a failure after `DISK_S`.
 
     Args:
-        flight: whose journal it is.
+        flight: the flight with the journal.
         intended_s: when the intention was noted.
     """
     if flight.journal.is_kept:

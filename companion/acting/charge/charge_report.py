@@ -22,7 +22,7 @@ class ChargeReport:
 
     Args:
         flight: the flight.
-        energy: of the mission; None if plans ignore energy.
+        energy: the mission's energy; None if plans ignore energy.
     """
 
     def __init__(self, flight: Flight, energy: MissionEnergy | None) -> None:

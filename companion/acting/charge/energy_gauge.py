@@ -25,7 +25,7 @@ class Gauge:
 
     Args:
         flight: the flight.
-        energy: of its mission.
+        energy: the mission's energy.
     """
 
     def __init__(self, flight: Flight, energy: MissionEnergy) -> None:

@@ -86,7 +86,7 @@ class EnergyMeter:
 
     Args:
         flight: the flight.
-        energy: of its mission; learns the factor.
+        energy: the mission's energy; learns the factor.
     """
 
     flight: Flight

@@ -32,7 +32,7 @@ class EnergyWatch:
 
     Args:
         flight: the flight.
-        energy: of the mission.
+        energy: the mission's energy.
 
     Attributes:
         meter: measures the energy of flights.

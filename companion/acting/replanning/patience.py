@@ -35,7 +35,7 @@ class Patience:
         hopes: the changes that may make a plan possible, in words; empty if there are none.
 
     Args:
-        planner: of the mission.
+        planner: the mission's planner.
         flight: knows what holds.
     """
 

@@ -63,7 +63,7 @@ class ShortestPaths:
 
     @cached_property
     def _node_before(self) -> list[int]:
-        """For each node, the one before it on a shortest path from the start; negative there."""
+        """The node before each node on a shortest path from the start; negative at the start."""
         start = self._product.initial
         _, before, _ = dijkstra(
             self._forward, indices=start, min_only=True, return_predecessors=True
