@@ -147,7 +147,7 @@ class Guidance:
 
         Args:
             sample: where the vehicle has to be, and how it has to move.
-            heading_rad: the heading to which it turns, as fast as the profile allows; None to keep the heading.
+            heading_rad: the heading to turn to, as fast as the profile allows; None to keep it.
         """
         self._stop = None
         self._stream(sample, heading_rad, is_for_task=self.is_for_task)
