@@ -12,7 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from companion.geometry import NorthEast, horizontal_distance, is_in_polygon
+from companion.geometry import SAME_M, NorthEast, are_alike, horizontal_distance, is_in_polygon
 
 SAGITTA_M = 0.1
 """Largest distance by which a polygon for a circle deviates to the safe side of the circle,"""
@@ -117,6 +117,17 @@ class StoredFence:
     points: int
     flaw: str | None = None
 
+    def consists_of(self, areas: Sequence[FenceArea]) -> bool:
+        """Whether it has these areas, in any order, and is taken as it was meant.
+
+        >>> square = FenceArea(FencePolygon(((0, 0), (0, 2), (2, 2), (2, 0))), True)
+        >>> turned = FenceArea(FencePolygon(((2.1, 2), (2, 0), (0, 0), (0, 2))), True)
+        >>> stored = StoredFence((square,), points=4)
+        >>> stored.consists_of([turned]), stored.consists_of([turned, square])
+        (True, False)
+        """
+        return self.flaw is None and are_alike(self.areas, areas, SAME_M)
+
     def __str__(self) -> str:
         return f"{_counted(self.points, 'point')}, {_counted(len(self.areas), 'area')}"
 
@@ -157,25 +168,6 @@ class KeptFence:
             else:
                 outlines[is_inclusion].append(shape.corners)
         return cls(tuple(outlines[True]), tuple(outlines[False]))
-
-
-def are_alike(these: Sequence[FenceArea], those: Sequence[FenceArea], within_m: float) -> bool:
-    """Whether two fences have the same areas, in any order.
-
-    >>> square = FenceArea(FencePolygon(((0, 0), (0, 2), (2, 2), (2, 0))), True)
-    >>> turned = FenceArea(FencePolygon(((2.1, 2), (2, 0), (0, 0), (0, 2))), True)
-    >>> are_alike([square], [turned], 0.2), are_alike([square], [turned, square], 0.2)
-    (True, False)
-    """
-    if len(these) != len(those):
-        return False
-    left = list(those)
-    for area in these:
-        same = next((other for other in left if area.is_like(other, within_m)), None)
-        if same is None:
-            return False
-        left.remove(same)
-    return True
 
 
 def _counted(number: int, thing: str) -> str:

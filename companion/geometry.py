@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol, Self, TypeVar
 
 Ned = tuple[float, float, float]
 """North, east, down; metres, or metres per second."""
@@ -21,6 +22,10 @@ NorthEast = tuple[float, float]
 
 Quaternion = tuple[float, float, float, float]
 """w, x, y, z; rotates body (forward, right, down) into NED."""
+
+SAME_M = 0.2
+"""Corners and points that an autopilot stores are equal if they are nearer to each other than this;
+the mission protocol rounds to a centimetre."""
 
 FAR_M = 10_000
 """Nothing of a mission or its world is farther from home; a larger value has another unit."""
@@ -130,6 +135,29 @@ def is_in_polygon(point: Sequence[float], polygon: Sequence[NorthEast]) -> bool:
             inside = not inside
         n1, e1 = n2, e2
     return inside
+
+
+class Located(Protocol):
+    """Something with a place, that may be compared with another of its kind."""
+
+    def is_like(self, other: Self, within_m: float, /) -> bool:
+        """Whether both are the same, no further apart than that."""
+
+
+AnyLocated = TypeVar("AnyLocated", bound=Located)
+
+
+def are_alike(these: Sequence[AnyLocated], those: Sequence[AnyLocated], within_m: float) -> bool:
+    """Whether two lists have the same parts, in any order."""
+    if len(these) != len(those):
+        return False
+    left = list(those)
+    for one in these:
+        same = next((other for other in left if one.is_like(other, within_m)), None)
+        if same is None:
+            return False
+        left.remove(same)
+    return True
 
 
 @dataclass(frozen=True, slots=True)

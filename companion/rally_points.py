@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from companion.geometry import NorthEast, horizontal_distance
+from companion.geometry import SAME_M, NorthEast, are_alike, horizontal_distance
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,25 +45,17 @@ class StoredRally:
     points: tuple[RallyPoint, ...]
     flaw: str | None = None
 
+    def consists_of(self, points: Sequence[RallyPoint]) -> bool:
+        """Whether it has these points, in any order, and nothing else.
+
+        >>> here, there = RallyPoint((0.0, 0.0)), RallyPoint((30.0, 0.0))
+        >>> stored = StoredRally((here, there))
+        >>> stored.consists_of([there, RallyPoint((0.1, 0.1))]), stored.consists_of([here])
+        (True, False)
+        >>> StoredRally((here,)).consists_of([RallyPoint((0.0, 0.0), up_m=30.0)])
+        False
+        """
+        return self.flaw is None and are_alike(self.points, points, SAME_M)
+
     def __str__(self) -> str:
         return f"{len(self.points)} rally point{'s' if len(self.points) != 1 else ''}"
-
-
-def are_same(these: Sequence[RallyPoint], those: Sequence[RallyPoint], within_m: float) -> bool:
-    """Whether two lists have the same points, in any order.
-
-    >>> here, there = RallyPoint((0.0, 0.0)), RallyPoint((30.0, 0.0))
-    >>> are_same([here, there], [there, RallyPoint((0.1, 0.1))], 0.2)
-    True
-    >>> are_same([here], [RallyPoint((0.0, 0.0), up_m=30.0)], 0.2), are_same([here], [], 0.2)
-    (False, False)
-    """
-    if len(these) != len(those):
-        return False
-    left = list(those)
-    for point in these:
-        same = next((other for other in left if point.is_like(other, within_m)), None)
-        if same is None:
-            return False
-        left.remove(same)
-    return True

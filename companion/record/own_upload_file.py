@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from companion.mavlink.framing import dialect
-from companion.mavlink.plan_transfer import PlanItem
+from companion.mavlink.item_transfer import StoredItem
 from companion.record.remembered_file import remember, remembered
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
 
@@ -43,5 +43,5 @@ def _item(
     y: int,
     frame: int = dialect.MAV_FRAME_GLOBAL,
     altitude_m: float = 0.0,
-) -> PlanItem:
-    return PlanItem(int(command), int(frame), float(first), int(x), int(y), float(altitude_m))
+) -> StoredItem:
+    return StoredItem(int(command), int(frame), float(first), int(x), int(y), float(altitude_m))

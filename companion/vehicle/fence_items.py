@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from companion.geofence import FenceArea, FenceCircle, FencePolygon, StoredFence
 from companion.geometry import NorthEast
 from companion.mavlink.framing import dialect
-from companion.mavlink.plan_transfer import PlanItem
+from companion.mavlink.item_transfer import StoredItem
 
 _POLYGONS = {5001: True, 5002: False}
 _CIRCLES = {5003: True, 5004: False}
@@ -37,7 +37,7 @@ FromEarth = Callable[[float, float], NorthEast | None]
 
 def items_of(
     areas: Sequence[FenceArea], on_earth: OnEarth, first: int = 0
-) -> tuple[PlanItem, ...] | None:
+) -> tuple[StoredItem, ...] | None:
     """The items of a fence; None while its place on the earth is not known.
 
     Args:
@@ -45,7 +45,7 @@ def items_of(
         on_earth: converts a point of that frame.
         first: index of the corner with which each polygon begins.
     """
-    items: list[PlanItem] = []
+    items: list[StoredItem] = []
     for area in sorted(areas, key=lambda each: isinstance(each.shape, FenceCircle)):
         shape, points = area.shape, tuple[NorthEast, ...]()
         command = _COMMANDS[type(shape), area.is_inclusion]
@@ -58,11 +58,11 @@ def items_of(
             if (there := on_earth(point)) is None:
                 return None
             x, y = (round(degrees * 1e7) for degrees in there)
-            items.append(PlanItem(command, dialect.MAV_FRAME_GLOBAL, number, x, y))
+            items.append(StoredItem(command, dialect.MAV_FRAME_GLOBAL, number, x, y))
     return tuple(items)
 
 
-def fence_of(items: Sequence[PlanItem], from_earth: FromEarth) -> StoredFence | None:
+def fence_of(items: Sequence[StoredItem], from_earth: FromEarth) -> StoredFence | None:
     """The fence that PX4 makes of items; None while their place is not known.
 
     Args:
@@ -98,5 +98,5 @@ def fence_of(items: Sequence[PlanItem], from_earth: FromEarth) -> StoredFence | 
     return StoredFence(tuple(areas), len(items), flaw)
 
 
-def _number(item: PlanItem) -> float:
+def _number(item: StoredItem) -> float:
     return item.first if math.isfinite(item.first) else 0.0

@@ -12,21 +12,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from companion.geofence import FenceArea, StoredFence, are_alike
+from companion.geofence import FenceArea, StoredFence
 from companion.geometry import NorthEast
 from companion.mavlink.framing import Message, dialect, source
-from companion.mavlink.plan_transfer import TRANSFER_MESSAGES, PlanItem
-from companion.outcomes import Outcome
+from companion.mavlink.item_transfer import TRANSFER_MESSAGES, StoredItem
 from companion.vehicle.fence_items import fence_of, items_of
+from companion.vehicle.item_store import ItemStore
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
-from companion.vehicle.plan_store import PlanStore
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
 FENCE = dialect.MAV_MISSION_TYPE_FENCE
-ALIKE_M = 0.2
-"""Corners closer to each other than this count as the same."""
 OBJECTION = "Geofence invalid"
 OBJECTIONS = {
     10973461: "Geofence invalid, doesn't contain Home position",
@@ -36,7 +33,7 @@ OBJECTIONS = {
 MOST_OBJECTIONS = 8
 
 
-class FenceService:
+class FenceService(ItemStore):
     """Implements `store_port.AutopilotFence`; a service of the vehicle.
 
     Args:
@@ -45,12 +42,10 @@ class FenceService:
         own: the fences that this companion has written.
     """
 
-    wanted = frozenset({*TRANSFER_MESSAGES, "HOME_POSITION", "STATUSTEXT", "EVENT"})
-    needs_control = True
+    wanted = TRANSFER_MESSAGES | {"HOME_POSITION", "STATUSTEXT", "EVENT"}
 
     def __init__(self, wire: Wire, telemetry: Telemetry, own: OwnItems) -> None:
-        self._store = PlanStore(wire, telemetry, FENCE, own)
-        self._telemetry, self._own = telemetry, own
+        super().__init__(wire, telemetry, FENCE, own, "fence")
         self._home: tuple[float, float] | None = None
         self._objections: list[str] = []
 
@@ -59,13 +54,7 @@ class FenceService:
     @property
     def stored(self) -> StoredFence | None:
         """The fence that was read last; None before that, or if its place is not known."""
-        items = self._store.items
-        return None if items is None else self._fence(items)
-
-    @property
-    def outcome(self) -> Outcome:
-        """What became of the last `read` or `write`."""
-        return self._store.outcome
+        return None if self.items is None else self._fence(self.items)
 
     @property
     def home(self) -> NorthEast | None:
@@ -78,27 +67,15 @@ class FenceService:
         enforce."""
         return tuple(self._objections)
 
-    def locate(self) -> Outcome:
-        """Asks where the autopilot's frame lies on the earth."""
-        return self._store.locate()
-
-    def read(self) -> None:
-        """Begins to read the fence."""
-        self._store.read("the autopilot does not tell its fence")
-
     def write(self, areas: Sequence[FenceArea]) -> None:
         """Begins to replace the stored fence; applies rule 2."""
         on_earth = self._telemetry.frame.on_earth
         items = items_of(areas, on_earth)
-        if items is not None and items == self._store.items:
+        if items is not None and items == self.items:
             items = items_of(areas, on_earth, first=1)
         self._objections = []
         points = "" if items is None else f" of {len(items)} points"
-        self._store.write(items, f"the autopilot does not take a fence{points}")
-
-    def is_as_written(self) -> bool:
-        """Whether the fence read last is the one written last, wherever the frame is by now."""
-        return self._store.is_as_written()
+        self._write(items, f"the autopilot does not take a fence{points}")
 
     def is_own(self) -> bool:
         """Whether this companion wrote the fence that was read last, now or in another flight."""
@@ -106,27 +83,20 @@ class FenceService:
 
     def is_vouched_for(self) -> bool:
         """Whether the fence that was read last is known to be in force."""
-        items = self._store.items
-        return items is not None and items == self._own.in_force
+        return self.items is not None and self.items == self._own.in_force
 
     def vouch(self) -> None:
         """Notes that the fence written last was read back, and that nothing was said against it."""
-        self._own.in_force = self._store.written
+        self._own.in_force = self.written
 
-    def _fence(self, items: Sequence[PlanItem]) -> StoredFence | None:
+    def _fence(self, items: Sequence[StoredItem]) -> StoredFence | None:
         return fence_of(items, self._telemetry.frame.from_earth)
 
     def _is_like_read(self, items: UploadedItems) -> bool:
         ours, theirs = self._fence(items), self.stored
-        if ours is None or theirs is None or theirs.flaw is not None:
-            return False
-        return are_alike(ours.areas, theirs.areas, ALIKE_M)
+        return ours is not None and theirs is not None and theirs.consists_of(ours.areas)
 
     # -- services.Service ----------------------------------------------------------------------
-
-    def step(self, moment: Moment) -> None:
-        """Passes time to the transfer."""
-        self._store.step(moment)
 
     def take(self, moment: Moment, message: Message) -> None:
         """Takes the autopilot's messages about its plans, its home, and faults of the fence."""
@@ -143,15 +113,11 @@ class FenceService:
                 if (text := OBJECTIONS.get(message.id & 0xFFFFFF)) is not None:
                     self._object(text)
             case _:
-                self._store.take(moment, message)
-
-    def due(self, moment: Moment) -> list[Message]:
-        """The messages to send now."""
-        return self._store.due(moment)
+                super().take(moment, message)
 
     def release(self) -> None:
-        """Stops all requests."""
-        self._store.forget()
+        """Drops the objections, too."""
+        super().release()
         self._objections = []
 
     def _object(self, text: str) -> None:

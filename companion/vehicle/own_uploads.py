@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from companion.mavlink.plan_transfer import PlanItem
+from companion.mavlink.item_transfer import StoredItem
 
-UploadedItems = tuple[PlanItem, ...]
+UploadedItems = tuple[StoredItem, ...]
 
 MOST_UPLOADS = 16
 """The newest ones are remembered: of several missions, and of vehicles that take turns."""

@@ -12,24 +12,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from companion.mavlink.framing import Message, dialect, source
-from companion.mavlink.plan_transfer import TRANSFER_MESSAGES, PlanItem
-from companion.outcomes import Outcome
-from companion.rally_points import RallyPoint, StoredRally, are_same
+from companion.mavlink.framing import dialect
+from companion.mavlink.item_transfer import StoredItem
+from companion.rally_points import RallyPoint, StoredRally
+from companion.vehicle.item_store import ItemStore
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
-from companion.vehicle.plan_store import PlanStore
-from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
-from companion.vehicle.wire import AUTOPILOT, Wire
+from companion.vehicle.wire import Wire
 
 RALLY = dialect.MAV_MISSION_TYPE_RALLY
 POINT = dialect.MAV_CMD_NAV_RALLY_POINT
 ABOVE_HOME = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
-SAME_M = 0.2
-"""Points closer to each other count as the same; the protocol rounds to a centimetre."""
 
 
-class RallyService:
+class RallyService(ItemStore):
     """Implements `store_port.AutopilotRally`; a service of the vehicle.
 
     Args:
@@ -38,64 +34,42 @@ class RallyService:
         own: the rally points that this companion has written.
     """
 
-    wanted = TRANSFER_MESSAGES
-    needs_control = True
-
     def __init__(self, wire: Wire, telemetry: Telemetry, own: OwnItems) -> None:
-        self._store = PlanStore(wire, telemetry, RALLY, own)
-        self._telemetry, self._own = telemetry, own
+        super().__init__(wire, telemetry, RALLY, own, "rally points")
 
     # -- store_port.AutopilotRally -------------------------------------------------------------
 
     @property
     def stored(self) -> StoredRally | None:
         """The points that were read last; None before that, or if their place is not known."""
-        items = self._store.items
-        return None if items is None else self._rally(items)
+        return None if self.items is None else self._rally(self.items)
 
     @property
     def has_written(self) -> bool:
         """Whether this companion has ever written rally points, to any vehicle."""
         return bool(self._own.written)
 
-    @property
-    def outcome(self) -> Outcome:
-        """What became of the last `read` or `write`."""
-        return self._store.outcome
-
-    def locate(self) -> Outcome:
-        """Asks where the autopilot's frame lies on the earth."""
-        return self._store.locate()
-
-    def read(self) -> None:
-        """Begins to read the points."""
-        self._store.read("the autopilot does not tell its rally points")
-
     def write(self, points: Sequence[RallyPoint]) -> None:
         """Begins to replace the stored points by others, or by none."""
         items = [self._item(point) for point in points]
         known = tuple(item for item in items if item is not None)
         purpose = f"the autopilot does not take {StoredRally(tuple(points))}"
-        self._store.write(known if len(known) == len(items) else None, purpose)
-
-    def is_as_written(self) -> bool:
-        """Whether the points read last are those written last, wherever the frame is by now."""
-        return self._store.is_as_written()
+        self._write(known if len(known) == len(items) else None, purpose)
 
     def is_own(self) -> bool:
         """Whether this companion wrote the points that were read last, now or in another flight."""
         theirs = self.stored
-        if theirs is None or theirs.flaw is not None or not theirs.points:
+        if theirs is None or not theirs.points:
             return False
         written = filter(None, map(self._rally, self._own.written))
-        return any(are_same(ours.points, theirs.points, SAME_M) for ours in written)
+        return any(theirs.consists_of(ours.points) for ours in written)
 
-    def _item(self, point: RallyPoint) -> PlanItem | None:
+    def _item(self, point: RallyPoint) -> StoredItem | None:
         there = self._telemetry.frame.on_earth(point.position)
         if there is None or point.up_m is None:
             return None
         x, y = (round(degrees * 1e7) for degrees in there)
-        return PlanItem(POINT, ABOVE_HOME, 0.0, x, y, point.up_m)
+        return StoredItem(POINT, ABOVE_HOME, 0.0, x, y, point.up_m)
 
     def _rally(self, items: UploadedItems) -> StoredRally | None:
         points: list[RallyPoint] = []
@@ -109,22 +83,3 @@ class RallyService:
             is_above_home = item.frame == ABOVE_HOME
             points.append(RallyPoint(at, item.altitude_m if is_above_home else None))
         return StoredRally(tuple(points), flaw)
-
-    # -- services.Service ----------------------------------------------------------------------
-
-    def step(self, moment: Moment) -> None:
-        """Passes time to the transfer."""
-        self._store.step(moment)
-
-    def take(self, moment: Moment, message: Message) -> None:
-        """Takes the autopilot's messages about its plans."""
-        if source(message)[1] == AUTOPILOT:
-            self._store.take(moment, message)
-
-    def due(self, moment: Moment) -> list[Message]:
-        """The messages to send now."""
-        return self._store.due(moment)
-
-    def release(self) -> None:
-        """Stops all requests."""
-        self._store.forget()

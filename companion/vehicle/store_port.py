@@ -1,6 +1,6 @@
 """The acting side's interface to what an autopilot stores for a mission: a fence, rally points.
 
-It is read and written only on the ground, disarmed. `plan_store.py`, and the services that use it,
+It is read and written only on the ground, disarmed. `item_store.py`, and the services that use it,
 implement the port over MAVLink.
 """
 

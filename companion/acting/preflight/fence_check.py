@@ -33,15 +33,13 @@ from companion.flight_events.fence import (
     FenceReplaced,
     FenceWritten,
 )
-from companion.geofence import FenceArea, FencePolygon, KeptFence, StoredFence, are_alike
+from companion.geofence import FenceArea, FencePolygon, KeptFence, StoredFence
 from companion.geometry import NorthEast
 from companion.mission.model import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Failed
 from companion.vehicle.store_port import AutopilotFence
 
-ALIKE_M = 0.2
-"""Corners nearer to each other than this are equal; the protocol rounds to a centimetre."""
 LISTEN_S = 2.0
 DIRECTIONS = 16
 """The number of directions in which the distance to an edge is measured."""
@@ -135,11 +133,7 @@ class FenceJudge:
 
     def _is_wanted(self, stored: StoredFence | None) -> bool:
         """Whether a fence is the mission's, as PX4 stores it."""
-        return (
-            stored is not None
-            and stored.flaw is None
-            and are_alike(stored.areas, self._wanted, ALIKE_M)
-        )
+        return stored is not None and stored.consists_of(self._wanted)
 
     def _keep(self, stored: StoredFence) -> UploadStep | Failed:
         """Keeps the fence that is there, if the mission can be flown in it."""
@@ -148,7 +142,7 @@ class FenceJudge:
         if why_not := self._outside(stored.areas, "the vehicle's own fence"):
             return why_not
         if stored.points:
-            is_ours = are_alike(stored.areas, self._wanted, ALIKE_M)
+            is_ours = stored.consists_of(self._wanted)
             self.kept = None if is_ours else stored
             others = KeptFence.of(() if is_ours else stored.areas)
             within, keep_out = _rounded(others.within), _rounded(others.keep_out)

@@ -35,11 +35,9 @@ from companion.flight_events.rally import (
 from companion.geometry import horizontal_distance
 from companion.mission.model import LandAtSafePlace, Mission, Place
 from companion.outcomes import Failed
-from companion.rally_points import RallyPoint, StoredRally, are_same
+from companion.rally_points import RallyPoint, StoredRally
 from companion.vehicle.store_port import AutopilotRally
 
-ALIKE_M = 0.2
-"""Points nearer to each other than this are equal; the protocol rounds to a centimetre."""
 NEAR_HOME_M = 10.0
 """PX4 ignores a rally point that is no further than this from home."""
 RETURN_TYPE, WITHOUT_RALLY, WITHOUT_HOME = "RTL_TYPE", (2.0, 4.0), 1.0
@@ -96,7 +94,7 @@ class RallyJudge:
             return self._take_away(stored)
         if not self._knows_return_type:
             return None
-        is_there = stored.flaw is None and are_same(stored.points, self._wanted, ALIKE_M)
+        is_there = stored.consists_of(self._wanted)
         is_keeping = self._policy is UploadPolicy.KEEP
         if is_there and (is_keeping or self.store.is_own()):
             self._flight.report(RallyKept(f"its rally points at {self._names}"))
@@ -114,7 +112,7 @@ class RallyJudge:
     def compare(self) -> Failed | None:
         """Why the points that were read back are different; None if they are the same."""
         stored = self.store.stored
-        is_wanted = stored is not None and are_same(stored.points, self._wanted, ALIKE_M)
+        is_wanted = stored is not None and stored.consists_of(self._wanted)
         if not self.store.is_as_written() and not is_wanted:
             return _advised(
                 f"the autopilot has taken the mission's rally points, and tells others ({stored})"

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from companion.mavlink.plan_transfer import PlanItem
+from companion.mavlink.item_transfer import StoredItem
 from companion.record.flight_memory_files import flight_memory_in
 from companion.record.own_upload_file import OWN_FENCES, OWN_RALLY_POINTS
 from companion.vehicle.own_uploads import MOST_UPLOADS, OwnItems
 
-POINTS = (PlanItem(5100, 3, 0.0, 473977000, 85455000, 1.5), PlanItem(5100, 3, 0.0, 0, 1))
-SQUARE = tuple(PlanItem(5001, 0, 4.0, 473977000 + i, 85455000 - i) for i in range(4))
+POINTS = (StoredItem(5100, 3, 0.0, 473977000, 85455000, 1.5), StoredItem(5100, 3, 0.0, 0, 1))
+SQUARE = tuple(StoredItem(5001, 0, 4.0, 473977000 + i, 85455000 - i) for i in range(4))
 
 
 def fences_in(folder: Path) -> OwnItems:
@@ -51,7 +51,7 @@ def test_what_was_written_is_remembered(tmp_path: Path) -> None:
 def test_the_newest_are_remembered(tmp_path: Path) -> None:
     own = fences_in(tmp_path)
     for i in range(MOST_UPLOADS + 3):
-        own.note((PlanItem(5003, 0, float(i + 1), 0, 0),))
+        own.note((StoredItem(5003, 0, float(i + 1), 0, 0),))
     kept = fences_in(tmp_path).written
     assert len(kept) == MOST_UPLOADS
     assert kept[-1][0].first == MOST_UPLOADS + 3

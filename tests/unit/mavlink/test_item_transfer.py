@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.framing import dialect
-from companion.mavlink.plan_transfer import (
+from companion.mavlink.item_transfer import (
     LONGEST_S,
     MOST_ITEMS,
     SILENT_S,
     TRANSFER_MESSAGES,
-    PlanItem,
-    PlanTransfer,
+    ItemTransfer,
+    StoredItem,
     TransferState,
 )
 from sitl.link.mission_service import MissionService
@@ -25,7 +25,7 @@ from sitl.link.routing import LinkName
 AUTOPILOT, OWN, OTHER = (1, 1), (1, 191), (255, 190)
 FENCE = dialect.MAV_MISSION_TYPE_FENCE
 TICK_S = 0.05
-ITEMS = [PlanItem(5001, 0, 8.0, 473977000 + i, 85455000 - i) for i in range(8)]
+ITEMS = [StoredItem(5001, 0, 8.0, 473977000 + i, 85455000 - i) for i in range(8)]
 LINK = LinkName.OFFBOARD
 
 
@@ -46,7 +46,7 @@ class Peer:
         message._header = dialect.MAVLink_header(0, srcSystem=by[0], srcComponent=by[1])
         return self.service.receive(LINK, message, self.now_s)
 
-    def fly(self, transfer: PlanTransfer) -> PlanTransfer:
+    def fly(self, transfer: ItemTransfer) -> ItemTransfer:
         coming: list[Any] = []
         while transfer.is_under_way:
             self.now_s += TICK_S
@@ -68,11 +68,11 @@ class Peer:
         self._late[is_up] = [(s, m) for s, m in late if s > self.now_s]
         return [m for s, m in sorted(late, key=lambda each: each[0]) if s <= self.now_s]
 
-    def write(self) -> PlanTransfer:
-        return self.fly(PlanTransfer(self.now_s, AUTOPILOT, OWN, FENCE, ITEMS))
+    def write(self) -> ItemTransfer:
+        return self.fly(ItemTransfer(self.now_s, AUTOPILOT, OWN, FENCE, ITEMS))
 
-    def read(self) -> PlanTransfer:
-        return self.fly(PlanTransfer(self.now_s, AUTOPILOT, OWN, FENCE))
+    def read(self) -> ItemTransfer:
+        return self.fly(ItemTransfer(self.now_s, AUTOPILOT, OWN, FENCE))
 
 
 @pytest.mark.parametrize(("share", "within_s"), [(0.0, 1.0), (0.3, 20.0)])
@@ -123,7 +123,7 @@ def test_one_that_is_busy_is_asked_again() -> None:
 
 def test_one_that_is_busy_for_a_minute_is_asked_no_longer() -> None:
     """To be busy is an answer, so that is no silence."""
-    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS)
+    transfer = ItemTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS)
     busy = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ERROR, FENCE)
     for tick in range(round((LONGEST_S + 1) / TICK_S)):
         transfer.due(tick * TICK_S)
@@ -142,24 +142,24 @@ def test_a_download_is_ended_so_that_an_upload_can_begin() -> None:
 
 def test_what_is_too_much_is_refused() -> None:
     peer = Peer()
-    transfer = peer.fly(PlanTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS * 9))
+    transfer = peer.fly(ItemTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS * 9))
     assert transfer.failure is not None and transfer.failure.reason == "the answer is no space"
 
 
-def answers(transfer: PlanTransfer, *messages: Any) -> list[Any]:
+def answers(transfer: ItemTransfer, *messages: Any) -> list[Any]:
     transfer.due(0.0)
     return [answer for message in messages for answer in transfer.take(0.1, message)]
 
 
 def test_a_plan_without_an_end_is_not_read() -> None:
-    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE)
+    transfer = ItemTransfer(0.0, AUTOPILOT, OWN, FENCE)
     count = dialect.MAVLink_mission_count_message(*OWN, MOST_ITEMS + 1, FENCE)
     assert answers(transfer, count) == []
     assert transfer.state is TransferState.FAILED
 
 
 def test_what_is_meant_for_others_is_passed_over() -> None:
-    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE)
+    transfer = ItemTransfer(0.0, AUTOPILOT, OWN, FENCE)
     for theirs in (
         dialect.MAVLink_mission_count_message(*OTHER, 3, FENCE),
         dialect.MAVLink_mission_count_message(*OWN, 3, dialect.MAV_MISSION_TYPE_RALLY),
@@ -171,7 +171,7 @@ def test_what_is_meant_for_others_is_passed_over() -> None:
 
 def test_an_upload_is_done_when_all_was_asked_for() -> None:
     """An acknowledgement of somebody's upload before ours says nothing of it."""
-    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS[:2])
+    transfer = ItemTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS[:2])
     accepted = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ACCEPTED, FENCE)
     ask = [dialect.MAVLink_mission_request_int_message(*OWN, seq, FENCE) for seq in range(2)]
     answers(transfer, accepted, ask[0], accepted)
@@ -182,7 +182,7 @@ def test_an_upload_is_done_when_all_was_asked_for() -> None:
 
 def test_one_that_is_busy_with_this_very_upload_goes_on_with_it() -> None:
     """As where MISSION_COUNT came twice."""
-    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS[:3])
+    transfer = ItemTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS[:3])
     ask = [dialect.MAVLink_mission_request_int_message(*OWN, seq, FENCE) for seq in range(3)]
     busy = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ERROR, FENCE)
     accepted = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ACCEPTED, FENCE)
@@ -206,7 +206,7 @@ COORDINATE = st.integers(-(2**31), 2**31 - 1)
 def test_no_answer_raises_and_every_transfer_ends(
     is_writing: bool, said: list[tuple[str, int, float, int]]
 ) -> None:
-    transfer = PlanTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS if is_writing else None)
+    transfer = ItemTransfer(0.0, AUTOPILOT, OWN, FENCE, ITEMS if is_writing else None)
     now_s, sent = 0.0, 0
     for name, number, value, x in said:
         now_s += TICK_S

@@ -10,8 +10,13 @@ from __future__ import annotations
 
 import math
 
-from companion.mavlink.framing import Message
-from companion.mavlink.plan_transfer import PlanItem, PlanTransfer, TransferState
+from companion.mavlink.framing import Message, source
+from companion.mavlink.item_transfer import (
+    TRANSFER_MESSAGES,
+    ItemTransfer,
+    StoredItem,
+    TransferState,
+)
 from companion.outcomes import Failed, Outcome, Progress
 from companion.vehicle.own_uploads import OwnItems, UploadedItems
 from companion.vehicle.services import Moment
@@ -27,30 +32,35 @@ TURN = 3_600_000_000
 """Once around the earth, in 1e-7 degrees of longitude."""
 
 
-class PlanStore:
-    """The items of one kind.
+class ItemStore:
+    """The items of one kind; the part that a fence and rally points share (`services.Service`).
 
     Args:
         wire: of the system that the autopilot belongs to.
         telemetry: of the autopilot.
         kind: MAV_MISSION_TYPE.
         own: items of that kind that this companion has written.
+        name: of the items in failure messages, as in "the autopilot does not tell its fence".
 
     Attributes:
         items: the items read last; None before.
         written: the items written last in this flight; None before.
     """
 
-    def __init__(self, wire: Wire, telemetry: Telemetry, kind: int, own: OwnItems) -> None:
-        self._wire, self._telemetry = wire, telemetry
-        self._kind, self._own = kind, own
-        self.forget()
+    wanted = TRANSFER_MESSAGES
+    needs_control = True
 
-    def forget(self) -> None:
-        """Drops the transfer and everything that was read."""
+    def __init__(
+        self, wire: Wire, telemetry: Telemetry, kind: int, own: OwnItems, name: str
+    ) -> None:
+        self._wire, self._telemetry = wire, telemetry
+        self._kind, self._own, self._name = kind, own, name
+        self._forget()
+
+    def _forget(self) -> None:
         self.items: UploadedItems | None = None
         self.written: UploadedItems | None = None
-        self._transfer: PlanTransfer | None = None
+        self._transfer: ItemTransfer | None = None
         self._purpose, self._is_reading = "", False
         self._refusal: Failed | None = None
         self._leaving: list[Message] = []
@@ -82,16 +92,12 @@ class PlanStore:
             return Failed("the autopilot does not say where its local frame lies on the earth")
         return Progress.RUNNING
 
-    def read(self, purpose: str) -> None:
-        """Begins to read the items.
-
-        Args:
-            purpose: the sentence that begins the failure message.
-        """
+    def read(self) -> None:
+        """Begins to read the items."""
         self.items = None
-        self._begin(purpose, None)
+        self._begin(f"the autopilot does not tell its {self._name}", None)
 
-    def write(self, items: UploadedItems | None, purpose: str) -> None:
+    def _write(self, items: UploadedItems | None, purpose: str) -> None:
         """Begins to replace the stored items.
 
         Args:
@@ -120,7 +126,7 @@ class PlanStore:
         target, own = (self._wire.system, AUTOPILOT), (self._wire.system, COMPONENT)
         self._purpose, self._is_reading = purpose, items is None
         self._refusal = None
-        self._transfer = PlanTransfer(self._heard_s, target, own, self._kind, items)
+        self._transfer = ItemTransfer(self._heard_s, target, own, self._kind, items)
 
     def step(self, moment: Moment) -> None:
         """Notes the time; applies rule 1."""
@@ -130,8 +136,8 @@ class PlanStore:
             self._refusal = Failed(f"{self._purpose}: the vehicle is armed or in the air")
 
     def take(self, moment: Moment, message: Message) -> None:
-        """Takes one of the autopilot's TRANSFER_MESSAGES."""
-        if self._transfer is not None:
+        """Takes one of TRANSFER_MESSAGES; only those of the autopilot count."""
+        if self._transfer is not None and source(message)[1] == AUTOPILOT:
             self._leaving += self._transfer.take(moment.heard_s, message)
             if self._is_reading and self._transfer.state is TransferState.DONE:
                 self.items = tuple(self._transfer.items)
@@ -149,8 +155,12 @@ class PlanStore:
             leaving += origins.due(moment.now_s, (self._wire.system, AUTOPILOT), is_needed=True)
         return leaving
 
+    def release(self) -> None:
+        """Drops the transfer and everything that was read."""
+        self._forget()
 
-def _is_same(one: PlanItem, other: PlanItem) -> bool:
+
+def _is_same(one: StoredItem, other: StoredItem) -> bool:
     kinds = (one.command, one.frame, one.first), (other.command, other.frame, other.first)
     apart = max(abs(one.x - other.x), abs(math.remainder(one.y - other.y, TURN)))
     return (

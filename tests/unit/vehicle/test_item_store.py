@@ -7,19 +7,19 @@ from typing import Any
 
 import pytest
 
-from companion.mavlink.plan_transfer import PlanItem
-from companion.vehicle.plan_store import PlanStore
+from companion.mavlink.item_transfer import StoredItem
+from companion.vehicle.item_store import ItemStore
 
 WRITTEN = (
-    PlanItem(5001, 0, 3.0, 473977329, 85455740),
-    PlanItem(5001, 0, 3.0, 473977329, 85458796),
-    PlanItem(5001, 0, 3.0, 473978678, 85458796),
+    StoredItem(5001, 0, 3.0, 473977329, 85455740),
+    StoredItem(5001, 0, 3.0, 473977329, 85458796),
+    StoredItem(5001, 0, 3.0, 473978678, 85458796),
 )
 
 
-def store(written: Any, items: Any) -> PlanStore:
+def store(written: Any, items: Any) -> ItemStore:
     nobody: Any = None
-    made = PlanStore(nobody, nobody, 1, nobody)
+    made = ItemStore(nobody, nobody, 1, nobody, "fence")
     made.written, made.items = written, items
     return made
 

@@ -62,7 +62,7 @@ Address = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
-class PlanItem:
+class StoredItem:
     """One item of a plan, as it is transferred.
 
     Attributes:
@@ -92,7 +92,7 @@ class TransferState(Enum):
     FAILED = "failed"
 
 
-class PlanTransfer:
+class ItemTransfer:
     """Reads or writes one plan.
 
     Args:
@@ -114,11 +114,11 @@ class PlanTransfer:
         target: Address,
         own: Address,
         kind: int,
-        items: Sequence[PlanItem] | None = None,
+        items: Sequence[StoredItem] | None = None,
     ) -> None:
         self.state = TransferState.ASKING
         self.failure: Refusal | None = None
-        self.items: list[PlanItem] = list(items or ())
+        self.items: list[StoredItem] = list(items or ())
         self._is_writing = items is not None
         self._target, self._own, self._kind = target, own, kind
         self._start_s = self._heard_s = now_s
@@ -186,7 +186,7 @@ class PlanTransfer:
             return []
         self._heard_s = now_s
         frame = _PLAIN_FRAMES.get(message.frame, message.frame)
-        item = PlanItem(
+        item = StoredItem(
             message.command,
             frame,
             first=message.param1,
