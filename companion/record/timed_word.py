@@ -46,7 +46,7 @@ class TimedWord:
     def overruns(self, bound: TimeBound, name: str, begins_anew: bool = True) -> tuple[int, ...]:
         """The positions after which the clock of a bound had run out.
 
-        At most one, and one more after each restart.
+        At most one, and at most one more after each restart.
 
         Args:
             bound: of the line.
