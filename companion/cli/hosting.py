@@ -33,8 +33,8 @@ class SortieHost:
         close_folder: closes a run folder and announces that.
         tell: prints news between two runs.
         uploads: missions from outside; None if they are not accepted.
-        engine: plans; None for the built-in search.
         functions: calls functions of installed packages; closed by its owner.
+        engine: plans; None for the built-in search.
         installed: the functions installed at the program's start; a mission may call no others.
     """
 
@@ -44,12 +44,12 @@ class SortieHost:
         close_folder: Callable[[RunFolder], None],
         tell: Callable[[Stamped], None],
         uploads: UploadService | None,
+        functions: FunctionRunner,
         engine: Engine | None = None,
-        functions: FunctionRunner | None = None,
         installed: Catalogue = MappingProxyType({}),
     ) -> None:
         self._engine = engine
-        self._functions, self._installed = functions or FunctionRunner(), installed
+        self._functions, self._installed = functions, installed
         self.uploads = uploads
         self._open_folder = open_folder
         self._close_folder = close_folder

@@ -11,6 +11,7 @@ from synthetic import mission
 from companion.cli.hosting import SortieHost
 from companion.run_sources.hosted_runs import HostedRuns
 from companion.run_sources.only_run import OnlyRun
+from companion.skills.runner import FunctionRunner
 from companion.vehicle.telemetry import Telemetry
 
 
@@ -21,7 +22,9 @@ def test_a_start_while_a_run_that_was_cut_off_waits_begins_no_second_one(
     flown = mission("F at(A)")
     above_sea = replace(flown.places["A"], amsl_m=490.0)
     flown = replace(flown, places={**flown.places, "A": above_sea})
-    host = SortieHost(pytest.fail, pytest.fail, pytest.fail, uploads=None)
+    host = SortieHost(
+        pytest.fail, pytest.fail, pytest.fail, uploads=None, functions=FunctionRunner()
+    )
     monkeypatch.setattr(host, "prepare", pytest.fail)
     runs, telemetry = HostedRuns(host, flown, OnlyRun(flown, Notes())), Telemetry()
     assert runs.next(telemetry, 0.0) is None and not runs.awaits_start

@@ -23,7 +23,7 @@ def no_folder(_: Any) -> Any:
 
 @pytest.fixture
 def host() -> SortieHost:
-    return SortieHost(no_folder, no_folder, no_folder, None, ENGINE, FUNCTIONS)
+    return SortieHost(no_folder, no_folder, no_folder, None, FUNCTIONS, ENGINE)
 
 
 def test_a_mission_is_prepared_in_another_thread(

@@ -197,14 +197,8 @@ def _one_try(
     match skill.steps if skill.confirmed_by is None else ():
         case (Fly(place),):
             return _flight_to(flight, place, skill.timeout_s, look_at)
-        case (Command() as command,):
-            return _looking(flight, SendCommand(flight, command, limit_s), look_at)
-        case (PointGimbal() as gimbal,):
-            return AimGimbal(flight, gimbal, limit_s)
-        case (Photo() as photo,):
-            return _looking(flight, TakePhoto(flight, photo, limit_s), look_at)
-        case (PythonCall() as call,):
-            return _looking(flight, CallFunction(flight, call, limit_s), look_at)
+        case (Command() | PointGimbal() | Photo() | PythonCall() as step,):
+            return _step(flight, step, limit_s, look_at)
     steps = [_step(flight, step, limit_s, look_at) for step in skill.steps]
     if skill.confirmed_by is not None:
         steps.append(Confirm(flight, skill.confirmed_by, limit_s))
@@ -258,7 +252,7 @@ def _step(
         case PythonCall():
             return _looking(flight, CallFunction(flight, step, limit_s), look_at)
         case Wait(duration_s):
-            return _looking(flight, Rest(flight, duration_s), look_at)
+            return _looking(flight, Rest(flight, "rest", duration_s), look_at)
         case Land():
             return landing.LandVehicle(flight, "land")
         case LandOn(place):

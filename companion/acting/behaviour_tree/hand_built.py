@@ -15,6 +15,7 @@ from companion.acting.behaviour_tree.builder import FOR_EVER, action_tree
 from companion.acting.behaviour_tree.deadline import Deadline
 from companion.acting.behaviour_tree.intention import Intention
 from companion.acting.behaviour_tree.leaf import Leaf
+from companion.acting.behaviour_tree.leaves import Sleep
 from companion.acting.behaviour_tree.tries import RetryByHand, Tries
 from companion.acting.flight import Flight
 from companion.flight_events.tree import LeafType
@@ -63,24 +64,6 @@ class WatchedFacts(FactsHold):
         return Status.SUCCESS if is_landed else super().update()
 
 
-class Sleep(Leaf):
-    """Succeeds after a time; does not tell the vehicle what to do meanwhile."""
-
-    does = LeafType.WAIT
-
-    def __init__(self, flight: Flight, duration_s: float) -> None:
-        super().__init__(flight, f"wait {duration_s:g} s")
-        self._duration_s = duration_s
-
-    def initialise(self) -> None:
-        """Starts the timer."""
-        self._end_s = self._flight.now_s + self._duration_s
-
-    def update(self) -> Status:
-        """SUCCESS when the time is over."""
-        return Status.SUCCESS if self._flight.now_s >= self._end_s else Status.RUNNING
-
-
 class SubtreeSequence(Sequence):
     """The steps of a subtree."""
 
@@ -110,7 +93,7 @@ def build_by_hand(
         case Check():
             return FactsHold(flight, node)
         case WaitFor(duration_s):
-            return Sleep(flight, duration_s)
+            return Sleep(flight, f"wait {duration_s:g} s", duration_s)
         case Steps(nodes):
             return Sequence("steps", memory=True, children=[*map(below, nodes)])
         case Subtree(name, Steps(nodes)):

@@ -257,13 +257,13 @@ class SendCommand(Leaf):
             self._sent = None
 
 
-class Rest(Leaf):
-    """Holds position for a time."""
+class Sleep(Leaf):
+    """Succeeds after a time; does not tell the vehicle what to do meanwhile."""
 
     does = LeafType.WAIT
 
-    def __init__(self, flight: Flight, duration_s: float) -> None:
-        super().__init__(flight, "rest")
+    def __init__(self, flight: Flight, name: str, duration_s: float) -> None:
+        super().__init__(flight, name)
         self._duration_s = duration_s
 
     def initialise(self) -> None:
@@ -272,5 +272,13 @@ class Rest(Leaf):
 
     def update(self) -> Status:
         """SUCCESS when the time is over."""
-        self._flight.guidance.hold()
         return Status.SUCCESS if self._flight.now_s >= self._end_s else Status.RUNNING
+
+
+class Rest(Sleep):
+    """Holds position for a time."""
+
+    def update(self) -> Status:
+        """SUCCESS when the time is over."""
+        self._flight.guidance.hold()
+        return super().update()

@@ -15,6 +15,7 @@ from companion.cli.hosting import SortieHost
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.run_sources.hosted_runs import HostedRuns
 from companion.run_sources.only_run import OnlyRun
+from companion.skills.runner import FunctionRunner
 from companion.vehicle.boot_clock import BootClock, ClockOffset
 from companion.vehicle.time_answers import LEAST_S, NANO
 from companion.vehicle.wire import Wire
@@ -97,7 +98,9 @@ def test_what_was_answered_is_recorded_once(wire: Wire) -> None:
 
 
 def test_a_companion_that_flies_nothing_answers_too() -> None:
-    host = SortieHost(pytest.fail, pytest.fail, pytest.fail, uploads=None)
+    host = SortieHost(
+        pytest.fail, pytest.fail, pytest.fail, uploads=None, functions=FunctionRunner()
+    )
     companion = Companion(HostedRuns(host))
     heard = [HEARTBEAT, question(77)]
     sent: list[Any] = [m for d in companion.step(2.0, heard) for m in EAR.parse(d)]

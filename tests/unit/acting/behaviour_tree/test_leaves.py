@@ -131,7 +131,7 @@ def test_withdraw_gives_up_what_was_assumed_and_says_why() -> None:
 
 def test_a_skill_that_has_not_begun_disproves_nothing() -> None:
     rig = a_rig()
-    leaf = Withdraw(rig.flight, intention(rig, "do"), Rest(rig.flight, 1.0))
+    leaf = Withdraw(rig.flight, intention(rig, "do"), Rest(rig.flight, "rest", 1.0))
     assert tick(rig, leaf) is Status.SUCCESS
     assert (rig.task.withdrawn, rig.flight.reports) == (frozenset(), [])
 
@@ -224,7 +224,7 @@ def test_an_interrupted_command_is_not_waited_for_any_longer() -> None:
 def test_rest_holds_for_its_time() -> None:
     rig = a_rig()
     start_s = later(rig)
-    assert run(rig, Rest(rig.flight, 2.0)) is Status.SUCCESS
+    assert run(rig, Rest(rig.flight, "rest", 2.0)) is Status.SUCCESS
     assert rig.flight.now_s - start_s == pytest.approx(2.0, abs=2 * TICK_S)
     assert set(rig.vehicle.flown) == {hold_at(POSITIONS["H"], 0.0)}
 

@@ -141,7 +141,7 @@ def test_where_nothing_can_turn_the_step_begins_at_once(why: str) -> None:
         rig.flight.progress.take_to_ground()
     if why == "no state":
         rig.vehicle.state = None
-    rest = Rest(rig.flight, 1.0)
+    rest = Rest(rig.flight, "rest", 1.0)
     assert tick(rig, LookAt(rig.flight, point, rest)) is Status.SUCCESS
 
 
