@@ -38,7 +38,7 @@ class Companion:
         runs: what it flies, one run after the other.
         terms: the operator's choices for all sorties.
         page: the monitor page, if there is one.
-        memory: of earlier flights.
+        memory: what is remembered of earlier flights.
 
     Attributes:
         failure: why the last run failed.

@@ -116,7 +116,7 @@ def named(kind: type[E], name: str, argument: str) -> E:
 
     Args:
         kind: the values.
-        name: of one of them.
+        name: the name of one value.
         argument: its name.
 
     Raises:

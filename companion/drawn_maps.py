@@ -115,7 +115,7 @@ class Wall:
     """An occupied part of a map.
 
     Attributes:
-        corners: of the polygon.
+        corners: the corners of the polygon.
         up_m: its upper end above home; None for a wall without an upper end.
     """
 
@@ -156,7 +156,7 @@ def polygon(corners: Iterable[NorthEast], name: str) -> tuple[NorthEast, ...]:
 
     Args:
         corners: as they were read; the last one may repeat the first.
-        name: of the polygon, for messages.
+        name: the name of the polygon, for messages.
 
     Raises:
         MissionError: it has no area, or its edges cross.

@@ -53,7 +53,7 @@ def fly(
     Args:
         companion: the companion to run.
         link: to its vehicle.
-        clock: of the flight.
+        clock: the clock of the flight.
         timeout_s: time within which the vehicle must be heard.
         beat: called in each step.
         reports: where other programs on board report events; read in each tick.

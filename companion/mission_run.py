@@ -106,7 +106,7 @@ class Run:
         telemetry: what was last heard from the autopilot, also before this run.
         start_s: when the run begins.
         terms: the operator's choices for all sorties.
-        memory: of earlier flights.
+        memory: what is remembered of earlier flights.
 
     Raises:
         LookupError: the run that was cut off had another mission.

@@ -19,7 +19,7 @@ class VehicleProfile:
     """The numbers of one vehicle, all positive.
 
     Attributes:
-        name: of its file.
+        name: the name of its file.
         radius_m: from the centre to the farthest point of a rotor.
         margin_m: least free distance beside the vehicle, wherever it really flies.
         deviation_m: how much nearer to an obstacle than its route the vehicle may come: by tracking
@@ -27,13 +27,13 @@ class VehicleProfile:
         speed_mps: top speed; a mission may allow less.
         climb_mps: top vertical speed upwards.
         descent_mps: top vertical speed downwards.
-        acceleration_mps2: of trajectories, and assumed by plans.
+        acceleration_mps2: the acceleration of trajectories, which plans assume too.
         braking_mps2: for a stop before an obstacle that no route leads around.
         max_acceleration_mps2: limit of the vehicle's position controller.
-        jerk_mps3: of trajectories.
+        jerk_mps3: the jerk of trajectories.
         response_s: delay of the acceleration after its setpoint.
         feed_forward: factor on a trajectory's acceleration in setpoints.
-        yaw_rate_radps: of turns, on the spot and in flight.
+        yaw_rate_radps: the rate of turns, on the spot and in flight.
         carrot_m: largest distance of a setpoint from the vehicle.
 
     >>> VehicleProfile(radius_m=0.5).clearance_m

@@ -38,7 +38,7 @@ class Watchdog:
         """Reports that the loop runs; the first call reports that the program is ready.
 
         Args:
-            now_s: of a monotonic clock.
+            now_s: the time of a monotonic clock.
         """
         if self._next_s is None:
             self._tell("READY=1")

@@ -26,7 +26,7 @@ class Drawing:
     """A map: an outer wall of 0.2 m, walls and pillars.
 
     Attributes:
-        edge: of the map; the outer wall is inside it.
+        edge: the edges of the map; the outer wall is inside it.
         pillars: east, north, radius.
     """
 

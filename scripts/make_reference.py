@@ -38,7 +38,7 @@ class KeyPage(NamedTuple):
     """A page with its kinds of files.
 
     Attributes:
-        name: of the page in docs/.
+        name: the name of the page in docs/.
         title: with the text above the tables.
         files: for each kind, the heading, the schema, and the files of missions/ with examples.
     """

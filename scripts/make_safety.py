@@ -57,7 +57,7 @@ def page(text: str, groups: dict[str, list[Hazard]]) -> str:
     """The page with its tables regenerated.
 
     Args:
-        text: of the page.
+        text: the text of the page.
         groups: the hazards by title.
 
     Raises:

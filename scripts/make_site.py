@@ -93,7 +93,7 @@ def build(root: Path, built: Path) -> None:
     """Builds the site of a repository.
 
     Args:
-        root: of the repository.
+        root: the root of the repository.
         built: a folder that is recreated, with the collected `pages` and the `site`.
 
     Raises:

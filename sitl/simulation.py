@@ -56,7 +56,7 @@ class Simulation:
     Args:
         scenario: the world.
         grid: the map of the world; None without walls.
-        seed: of everything random (gusts, sensors, the estimate, links).
+        seed: the seed of everything random (gusts, sensors, the estimate, links).
         instance: the system id is 1 + instance.
         links: those with somebody at the other end; nothing is packed for the others.
         signing: the key with which all links sign, as PX4 does; None without signatures.

@@ -80,7 +80,7 @@ def simulate(
         scenario: the world: a path, a YAML text, or data (docs/scenario.md). A text, or data,
             without a map uses the mission's map. By default NAME.sim.yaml beside a mission file
             NAME.yaml, if it exists; otherwise the mission's own map, without wind and events.
-        seed: of wind, sensors and the estimate.
+        seed: the seed of wind, sensors and the estimate.
         folder: where to write a run folder; None writes none.
         on_event: called with each event that is shown to people.
         laps: after this many laps the vehicle is called home; None means no limit.

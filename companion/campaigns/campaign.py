@@ -32,7 +32,7 @@ class Campaign:
         kit: mission and scenario.
         engine: flies the rows.
         folder: keeps the rows.
-        header: of the table.
+        header: the header of the table.
         on_row: called with each row when it has been flown.
         on_kept: called with each row that the folder already had.
     """

@@ -59,7 +59,7 @@ def write_cases(
     Args:
         kit: mission and scenario of the rows.
         mission: its file, as the user named it.
-        folder: of the campaign.
+        folder: the folder of the campaign.
         failures: after minimising.
     """
     return tuple(

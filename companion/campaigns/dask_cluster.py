@@ -36,8 +36,8 @@ class DaskCluster:
 
     Args:
         packed: the kit.
-        address: of the scheduler, such as tcp://10.0.0.1:8786; for tls://, Dask's own configuration
-            names the certificates.
+        address: the scheduler's address, such as tcp://10.0.0.1:8786; for tls://, Dask's own
+            configuration names the certificates.
 
     Raises:
         LibraryMissing: Dask is not installed.

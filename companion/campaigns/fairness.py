@@ -28,7 +28,7 @@ def unfair(mission: Mission, scenario: Scenario, moved: Set[str]) -> str:
     wherever that is. One that is never there is fair, too.
 
     Args:
-        scenario: of the row.
+        scenario: the scenario of the row.
         moved: names of the obstacles that the row places.
     """
     for obstacle in scenario.met_obstacles:

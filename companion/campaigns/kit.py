@@ -32,7 +32,7 @@ class Kit:
 
     Attributes:
         limit_s: simulated seconds after which a flight is cut off.
-        environment: of the process that made the kit; in another one, flights would differ.
+        environment: where the kit was made; in another environment, flights would differ.
     """
 
     mission: Mission
@@ -66,7 +66,7 @@ class Kit:
         """The header of a table: all that its rows depend on.
 
         Args:
-            seed: of the campaign.
+            seed: the seed of the campaign.
             about: further lines, such as the number of rows.
         """
         varied = {f"vary {f.path}": str(f.distribution) for f in self.factors}

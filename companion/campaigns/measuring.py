@@ -45,9 +45,9 @@ class FlightWatch:
 
     Args:
         mission: with its limits.
-        radius_m: of the true vehicle.
+        radius_m: the radius of the true vehicle.
         flight: to be measured.
-        recorder: of its events.
+        recorder: has the flight's events.
 
     Attributes:
         phase: present phase of the sortie.
@@ -105,7 +105,7 @@ def fly(mission: Mission, world: World, row: Row, limit_s: float) -> FlownRow:
 
     Args:
         mission: the mission to fly.
-        world: of the row.
+        world: the world of the row.
         row: the row to fly.
         limit_s: simulated seconds after which the flight is cut off.
     """

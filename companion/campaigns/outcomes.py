@@ -54,7 +54,7 @@ class Margins:
         altitude_m: to the ends of the altitude band.
         carrot_m: to the largest distance of a setpoint that the gate accepts.
         speed_mps: to the limit of horizontal speed.
-        charge: of the battery, 0 to 1.
+        charge: the charge of the battery, 0 to 1.
         time_s: to the time limit of the campaign.
     """
 
@@ -82,11 +82,11 @@ class FlownRow:
         row: what was flown.
         conjunct: the line of the task that was violated; "" if none.
         exit_code: that of `companion sim`; None if the flight did not end.
-        reason: of a failure, in one line.
+        reason: the reason of a failure, in one line.
         replans: number of replans.
         duration_s: simulated duration of the flight.
-        phase: of the sortie, when it failed or ended.
-        place: of the mission, nearest to where it failed or ended.
+        phase: the phase of the sortie, when it failed or ended.
+        place: the place of the mission that is nearest to where it failed or ended.
         east_m, north_m: where it failed or ended.
         signature: what happened, without numbers; equal for flights of one kind.
         track: the flown track, east and north, simplified.

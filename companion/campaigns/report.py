@@ -38,7 +38,7 @@ class ReportSource:
 
     Attributes:
         kit: mission and scenario.
-        header: of the table.
+        header: the header of the table.
         flown: all rows.
         command: makes the table again.
         repeating: row -> the command that flies it again.

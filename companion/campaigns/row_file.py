@@ -33,7 +33,7 @@ class RowFile:
     """The file of a campaign, open and locked.
 
     Args:
-        folder: of the campaign.
+        folder: the folder of the campaign.
         header: all that its rows depend on.
 
     Attributes:
@@ -107,7 +107,7 @@ def header_in(folder: Path, key: str) -> dict[str, str]:
     """The header of the campaign in a folder.
 
     Args:
-        folder: of the campaign.
+        folder: the folder of the campaign.
         key: a line that the header of this kind of campaign has.
 
     Raises:

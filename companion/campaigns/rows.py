@@ -29,9 +29,9 @@ class Row:
 
     Attributes:
         index: its number in the campaign, from 0.
-        seed: of wind, sensors and links.
-        values: of the factors, by path.
-        generation: of the search that has chosen it; 0 for random rows.
+        seed: the seed of wind, sensors and links.
+        values: the values of the factors, by path.
+        generation: the search's generation that has chosen it; 0 for random rows.
     """
 
     index: int

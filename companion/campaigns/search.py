@@ -71,7 +71,7 @@ class FailureSearch:
 
     Args:
         factors: each is a dimension of the unit cube.
-        seed: of the campaign.
+        seed: the seed of the campaign.
         budget: number of rows.
 
     Attributes:

@@ -76,7 +76,7 @@ def in_words(path: Path, found: Comparison) -> str:
     """The comparison of two versions on the same rows, in words.
 
     Args:
-        path: of the earlier table.
+        path: the path of the earlier table.
         found: the comparison.
     """
     verdict = "more than chance" if found.is_significant else "may be chance"

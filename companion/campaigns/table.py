@@ -58,7 +58,7 @@ def table_text(header: Mapping[str, str], paths: Sequence[str], flown: Iterable[
 
     Args:
         header: all that the rows depend on.
-        paths: of the factors, one column each.
+        paths: the paths of the factors, one column each.
         flown: in any order.
     """
     heads = [f"{MARK}{line}" for line in header_lines(header)]

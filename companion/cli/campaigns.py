@@ -140,8 +140,8 @@ def begun_with(context: typer.Context, folder: Path, count: str) -> tuple[int, i
     """The options with which the campaign in a folder was started.
 
     Args:
-        context: of the command that continues it.
-        folder: of the campaign.
+        context: the context of the command that continues it.
+        folder: the folder of the campaign.
         count: the option that is its number of rows.
 
     Returns:
@@ -209,7 +209,7 @@ def begun(
     Args:
         kit: mission and scenario.
         folder: where to write it.
-        header: of its table.
+        header: the header of its table.
         total: expected number of rows.
         jobs: processes; None means one per core.
         dask: the address of a cluster; None means processes of this machine.

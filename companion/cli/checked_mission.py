@@ -29,8 +29,8 @@ class CheckedMission:
         earth: origin and extent, for a mission in latitude and longitude.
         map: its size and its cells.
         events: when each of them holds, in words.
-        states: of each conjunct's automaton.
-        priorities: of the lines of the task that may be dropped.
+        states: the number of states of each conjunct's automaton.
+        priorities: the priorities of the lines of the task that may be dropped.
         energy: how far the plan charges, and what remains; None without a battery.
         waits: the longest wait of each line with a time bound.
         land_at: where the vehicle lands without a plan, if the mission names places.
@@ -79,7 +79,7 @@ def check_mission(
     """Reads and plans a mission, and does all else that precedes a flight.
 
     Args:
-        path: of the mission.
+        path: the path of the mission.
         within: a folder that must contain all its files.
         tell: called with each step that begins, in words.
         domain_of: reads its PDDL files.

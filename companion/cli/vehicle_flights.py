@@ -44,9 +44,9 @@ class VehicleFlights:
         link_of: opens the link to the vehicle.
         events: where other programs on board report events; None if nowhere.
         log_dir: contains the run folders.
-        address: of the monitor page.
+        address: the address of the monitor page.
         engine: plans; None for the built-in search.
-        terms: of each flight; with `resumes`, a cut-off run is continued.
+        terms: the operator's choices for all flights; with `resumes`, a cut-off run is continued.
     """
 
     link_of: Callable[[], Link]

@@ -42,7 +42,7 @@ def validate(content: str | Mapping[str, object], name: str, model: type[M]) -> 
 
     Args:
         content: the whole text, or the data.
-        name: of the text's file, only for messages.
+        name: the name of the text's file, only for messages.
         model: forbids unknown keys (extra="forbid").
 
     Raises:
@@ -92,7 +92,7 @@ class Document:
     """A tree of values in which every key and value can be located.
 
     Args:
-        root: of the tree.
+        root: the root of the tree.
         refused: invalid values, which are empty in the tree.
     """
 

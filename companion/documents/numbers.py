@@ -32,7 +32,7 @@ def number_meant(text: str, keys: Keys, is_share: bool = False) -> str:
 
     Args:
         text: what stands in place of the number.
-        keys: of the number; the last name determines the unit.
+        keys: the keys of the number; the last name determines the unit.
         is_share: whether the number is a share, 0 to 1.
     """
     if is_share and (percent := _PERCENT.fullmatch(text)):

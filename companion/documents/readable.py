@@ -53,7 +53,7 @@ def what_is_readable(
     """The rest of a document, and the keys of what is unread; None if nothing can be read.
 
     Args:
-        model: of the document.
+        model: the model of the document.
         data: as plain values.
         error: why it does not fit the model.
         stand_ins: for parts that the model needs.

@@ -43,7 +43,7 @@ class DocumentReading:
 
         Args:
             part: reads it.
-            keys: of the part, if others depend on it.
+            keys: the keys of the part, if others depend on it.
         """
         if keys and not self.is_whole(*keys):
             return None

@@ -26,7 +26,7 @@ class Source:
         content: a text, or data.
         name: for messages: the path, or words in its place.
         folder: to which file names in it are relative.
-        path: of its file; None if there is no file.
+        path: the path of its file; None if there is no file.
     """
 
     content: str | Mapping[str, object]

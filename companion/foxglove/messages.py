@@ -24,7 +24,7 @@ class LogMessage:
 
     Attributes:
         time_s: since the run began.
-        topic: of the channel.
+        topic: the topic of the channel.
         schema: its name.
         content: its fields, without a timestamp at the top level, which the file adds.
     """

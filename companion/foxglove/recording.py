@@ -48,7 +48,7 @@ class RecordedRun:
     """A finished run, read from its folder.
 
     Args:
-        folder: of the run.
+        folder: the folder of the run.
         zero: where the frame `map` lies on the earth, if known.
         geojson: the content on the earth, if known.
         progress: called with the number of bytes read.

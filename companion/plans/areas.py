@@ -33,7 +33,7 @@ def circle(item: str, centre: LatLon, radius_m: float, is_inclusion: bool) -> tu
     Args:
         item: its name in messages.
         centre: degrees.
-        radius_m: of the circle.
+        radius_m: the radius of the circle.
         is_inclusion: whether the vehicle must stay inside.
 
     Raises:

@@ -66,7 +66,7 @@ def draft(plan: RoutePlan, given: Given, name: str) -> Draft:
     Args:
         plan: from a file.
         given: what the user has added.
-        name: of the mission.
+        name: the name of the mission.
 
     Raises:
         ItemRefused, ItemsRefused: a mission cannot express something, or something is missing.

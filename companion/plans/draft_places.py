@@ -54,7 +54,7 @@ class Places:
     Attributes:
         told: notes for the reader of the mission.
         places: by their names, home first.
-        stops: of the route.
+        stops: the stops of the route.
     """
 
     plan: RoutePlan

@@ -23,7 +23,7 @@ class RouteStop(NamedTuple):
     Attributes:
         place: where.
         acts: what is done there.
-        name: of the stop, for its skill and its fact.
+        name: the name of the stop, for its skill and its fact.
     """
 
     place: str
@@ -70,7 +70,7 @@ def task_of(plan: RoutePlan, stops: Sequence[RouteStop], end: str) -> dict[str, 
 
     Args:
         plan: the plan of the stops.
-        stops: of the plan, after those at home.
+        stops: the stops of the plan, after those at home.
         end: the place where the flight ends, if it ends.
     """
     if plan.repeats_from is None:

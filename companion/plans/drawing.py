@@ -21,7 +21,7 @@ class DrawnPlace:
     """A place.
 
     Attributes:
-        radius_m: of the disc about it that lies in its region.
+        radius_m: the radius of the disc about it that lies in its region.
     """
 
     name: str
@@ -72,7 +72,7 @@ def drawing_of(mission: Mission, plan: PlannedLasso | None, zero: GlobalOrigin) 
 
     Args:
         mission: in its own metres.
-        plan: of the mission, if there is one.
+        plan: the plan of the mission, if there is one.
         zero: where north 0, east 0 lies on the earth.
     """
     start = start_of(mission)

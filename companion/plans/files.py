@@ -44,10 +44,10 @@ def import_plan(
     """The YAML text of the mission that a file describes, which can be flown, and its draft.
 
     Args:
-        path: of the file.
+        path: the path of the file.
         given: what the file does not say.
         leave_out: numbers of items that are not imported.
-        name: of the mission; by default the name of the file.
+        name: the name of the mission; by default the name of the file.
 
     Raises:
         MissionError: it cannot be read, or a mission cannot express it; names the item.

@@ -219,7 +219,7 @@ def route_of(
     """What the items of a plan ask for, in order.
 
     Args:
-        items: of the plan.
+        items: the items of the plan.
         leave_out: their numbers, or `PAYLOADS`.
         groups: numbers of groups of items that the reader has left out.
 

@@ -38,7 +38,7 @@ def read_plan(text: str, leave_out: frozenset[str]) -> RoutePlan:
     """The plan of a .plan or .mission file.
 
     Args:
-        text: of the file.
+        text: the text of the file.
         leave_out: numbers of items.
 
     Raises:

@@ -73,7 +73,7 @@ class Send:
 
     Attributes:
         item: its name in messages.
-        height: of the command's position; None if it has none.
+        height: the height of the command's position; None if it has none.
     """
 
     command: str
@@ -127,7 +127,7 @@ class RoutePlan:
     """The content of a file.
 
     Attributes:
-        kind: of the file, in words.
+        kind: the kind of the file, in words.
         home: where the flight begins; None if the file does not say it.
         home_amsl_m: its height above sea level.
         home_note: a note for the reader of a mission that begins there.

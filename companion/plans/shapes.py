@@ -171,7 +171,7 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
     """The plan that some shapes draw.
 
     Args:
-        kind: of their file, in words.
+        kind: the kind of their file, in words.
         shapes: in the order of the file.
         told: notes for its reader.
 

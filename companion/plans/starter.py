@@ -53,7 +53,7 @@ class _Layout:
         about: what the reader has to know about it, as comments.
         sites: the places of the task, in its order.
         fence: corners.
-        walls: of the map, one per line; None without a map.
+        walls: the walls of the map, one per line; None without a map.
     """
 
     about: tuple[str, ...]
@@ -98,10 +98,10 @@ def starter(
     'name: first'
 
     Args:
-        name: of the mission.
+        name: the name of the mission.
         space: where it is flown.
         task: what it does.
-        home: of a mission in latitude and longitude.
+        home: its home, for a mission in latitude and longitude.
     """
     layout = _HALL if space is StarterSpace.HALL else _FIELD
     earth = home if space is StarterSpace.EARTH else None

@@ -56,7 +56,7 @@ class Finding:
             so far.
         since: the position of its last restart, 0 if there was none. What was read before is
             dropped, except for a violation.
-        priority: of a line that may be dropped; None for all others.
+        priority: the priority of a line that may be dropped; None for all others.
         dropped: first and last position of each span in which the plan did not keep it.
         whole: the outcome over the whole flight, as without restarts; it differs from `outcome`
             only where `restarts` asks for the paper's forgetting.
@@ -140,7 +140,7 @@ class AuditedConjunct:
     """A conjunct of a line of the task, as it is audited.
 
     Attributes:
-        name: of the line.
+        name: the name of the line.
         formula: without its time bound.
         bound: None if it has none.
     """

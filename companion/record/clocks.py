@@ -30,7 +30,7 @@ class ClockFile:
     """The clocks.json of one run, rewritten with each sample.
 
     Args:
-        folder: of the run.
+        folder: the folder of the run.
         is_continued: whether a cut-off run continues there, so that samples are added.
         write: writes a text to a file.
         unix_of: as the function of that name.

@@ -44,7 +44,7 @@ class RunRecord:
     """What a run has recorded of its task.
 
     Attributes:
-        priorities: of the lines of the task that may be dropped.
+        priorities: the priorities of the lines of the task that may be dropped.
         positions: the word; the vehicle may rest at the last one for ever.
         times_s: when each position was left, in seconds since the run began.
         violations: conjunct and position of each violation found in flight.

@@ -31,7 +31,7 @@ class JournalFile:
     """Implements `acting.journal.Journal`; new, or continued where a flight was cut off.
 
     Args:
-        folder: of the run.
+        folder: the folder of the run.
 
     Attributes:
         failure: why nothing can be written any more; None while it can.
@@ -95,7 +95,7 @@ def read_journal(folder: Path, now_unix_s: float) -> JournalledFlight | None:
     """The state of the flight in a run folder; None if the flight had not begun.
 
     Args:
-        folder: of the run.
+        folder: the folder of the run.
         now_unix_s: the wall clock; if it was set back since, no time has passed.
 
     Raises:

@@ -27,7 +27,7 @@ def laid_frames_at(path: Path, computer_boot: Path = COMPUTER_BOOT) -> LaidFrame
     """What programs with this file remember; None on a computer without Linux.
 
     Args:
-        path: of the file.
+        path: the path of the file.
         computer_boot: a file whose content identifies a boot of the computer.
     """
     try:

@@ -35,7 +35,7 @@ def remembered(path: Path, read: Callable[[Any], list[Value]]) -> list[Value]:
     """The values in the file; empty if it cannot be read.
 
     Args:
-        path: of the file.
+        path: the path of the file.
         read: converts a JSON value; raises ValueError, TypeError or OverflowError if it cannot.
     """
     try:

@@ -63,7 +63,7 @@ class RunFolder:
         draw: draws flight.png when the folder is closed.
 
     Attributes:
-        journal: of the run.
+        journal: the journal of the run.
         trail: the vehicle's positions, by plan, and its charge.
         has_ended: whether the end of the run was reported.
     """

@@ -24,10 +24,10 @@ class RunSummary:
     """The summary of a run folder.
 
     Attributes:
-        folder: of the run; its name begins with the local time of the run's beginning.
+        folder: the folder of the run; its name begins with the local time of the run's beginning.
         length_s: time of the last readable event; 0 if there is none.
         ending: how the run ended; None if it was cut off or still goes on.
-        size_bytes: of all its files.
+        size_bytes: the size of all its files.
     """
 
     folder: Path

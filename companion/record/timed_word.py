@@ -49,8 +49,8 @@ class TimedWord:
         At most one, and at most one more after each restart.
 
         Args:
-            bound: of the line.
-            name: of the line.
+            bound: the bound of the line.
+            name: the name of the line.
             begins_anew: whether the line restarts where the record says so.
         """
         anew = self._anew(name) if begins_anew else frozenset()
@@ -102,7 +102,7 @@ class _Reader:
         last: the position that was left last.
 
     Args:
-        clock: of the bound.
+        clock: the clock of the bound.
         positions: in their order.
         events: those that change, and whether they are true at the start.
     """

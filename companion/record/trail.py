@@ -21,7 +21,7 @@ class Trail:
 
     Attributes:
         parts: title and positions of each.
-        charge: of the battery.
+        charge: the charge of the battery.
     """
 
     parts: list[tuple[str, list[Ned]]] = field(default_factory=list)

@@ -65,7 +65,7 @@ class FunctionRunner:
     """Implements `acting.function_port.FunctionPort`.
 
     Args:
-        folder: of the run; without one, calls run in a folder that is removed.
+        folder: the folder of the run; without one, calls run in a folder that is removed.
         is_lockstep: simulated time waits for functions.
 
     Attributes:

@@ -22,12 +22,12 @@ def patrol_between_docks(
     """The data of a mission that visits all places but Home and the docks for ever.
 
     Args:
-        name: of the mission.
+        name: the name of the mission.
         places: all of them, Home first.
         docks: places that charge.
         fence: its corners.
         battery: the section of the mission.
-        charge_rate: of the docks.
+        charge_rate: the charge rate of the docks.
         up_m: the altitude band.
     """
     sites = [place for place in places if place not in (HOME, *docks)]

@@ -22,7 +22,7 @@ class Shipped:
     """A mission with a world.
 
     Attributes:
-        name: of the scenario, or of a mission without one.
+        name: the name of the scenario, or of a mission without one.
     """
 
     name: str

@@ -44,7 +44,7 @@ class Autopilot:
     Args:
         parameters: shared with the parameter protocol.
         state: the estimate at the start, on the ground.
-        gains: of the horizontal position loops.
+        gains: the gains of the horizontal position loops.
 
     Attributes:
         is_armed: whether the motors turn.
@@ -54,7 +54,7 @@ class Autopilot:
         cruise_mps: speed of automatic modes, if MAV_CMD_DO_CHANGE_SPEED has set one.
         setpoint: the newest offboard setpoint.
         health: ages of the inputs, and the battery's warning level.
-        control: of the motors.
+        control: controls the motors.
         flights: the record of armings and take-offs.
         mission: flown by AUTO.MISSION.
         fence: the geofence.

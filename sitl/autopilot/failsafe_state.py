@@ -71,7 +71,7 @@ class FailsafeState:
 
     Attributes:
         selected: the most severe action; None while none is demanded.
-        stage: of the selected action.
+        stage: the stage of the selected action.
         mode: flown instead of the intended one; None if the intended one is flown.
     """
 

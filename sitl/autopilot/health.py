@@ -17,7 +17,7 @@ class Health:
     """The health of one vehicle, from which its failsafes are selected.
 
     Args:
-        parameters: of the autopilot.
+        parameters: the parameters of the autopilot.
         charge: state of charge at the start, 0 to 1.
 
     Attributes:

@@ -31,12 +31,12 @@ class MotorControl:
     """The motors of one vehicle, stopped at first.
 
     Args:
-        parameters: of the autopilot.
-        gains: of the horizontal position loops.
+        parameters: the parameters of the autopilot.
+        gains: the gains of the horizontal position loops.
 
     Attributes:
         setpoint: followed by the cascade, None while disarmed.
-        land_detector: of take-offs and landings.
+        land_detector: the detector of take-offs and landings.
     """
 
     def __init__(self, parameters: Parameters, gains: HorizontalGains = OWN_GAINS) -> None:

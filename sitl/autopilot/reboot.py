@@ -24,7 +24,7 @@ def rebooted(
     Args:
         before: the autopilot before.
         state: the present estimate.
-        gains: of the horizontal position loops.
+        gains: the gains of the horizontal position loops.
         recovers: whether an armed vehicle stays armed and holds its place.
     """
     after = Autopilot(before.parameters, state, gains)

@@ -26,7 +26,7 @@ def reframed(before: Autopilot, state: FlightState, gains: HorizontalGains, by: 
     Args:
         before: the autopilot before.
         state: the present estimate, in the new frame.
-        gains: of the horizontal position loops.
+        gains: the gains of the horizontal position loops.
         by: what is added to every position.
     """
     after = Autopilot(before.parameters, state, gains)

@@ -18,8 +18,8 @@ class Airframe:
     """A row of `AIRFRAMES`.
 
     Attributes:
-        linear_drag_n_per_mps: of the body.
-        gains: of the horizontal position loops.
+        linear_drag_n_per_mps: the linear drag of the body.
+        gains: the gains of the horizontal position loops.
     """
 
     linear_drag_n_per_mps: float = 0.0

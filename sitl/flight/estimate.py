@@ -122,12 +122,12 @@ class Estimator:
     Args:
         rng: source of the errors.
         gps: at the start.
-        wander: of the estimate; None means none.
+        wander: how the estimate wanders; None means not at all.
 
     Attributes:
         gps: may be replaced in flight.
-        error: of the estimated position, north and east.
-        fix_error: of the receiver's fix; while there is none, the error that a fix would have.
+        error: the error of the estimated position, north and east.
+        fix_error: the error of the receiver's fix, or the one that a fix would have.
         resets: how often the position was reset.
         time_since_fix_s: time since the last fix; 0 with a fix.
     """

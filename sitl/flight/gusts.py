@@ -78,7 +78,7 @@ class Gusts:
 
         Args:
             height_m: above the ground.
-            airspeed_mps: of the vehicle, in the mean wind.
+            airspeed_mps: the airspeed of the vehicle, in the mean wind.
             wind: the mean wind, NED, m/s; it defines what is along and across.
             dt_s: length of the step.
         """

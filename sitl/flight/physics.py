@@ -86,7 +86,7 @@ class RateSetpoint(NamedTuple):
     """The setpoint of the rate loop.
 
     Attributes:
-        thrust_n: of all rotors, along -z of the body.
+        thrust_n: the thrust of all rotors, along -z of the body.
         rates: desired body rates p, q, r, rad/s.
     """
 
@@ -109,7 +109,7 @@ class Physics:
         turbulence_mps: standard deviation of the vertical gusts near the ground; horizontal ones
             are about twice as strong (`gusts.py`). Gusts need air that moves past the vehicle: in
             still air, a hovering vehicle meets none.
-        seed: of the turbulence, any integer.
+        seed: the seed of the turbulence, any integer.
 
     Attributes:
         battery: the pack on board.

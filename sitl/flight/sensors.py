@@ -50,7 +50,7 @@ class GpsFix:
     """A report of the GPS receiver.
 
     Attributes:
-        time_s: of the sample.
+        time_s: the time of the sample.
         is_3d: whether the position is fixed; if not, it is the last one.
         latitude_deg: WGS 84.
         longitude_deg: WGS 84.
@@ -121,9 +121,9 @@ class Sensors:
 
     Args:
         origin: where local NED lies.
-        seed: of the noise; each sensor has its own stream.
+        seed: the seed of the noise; each sensor has its own stream.
         state: at the start; every sensor is sampled once.
-        noise: of each sensor.
+        noise: the noise of each sensor.
 
     Attributes:
         gps: the receiver's newest report.

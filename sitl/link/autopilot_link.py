@@ -21,7 +21,7 @@ class AutopilotLink:
     """One link of the autopilot.
 
     Args:
-        name: of the link.
+        name: the name of the link.
         system: system id.
         vehicle: the owner keeps `vehicle.state` current.
         events: shared by all links.
@@ -33,7 +33,7 @@ class AutopilotLink:
         streams: the schedule.
         next_step: answers to send with the next step.
         listing: names of parameters that are still to be listed.
-        time_offset: of the clock at the other end.
+        time_offset: the offset of the clock at the other end.
     """
 
     def __init__(

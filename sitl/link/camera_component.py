@@ -33,7 +33,7 @@ class CameraComponent:
     """The camera as a component.
 
     Args:
-        system: of the vehicle.
+        system: the system id of the vehicle.
         camera: its shots and storage.
         home: where the world's origin lies on the earth.
     """

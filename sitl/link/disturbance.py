@@ -26,9 +26,9 @@ class Disturbance:
     """One direction of all links.
 
     Args:
-        direction: of the datagrams.
-        qualities: of disturbed links, read with every datagram.
-        seed: of the random numbers.
+        direction: the direction of the datagrams.
+        qualities: the qualities of disturbed links, read with every datagram.
+        seed: the seed of the random numbers.
     """
 
     def __init__(self, direction: Direction, qualities: Qualities, seed: int) -> None:

@@ -27,7 +27,7 @@ class GimbalComponent:
     """The gimbal as a component.
 
     Args:
-        system: of the vehicle.
+        system: the system id of the vehicle.
         gimbal: its mechanics and control.
     """
 

@@ -17,7 +17,7 @@ class GripperComponent:
     """The gripper as a component.
 
     Args:
-        system: of the vehicle.
+        system: the system id of the vehicle.
         gripper: its actions.
     """
 

@@ -28,7 +28,7 @@ class MarkerCameraComponent:
     """The camera as a component.
 
     Args:
-        system: of the vehicle.
+        system: the system id of the vehicle.
         camera: makes the sightings.
         vehicle: has the estimate and the time since boot.
     """

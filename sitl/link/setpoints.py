@@ -30,7 +30,7 @@ def setpoint_from(
     Args:
         message: SET_POSITION_TARGET_LOCAL_NED or SET_POSITION_TARGET_GLOBAL_INT.
         heading_rad: present heading, for a velocity along the body axes.
-        origin: of the local frame.
+        origin: the origin of the local frame.
         home_down_m: height of home, local NED down.
 
     Returns:

@@ -28,7 +28,7 @@ def signed(
     """The frames to send; those of components on board are signed.
 
     Args:
-        signing: of the vehicle.
+        signing: the vehicle's key and time stamps; None without signatures.
         now_s: simulated time.
         frames: MAVLink 2, one in a datagram.
         local: addresses of the components on board.

@@ -27,7 +27,7 @@ class TimeOffset:
     Attributes:
         estimated_us: by how much the autopilot's clock is ahead; 0 before the first answer.
         observed_us: the same by the newest answer alone.
-        round_trip_us: of the newest answer.
+        round_trip_us: the round trip of the newest answer.
         taken: number of answers in the estimate.
     """
 

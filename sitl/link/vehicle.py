@@ -18,7 +18,7 @@ class SimulatedVehicle:
 
     Attributes:
         state: the estimate; replaced every step.
-        origin: of the local frame.
+        origin: the origin of the local frame.
         battery: with its gauge.
         estimator: makes the state, and reports its accuracy.
         booted_s: when the autopilot was last started.

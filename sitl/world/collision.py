@@ -30,7 +30,7 @@ class CollisionCounter:
 
     Args:
         grid: the true map; None is a world without walls.
-        radius_m: of the vehicle.
+        radius_m: the radius of the vehicle.
 
     Attributes:
         grid: the true map; replaced when the map changes.
@@ -54,7 +54,7 @@ class CollisionCounter:
         """Takes a position; returns whether a collision begins there.
 
         Args:
-            position: of the vehicle.
+            position: the position of the vehicle.
             ground_m: height of what carries the vehicle, with which it does not collide.
         """
         walls = self.walls(position, ground_m)
@@ -72,7 +72,7 @@ def ground_up_m(grid: OccupancyGrid | None, position: Ned, before_m: float) -> f
 
     Args:
         grid: the true map.
-        position: of the vehicle.
+        position: the position of the vehicle.
         before_m: the last result; it keeps a vehicle on its roof while the legs are compressed.
     """
     if grid is None or grid.low is None:
@@ -90,7 +90,7 @@ def is_over_edge(grid: OccupancyGrid | None, state: FlightState, ground_m: float
 
     Args:
         grid: the true map.
-        state: of the vehicle.
+        state: the state of the vehicle.
         ground_m: height of what carries it.
     """
     if grid is None or grid.low is None or ground_m <= 0 or not state.is_on_ground:
@@ -106,7 +106,7 @@ def is_wreck(state: FlightState, ground_m: float = 0.0) -> bool:
     """Whether the body touches the ground: it has fallen over, or hit too hard for its legs.
 
     Args:
-        state: of the vehicle.
+        state: the state of the vehicle.
         ground_m: height of the ground.
     """
     _, x, y, _ = state.attitude

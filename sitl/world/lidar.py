@@ -93,7 +93,7 @@ class Lidar:
         """(BEAMS,) distance along each beam, metres; inf where nothing is within range.
 
         Args:
-            position: of the vehicle.
+            position: the position of the vehicle.
             yaw_rad: its heading.
             up_m: height of the scanner above home.
             tilt_rad: roll and pitch of the vehicle.
@@ -188,7 +188,7 @@ def _lengths_to_walls(
     """The length of each beam up to its first face, inf without one; everything in cells.
 
     Args:
-        faces: of the map.
+        faces: the faces of the map.
         start: (2,) north and east.
         beams: (2, BEAMS) horizontal parts of the directions, shorter for steeper beams.
         far: faces farther away may be left out.

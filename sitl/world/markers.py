@@ -108,7 +108,7 @@ class MarkerCamera:
 
     Args:
         spec: its properties.
-        rng: of its errors.
+        rng: the source of its errors.
     """
 
     def __init__(self, spec: MarkerCameraSpec, rng: Random) -> None:

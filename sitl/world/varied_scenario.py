@@ -45,7 +45,7 @@ class VariedScenario:
         """The scenario and map of a row.
 
         Args:
-            values: of factors by path; the others keep the file's values.
+            values: the values of factors by path; the others keep the file's values.
 
         Raises:
             MissionError: the row is invalid, such as a start inside an obstacle.

@@ -40,9 +40,9 @@ class Factor:
     """A key that is varied.
 
     Attributes:
-        path: of the key.
+        path: the path of the key.
         keys: the path as keys and indices of entries.
-        distribution: of its values.
+        distribution: the distribution of its values.
         usual: the value in the file itself; None if absent, or for an entry.
         is_entry: whether it is a whole list entry, present or absent.
     """
@@ -123,9 +123,9 @@ def with_values(data: Data, factors: Sequence[Factor], values: Values) -> dict[s
     """The data of a scenario with other values, and without the key `vary`.
 
     Args:
-        data: of the file.
-        factors: of the same file.
-        values: of some factors; the others keep the file's values.
+        data: the data of the file.
+        factors: the factors of the same file.
+        values: the values of some factors; the others keep the file's values.
     """
     varied = copy.deepcopy({key: value for key, value in data.items() if key != "vary"})
     chosen = [factor for factor in factors if factor.path in values]

@@ -52,7 +52,7 @@ def distribution(entry: VaryEntry, path: str, document: Document) -> Distributio
     """The distribution that an entry describes.
 
     Args:
-        entry: of the key `vary`.
+        entry: an entry of the key `vary`.
         path: the entry's own key.
         document: to locate a mistake.
 

@@ -41,10 +41,10 @@ class World:
     Args:
         scenario: what exists, and its events.
         grid: the map file; None without walls.
-        physics: of the vehicle.
-        estimator: of the vehicle.
+        physics: the physics of the vehicle.
+        estimator: the estimator of the vehicle.
         autopilot: the vehicle's first one.
-        seed: of all random parts of the world.
+        seed: the seed of all random parts of the world.
 
     Attributes:
         event_log: time and text of each event so far, damage included.
@@ -52,7 +52,7 @@ class World:
         operator_commands: MAV_CMD names that the operator has to send to the companion now; the
             sender removes them.
         autopilot: the present one; a reboot replaces it.
-        link_qualities: of the links that are disturbed.
+        link_qualities: the qualities of the links that are disturbed.
         answers: how the autopilot answers a MAV_CMD, where this differs from PX4.
         reporter: a program on board.
         set_down_m: the least distance at which an obstacle has appeared beside the vehicle.
