@@ -28,7 +28,7 @@ def signed(
     """The frames to send; those of components on board are signed.
 
     Args:
-        signing: the vehicle's key and time stamps; None without signatures.
+        signing: the vehicle's key and time stamps.
         now_s: simulated time.
         frames: MAVLink 2, one in a datagram.
         local: addresses of the components on board.
