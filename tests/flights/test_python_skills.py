@@ -200,7 +200,7 @@ def test_the_flight_begins_when_the_functions_are_loaded() -> None:
     functions = ScriptedFunctions(DONE)
     functions.loading = ("weigh",)
     flown = flight(functions).run_for(10.0)
-    assert flown.of(FunctionsAwaited) == [FunctionsAwaited("weigh")]
+    assert flown.of(FunctionsAwaited) == [FunctionsAwaited(("weigh",))]
     assert flown.companion._run is not None and flown.companion._run.sortie.phase is Phase.WAITING
     beats = [s for s in flown.said if s.message.get_type() == "HEARTBEAT"]
     assert len(beats) >= 9

@@ -176,7 +176,7 @@ def test_patience_is_for_lines_that_must_hold() -> None:
     fly(rig, 1.0)
     rig.tick(reading("rain"))
     rig.run_until(PlanAwaited)
-    assert rig.one(PlanAwaited).hopes == "rain"
+    assert rig.one(PlanAwaited).hopes == ("rain",)
     rig.tick(reading("rain", 0.0))
     rig.run_until(PlaceReached, place="B")
     assert not rig.of(LineDropped)

@@ -46,7 +46,7 @@ def test_a_cloud_is_waited_for() -> None:
     rig.tick(reading("covered"))
     tick_for(rig, 50.0)
     assert rig.executive.state is ExecutiveState.AWAITING_PLAN
-    assert rig.one(PlanAwaited).hopes == "covered"
+    assert rig.one(PlanAwaited).hopes == ("covered",)
     rig.tick(reading("covered", 0.0))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert not rig.of(NoPlanFound)
@@ -155,7 +155,7 @@ def test_a_belief_with_a_return_is_waited_for() -> None:
     rig = Rig(asked).begin()
     rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.one(PlanAwaited).hopes == "can_look"
+    assert rig.one(PlanAwaited).hopes == ("can_look",)
     assert len(rig.vehicle.payloads.sent) == 2
 
 
