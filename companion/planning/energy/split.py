@@ -100,8 +100,11 @@ class Splits:
         return int(self._ways.times_ms[start, end]), int(self._ways.drains[start, end])
 
     def _priced(self, i: int, j: int, times_ms: Costs, drains: NDArray[np.int64]) -> Costs:
-        charger = self._chargers[i]
-        service_ms = service_costs(charger, self._chargers[j].floor + drains)
+        return self._departing(i, times_ms, self._chargers[j].floor + drains)
+
+    def _departing(self, i: int, times_ms: Costs, levels: NDArray[np.int64]) -> Costs:
+        """The cost to charge at a dock, leave it with some levels, and fly for some times."""
+        service_ms = service_costs(self._chargers[i], levels)
         costs: Costs = np.minimum(times_ms + service_ms, UNREACHABLE_MS)
         return costs
 
@@ -113,15 +116,19 @@ class Splits:
         size, places = len(self._docks), orders.shape[1]
         found = np.full((size, size, len(orders), places, places), UNREACHABLE_MS)
         forward = np.triu(np.ones((places, places), np.bool_))
-        for i, j in np.ndindex(size, size):
-            into = [t[self._docks[i], orders] for t in (self._ways.times_ms, self._ways.drains)]
-            out = [t[orders, self._docks[j]] for t in (self._ways.times_ms, self._ways.drains)]
-            times_ms, drains = (
-                a[:, :, None] + s + b[:, None, :] for a, s, b in zip(into, sums, out, strict=True)
-            )
+        times, drains = self._ways.times_ms, self._ways.drains
+        out_ms, out = (
+            table[orders[:, :, None], self._docks].transpose(2, 0, 1)[:, :, None, :]
+            for table in (times, drains)
+        )  # (to, orders, 1, last)
+        floors = np.array([charger.floor for charger in self._chargers])[:, None, None, None]
+        for i, dock in enumerate(self._docks):
+            times_ms = times[dock, orders][:, :, None] + sums[0] + out_ms
+            taken = drains[dock, orders][:, :, None] + sums[1] + out
             is_open = forward & (times_ms < UNREACHABLE_MS)
-            costs = self._priced(i, j, times_ms, np.where(is_open, drains, 0))
-            found[i, j] = np.where(is_open, costs, UNREACHABLE_MS)
+            departures = floors + np.where(is_open, taken, 0)
+            costs = self._departing(i, times_ms, departures)
+            found[i] = np.where(is_open, costs, UNREACHABLE_MS)
         return found
 
     def _reached(self, orders: Orders) -> Costs:
