@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from functools import cached_property, reduce
+from hashlib import blake2b
+from operator import and_
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
 _STEP_US = 1.0
+_NAMED_STEP_US = 4.0
 
 
 class TimedComponent:
@@ -86,6 +89,41 @@ class TimedComponent:
             for step, marks in steps:
                 own.setdefault(step.action, []).append((step, marks))
         return found
+
+    @cached_property
+    def fingerprint(self) -> bytes:
+        """Equal for two components, of whatever problems, that have the same laps.
+
+        It is made of everything that decides on laps: the steps with what they take and meet, and
+        what states do with the clocks. What never changes within the component is left out.
+        """
+        graph, product = self._graph, self._graph.product
+        facts = [product.facts(state) for state in self.states]
+        always = reduce(and_, facts, -1)
+        own = [product.automaton_states(state) for state in self.states]
+        moving = [i for i, each in enumerate(zip(*own, strict=True)) if len(set(each)) > 1]
+        names = {
+            state: (held & ~always, *(states[i] for i in moving))
+            for state, held, states in zip(self.states, facts, own, strict=True)
+        }
+        spent(_NAMED_STEP_US * sum(map(len, self._steps.values())))
+        did = [action.name for action in graph.all_actions]
+        steps = sorted(
+            (
+                names[state],
+                names[step.end],
+                did[step.action],
+                step[1:3],
+                step.drain,
+                step.charge or (),
+                marks,
+            )
+            for state, leaving in self._steps.items()
+            for step, marks in leaving
+        )
+        readings = sorted((name, graph.reading(state)) for state, name in names.items())
+        described = graph.limits_ms, graph.least, steps, readings
+        return blake2b(repr(described).encode(), digest_size=16).digest()
 
     def anchors(self) -> list[int]:
         """States of which every lap passes one; the smallest known set.

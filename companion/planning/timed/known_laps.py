@@ -14,6 +14,7 @@ from companion.planning.domain import Action
 from companion.planning.lasso import Problem
 from companion.planning.timed.charge_levels import charging
 from companion.planning.timed.component import TimedComponent
+from companion.planning.timed.lapless import LaplessComponents
 from companion.planning.timed.laps import TimedLap, lap_of
 from companion.planning.timed.timed_product import TimedProduct
 from companion.planning.timed.timed_step import TimedStep
@@ -48,16 +49,19 @@ class KnownLaps:
 
     Attributes:
         are_best: whether they were found with the present costs.
+        lapless: the components in which no lap was found.
     """
 
     def __init__(self) -> None:
         self._known: list[_KnownLap] = []
         self.are_best = True
+        self.lapless = LaplessComponents()
 
     def copied(self) -> KnownLaps:
         """An independent copy."""
         others = KnownLaps()
         others._known, others.are_best = [*self._known], self.are_best
+        others.lapless = self.lapless.copied()
         return others
 
     def keep(self, problem: Problem, lap: TimedLap) -> None:

@@ -32,8 +32,12 @@ class LabelBudget:
         spent(LABEL_US * labels + _COMPARISON_US * comparisons)
         self.left -= labels + comparisons // COMPARISONS
         if self.left < 0:
-            limit = f"{self.most:,} labels of plans with bounds in time"
-            raise SearchLimit(limit, ADVICE)
+            raise self.limit
+
+    @property
+    def limit(self) -> SearchLimit:
+        """What is raised where it does not suffice."""
+        return SearchLimit(f"{self.most:,} labels of plans with bounds in time", ADVICE)
 
     def share(self, part: int) -> LabelBudget:
         """A separate budget: a part of what is left."""

@@ -35,6 +35,7 @@ from companion.planning.timed.label_budget import LabelBudget
 from companion.planning.timed.lap_entry import LapEntry, WaysIn
 from companion.planning.timed.lap_improvement import LapImprovement
 from companion.planning.timed.lap_search import LapSearch
+from companion.planning.timed.lapless import Lapless
 from companion.planning.timed.laps import TimedLap, lap_of, latest_clocks, rest_of
 from companion.planning.timed.timed_product import TimedProduct
 from companion.planning.timed.timed_step import TimedStep
@@ -73,6 +74,7 @@ class TimedLassos:
         self._parts = [part for part in parts if not part.is_never_met()]
         self._known = known
         self._tours: dict[int, Loops] = {}
+        self._on_laps: set[int] = set()  # a state of each lap that was found
         self._budget = LabelBudget(effort.time_labels)
         self._ways = WaysIn(into, bool(problem.unread), LabelBudget(effort.time_labels))
 
@@ -91,37 +93,79 @@ class TimedLassos:
         best = self._known_entry()
         if best is not None and self._known.are_best:
             yield self._solution(best, 0)
-        self._parts = [part for part in self._parts if self._can_be_served(part)]
+        parts = self._known.lapless.without_proved(self._parts)
+        self._parts = [part for part in parts if self._can_be_served(part)]
         for found in self._good_laps():
             if best is None or found.lap.cost_ms < best.lap.cost_ms:
                 best = found
                 yield self._solution(best, 0)
-        for part in self._parts:
-            self._tours_of(part).improve()
-        bound_ms, limit = UNREACHABLE_MS, None
-        untimed_ms = min((self._tours_of(p).bound_ms for p in self._parts), default=0)
+        if best is None and all(map(self._is_lapless, self._parts)):
+            untimed_ms = 0  # nobody asks
+        else:
+            untimed_ms = self._untimed_ms()
         if best is not None and best.lap.cost_ms <= untimed_ms:
             yield self._solution(best, untimed_ms)
             return
-        for search in self._lap_searches():
-            below_ms = UNREACHABLE_MS if best is None else best.lap.cost_ms
-            try:
-                best = self._first_entered(search, below_ms) or best
-            except SearchLimit as reached:
-                limit = reached
-            bound_ms = min(bound_ms, search.bound_ms)
+        best, bound_ms, limit = self._best_of_all(best)
         if best is not None:
             self._known.are_best = True
             yield self._solution(best, min(max(bound_ms, untimed_ms), best.lap.cost_ms))
         elif limit is not None:
             raise limit
 
+    def _untimed_ms(self) -> int:
+        """What laps cost at least without bounds."""
+        for part in self._parts:
+            self._tours_of(part).improve()
+        return min((self._tours_of(part).bound_ms for part in self._parts), default=0)
+
+    def _best_of_all(
+        self, best: LapEntry | None
+    ) -> tuple[LapEntry | None, int, SearchLimit | None]:
+        """Looks at all laps, as far as the budget goes.
+
+        Args:
+            best: that is known.
+
+        Returns:
+            The best one, what no lap costs less than, and the limit that was reached, if any.
+        """
+        bound_ms, limit = UNREACHABLE_MS, None
+        for part in self._parts:
+            if (known := self._lapless_as(part)) is not None:
+                limit = limit if known.is_proved else self._budget.limit
+                bound_ms = min(bound_ms, known.bound_ms)
+                continue
+            labels, part_ms, reached, had_best = self._budget.left, UNREACHABLE_MS, None, bool(best)
+            for search in self._lap_searches(part):
+                below_ms = UNREACHABLE_MS if best is None else best.lap.cost_ms
+                try:
+                    best = self._first_entered(search, below_ms) or best
+                except SearchLimit as at_limit:
+                    limit = reached = at_limit
+                part_ms = min(part_ms, search.bound_ms)
+            bound_ms = min(bound_ms, part_ms)
+            if not had_best and self._on_laps.isdisjoint(part.states):
+                labels_used = None if reached is None else labels
+                self._known.lapless.keep(part, Lapless(labels_used, part_ms))
+        return best, bound_ms, limit
+
+    def _lapless_as(self, part: TimedComponent) -> Lapless | None:
+        """What is known of a component in which no lap was found with as large a budget."""
+        return self._known.lapless.of(part, self._effort.time_labels)
+
+    def _is_lapless(self, part: TimedComponent) -> bool:
+        return self._lapless_as(part) is not None
+
     def _can_be_served(self, part: TimedComponent) -> bool:
         """Whether each mark is met by some lap; False proves that no lap meets all of them."""
+        if self._is_lapless(part):
+            return True  # this was asked before
         budget = self._budget.share(SHARES)
         for mark in range(len(part.targets_of)):
             is_free = part.free >> mark & 1
             if not is_free and self._has_lap(part.with_marks([mark]), budget) is False:
+                self._known.lapless.keep(part, Lapless(None, UNREACHABLE_MS))
                 return False
         return True
 
@@ -137,13 +181,12 @@ class TimedLassos:
             barred |= {anchor}
         return False
 
-    def _lap_searches(self) -> Iterator[LapSearch]:
-        """Searches that together find every lap."""
-        for part in self._parts:
-            barred = frozenset[int]()
-            for anchor in part.anchors():
-                yield LapSearch(self._graph, part, anchor, self._budget, barred)
-                barred |= {anchor}
+    def _lap_searches(self, part: TimedComponent) -> Iterator[LapSearch]:
+        """Searches that together find every lap of a component."""
+        barred = frozenset[int]()
+        for anchor in part.anchors():
+            yield LapSearch(self._graph, part, anchor, self._budget, barred)
+            barred |= {anchor}
 
     def _first_entered(self, search: LapSearch, below_ms: int) -> LapEntry | None:
         """The shortest lap that can be entered, with the path into it; None if there is none.
@@ -152,6 +195,7 @@ class TimedLassos:
             SearchLimit: the budget is not sufficient.
         """
         for steps in search.laps(below_ms):
+            self._on_laps.add(steps[0].end)
             found = self._entered(steps)
             if found is not None:
                 return found
@@ -208,7 +252,10 @@ class TimedLassos:
 
     def _good_laps(self) -> Iterator[LapEntry]:
         """Laps that are likely to be good, with paths into them."""
+        in_vain = set[bytes]()  # fingerprints of components without one
         for part in self._parts:
+            if self._is_lapless(part) or (in_vain and part.fingerprint in in_vain):
+                continue
             if (improved := self._improved(part)) is not None:
                 yield improved
                 continue
@@ -219,6 +266,8 @@ class TimedLassos:
                     continue
                 if found is not None:
                     yield found
+            if len(self._parts) > 1 and self._on_laps.isdisjoint(part.states):
+                in_vain.add(part.fingerprint)
 
     def _improved(self, part: TimedComponent) -> LapEntry | None:
         """The best lap found by changing the tour without bounds."""
@@ -229,7 +278,10 @@ class TimedLassos:
             return None
         begin = [edge.end for edge in self._tours_of(part).loop_from(improvement.stops[0])]
         steps = improvement.best(begin, self._effort.time_labels // LABELS_A_CHANGE)
-        return None if steps is None or not self._is_accepted(steps) else self._entered(steps)
+        if steps is None or not self._is_accepted(steps):
+            return None
+        self._on_laps.add(steps[0].end)
+        return self._entered(steps)
 
     def _known_entry(self) -> LapEntry | None:
         """The path into the shortest known lap that can be entered; None if none can."""

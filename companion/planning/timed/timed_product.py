@@ -171,6 +171,11 @@ class TimedProduct:
             return step.charge is not None
         return self.is_goal(clock, step.end)
 
+    def reading(self, state: int) -> tuple[int, ...]:
+        """What a state does with each clock; on a battery also what may be missing there."""
+        kinds = tuple(map(int, self._kinds[state]))
+        return kinds if self.charges is None else (*kinds, self.charges.most_missing(state))
+
     def goals(self, clock: int) -> NDArray[np.intp]:
         """The nodes where the goal of a clock holds."""
         return self._goals[clock]
