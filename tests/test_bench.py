@@ -27,8 +27,10 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
         ("translating", 28, set()),  # Spot comes with the tests alone
         pytest.param(
             "planning",
-            49,
+            50,
             {
+                "bounds in time, 8 sites, 3 bounds of 0.5 to 0.9 tours that may be dropped: "
+                "which to drop in flight",
                 "plan at the start, median",
                 "replan en route, target found, median",
                 "replan at r1, refused, median",

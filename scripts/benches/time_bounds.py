@@ -14,6 +14,7 @@ from companion.errors import SearchLimit
 from companion.ltl.parser import parse_line
 from companion.mission.model import Mission
 from companion.planning.explain import NoPlan
+from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
 from companion.slices import InSlices
 
@@ -35,6 +36,29 @@ def bounded(sites: int, least: float, most: float, seed: int) -> Mission:
         for place in visited
     }
     return replace(mission, task={**mission.task, **lines})
+
+
+def dropping(runs: int) -> Iterator[Row]:
+    """Which lines of too short bounds a replan drops; the peer has not planned before."""
+    took_ms, alone_ms = [], []
+    for seed in range(max(2, runs // 10)):
+        mission = bounded(8, 0.5, 0.9, seed)
+        lines = [line for line in mission.task if line.startswith("often")]
+        mission = replace(mission, priorities={line: n for n, line in enumerate(lines, 1)})
+        planner = _planner(mission)
+        planner.plan()
+        for problem, _ in _later(planner, seed):
+            took_ms.append(_dropping_ms(planner, problem))
+            alone_ms.append(_dropping_ms(_planner(mission), problem))
+    name = f"bounds in time, 8 sites, {BOUNDS} bounds of 0.5 to 0.9 tours that may be dropped"
+    what, peer = f"{name}: which to drop in flight", "a planner that has not planned before"
+    yield Row(what, median(took_ms), "ms", peer, median(alone_ms))
+
+
+def _dropping_ms(planner: Planner, problem: Problem) -> float:
+    start_s = process_time()
+    planner.solver.lines_to_drop(problem)
+    return 1000 * (process_time() - start_s)
 
 
 def _planner(mission: Mission) -> Planner:
