@@ -13,6 +13,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 from weakref import WeakSet
 
@@ -126,6 +127,13 @@ def ask_once(think: Callable[[], T]) -> T | None:
     return None
 
 
+@dataclass(frozen=True, slots=True)
+class Answered(Generic[T]):
+    """The answer to a question, which may be None."""
+
+    answer: T
+
+
 class Question(Generic[T]):
     """One question at a time, whose answer is found in slices, one at each call."""
 
@@ -133,21 +141,21 @@ class Question(Generic[T]):
         self._about: object = None
         self._thinking: InSlices[T] | None = None
 
-    def ask(self, about: object, think: Callable[[], T]) -> T | None:
+    def ask(self, about: object, think: Callable[[], T]) -> Answered[T] | None:
         """The answer; None while it is unknown.
 
         Args:
             about: what the answer depends on; another value begins another question.
-            think: finds the answer, which must not be None.
+            think: finds the answer.
         """
         if self._thinking is None or self._about != about:
             self.abandon()
             self._about, self._thinking = about, InSlices(think)
         if not self._thinking.step():
             return None
-        answer = self._thinking.result
+        answered = Answered(self._thinking.result)
         self.abandon()
-        return answer
+        return answered
 
     @property
     def is_open(self) -> bool:

@@ -19,7 +19,7 @@ from companion.acting.low_battery import IN_FLIGHT, LowBattery
 from companion.acting.phases import SortieEvent
 from companion.acting.positions import tell_late
 from companion.acting.return_home import ReturnHome
-from companion.acting.safe_places import NOWHERE, SafePlaces
+from companion.acting.safe_places import SafePlaces
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.sortie import (
     BatteryLow,
@@ -208,14 +208,15 @@ class FlownTask:
             else:
                 safe.reconsider()
             safe.place = None
-        place = safe.choose()
-        if place is None:
+        chosen = safe.choose()
+        if chosen is None:
             flight.guidance.hold()
             return None
-        if place != NOWHERE and executive.go_to(place):
+        place = chosen.answer
+        if place is not None and executive.go_to(place):
             flight.report(ReturnBegun(place))
             return None
-        if place != NOWHERE or is_waiting:
+        if place is not None or is_waiting:
             return None
         self.failure = executive.failure
         is_hold = self._otherwise is Otherwise.HOLD

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from companion.acting.flight import Flight
-from companion.acting.safe_places import NOWHERE, SafePlaces
+from companion.acting.safe_places import SafePlaces
 from companion.mission.model import Mission
 from companion.mission.steps import Charge
 from companion.planning.planner import Planner
@@ -68,5 +68,5 @@ class LowBattery:
         """Where the vehicle has to fly; None if nowhere, or if that is not known yet."""
         if not self.is_due:
             return None
-        place = self._safe.choose()
-        return self._home if place == NOWHERE else place
+        chosen = self._safe.choose()
+        return None if chosen is None else chosen.answer or self._home

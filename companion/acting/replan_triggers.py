@@ -78,9 +78,9 @@ class ReplanTriggers:
         self._assumptions = assumptions
         self._replanner = replanner
         self._reachability = replanner.reachability
-        self._cut_off, self._line = Question[str](), Question[str]()
-        self._possible, self._late = Question[bool](), Question[str]()
-        self._figure = Question[str]()
+        self._cut_off, self._line = Question[str | None](), Question[str | None]()
+        self._possible, self._late = Question[bool](), Question[str | None]()
+        self._figure = Question[str | None]()
         self._flown_on_paper: tuple[Lasso, int] | None = None
         self.has_used_slice = False
 
@@ -101,7 +101,7 @@ class ReplanTriggers:
         return any(question.is_open for question in self._questions)
 
     @property
-    def _questions(self) -> tuple[Question[str] | Question[bool], ...]:
+    def _questions(self) -> tuple[Question[str | None] | Question[bool], ...]:
         return self._cut_off, self._line, self._possible, self._late, self._figure
 
     def look(self, plan: PlanUnderWay) -> None:
@@ -163,13 +163,14 @@ class ReplanTriggers:
         if not self._reachability.is_known:
             return None
 
-        def news() -> str:
+        def reason() -> str | None:
             cut_off = self._replanner.follow_map()
             if cut_off is None or plan.is_leaving or self._replanner.search_confirms(plan.lasso):
-                return ""
+                return None
             return cut_off.text
 
-        return self._cut_off.ask("the map", news) or None
+        answered = self._cut_off.ask("the map", reason)
+        return answered.answer if answered else None
 
     # -- the charge does not last ------------------------------------------------------------
 
@@ -193,11 +194,12 @@ class ReplanTriggers:
         energy = self._energy
         assert energy is not None
 
-        def news() -> str:
-            does_last, reason = not energy.takes_more, energy.take_factor()
-            return "" if does_last and self._replanner.plan_now() is None else reason
+        def reason() -> str | None:
+            does_last, figure = not energy.takes_more, energy.take_factor()
+            return None if does_last and self._replanner.plan_now() is None else figure
 
-        return self._figure.ask(plan.lasso, news) or None
+        answered = self._figure.ask(plan.lasso, reason)
+        return answered.answer if answered else None
 
     # -- the task has a plan again -------------------------------------------------------------
 
@@ -209,13 +211,12 @@ class ReplanTriggers:
     def _possible_again(self, _: PlanUnderWay) -> str | None:
         """After restored beliefs or changed events; the flight continues during the search."""
         task = self._flight.task
-        is_possible = None
         if not task.violated:
-            is_possible = self._possible.ask(task.situation, lambda: self._replanner.is_possible)
-            if is_possible is None:
+            answered = self._possible.ask(task.situation, lambda: self._replanner.is_possible)
+            if answered is None:
                 return None
-        if is_possible:
-            return self._assumptions.surprise or BELIEF_CAME_BACK
+            if answered.answer:
+                return self._assumptions.surprise or BELIEF_CAME_BACK
         self._assumptions.forget_restored_beliefs()
         self._assumptions.renew()
         return None
@@ -231,11 +232,11 @@ class ReplanTriggers:
         if plan.is_leaving:
             task.keep_dropped()
             return None
-        line = self._line.ask(task.situation, lambda: self._replanner.line_to_take_up or "")
-        if line is None:
+        answered = self._line.ask(task.situation, lambda: self._replanner.line_to_take_up)
+        if answered is None:
             return None
         task.keep_dropped()
-        return f"{line} has a plan again" if line else None
+        return None if answered.answer is None else f"{answered.answer} has a plan again"
 
     # -- a bound will be late ------------------------------------------------------------------
 
@@ -249,11 +250,11 @@ class ReplanTriggers:
     def _will_be_late(self, plan: PlanUnderWay) -> str | None:
         """Asked once after each completed skill."""
         about = plan.lasso, self._flight.progress.completed
-        late = self._late.ask(about, lambda: self._replanner.lateness(plan.lasso) or "")
-        if late is None:
+        answered = self._late.ask(about, lambda: self._replanner.lateness(plan.lasso))
+        if answered is None:
             return None
         self._flown_on_paper = about
-        return late or None
+        return answered.answer
 
     # -- the tree has failed -------------------------------------------------------------------
 

@@ -21,11 +21,10 @@ from companion.planning.domain import WAIT
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
-from companion.slices import Question, spent
+from companion.slices import Answered, Question, spent
 
 MAX_PARTS = 200
 """The most parts of the search for routes to a place, on a map that keeps changing."""
-NOWHERE = ""
 NO_WAY = 1 << 40
 
 
@@ -45,7 +44,7 @@ class SafePlaces:
         self.place: str | None = None
         self._flight, self._planner, self._places = flight, planner, places
         self._tried: set[str] = set()
-        self._choosing = Question[str]()
+        self._choosing = Question[str | None]()
 
     def forget(self) -> None:
         """Allows all places to be tried again, because the task had a plan meanwhile."""
@@ -55,7 +54,8 @@ class SafePlaces:
 
     def reconsider(self) -> None:
         """Allows the present place to be chosen again, because its way was not blocked."""
-        self._tried.discard(self.place or NOWHERE)
+        if self.place is not None:
+            self._tried.discard(self.place)
 
     @property
     def landed_at(self) -> str | None:
@@ -74,30 +74,32 @@ class SafePlaces:
             return None
         return next((dock for dock in energy.safe if at(dock) in facts), None)
 
-    def choose(self) -> str | None:
-        """The next place to fly to, NOWHERE if none can be reached; None while that is not known.
+    def choose(self) -> Answered[str | None] | None:
+        """The next place to fly to, or that none can be reached; None while that is not known.
 
         It is the present place from then on, and is not chosen again.
         """
         left = [place for place in self._places if place not in self._tried]
-        place = self._choosing.ask(tuple(left), lambda: self._soonest(left)) if left else NOWHERE
-        if place:
-            self._tried.add(place)
-            self.place = place
-        return place
+        if not left:
+            return Answered(None)
+        answered = self._choosing.ask(tuple(left), lambda: self._soonest(left))
+        if answered is not None and answered.answer is not None:
+            self._tried.add(answered.answer)
+            self.place = answered.answer
+        return answered
 
-    def _soonest(self, places: Collection[str]) -> str:
+    def _soonest(self, places: Collection[str]) -> str | None:
         times_s = self._times_s(places)
         energy = self._planner.energy
         if energy is None or not places:
-            return min(times_s, key=times_s.__getitem__, default=NOWHERE)  # the first of equals
+            return min(times_s, key=times_s.__getitem__, default=None)  # the first of equals
         if lasting := [place for place in times_s if self._missing(energy, place) <= 0]:
             return min(lasting, key=times_s.__getitem__)
         docks = [dock for dock in energy.safe if dock not in self._tried]
         times_s |= self._times_s(docks)
         if lasting := [place for place in times_s if self._missing(energy, place) <= 0]:
             return min(lasting, key=times_s.__getitem__)
-        return min(times_s, key=lambda place: self._missing(energy, place), default=NOWHERE)
+        return min(times_s, key=lambda place: self._missing(energy, place), default=None)
 
     def _times_s(self, places: Collection[str]) -> dict[str, float]:
         """How long it takes to each of some places that can be reached."""

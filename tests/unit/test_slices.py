@@ -18,7 +18,7 @@ from companion.errors import SearchLimit
 from companion.planning.builtin.search import Search
 from companion.planning.effort import IN_FLIGHT
 from companion.planning.lasso import Problem, Solution
-from companion.slices import InSlices, Question, ask_once, spent, wait_a_tick
+from companion.slices import Answered, InSlices, Question, ask_once, spent, wait_a_tick
 
 
 def counted(steps: int, done: list[int]) -> Callable[[], int]:
@@ -90,9 +90,9 @@ def test_another_question_is_asked_anew() -> None:
     question = Question[int]()
     assert question.ask("a", counted(3, done)) is None
     assert question.ask("b", counted(3, done)) is None
-    assert question.ask("b", counted(3, done)) == 3
+    assert question.ask("b", counted(3, done)) == Answered(3)
     assert done == [0, 1, 0, 1, 2]
-    assert question.ask("b", counted(1, done)) == 1  # it is not remembered
+    assert question.ask("b", counted(1, done)) == Answered(1)  # it is not remembered
 
 
 def test_what_has_to_be_known_at_once_may_take_a_slice() -> None:

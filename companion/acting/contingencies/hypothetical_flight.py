@@ -294,7 +294,8 @@ class HypotheticalFlight:
         safe = SafePlaces(self._flight, self._planner, self._mission.safe_places)
         if (landed := safe.landed_at) is not None:
             return LandsAt(landed, why, waits)
-        while (place := safe.choose()) != "":
+        while (chosen := safe.choose()) is None or chosen.answer is not None:
+            place = None if chosen is None else chosen.answer
             if place is not None and flight_to(self._planner, place) is not None:
                 return LandsAt(place, why, waits, *self._missing_wh(safe.missing(place)))
         is_hold = self._mission.otherwise is Otherwise.HOLD

@@ -59,7 +59,7 @@ class Reachability:
         self._costed_at = flight.speed_limit.version, planner.energy_factor
         self._cut_off = self.unreachable
         self._searched_on = self._instantiated_on
-        self._searching = Question[bool]()
+        self._searching = Question[None]()
         self.has_changed = False
 
     def look(self) -> None:
@@ -79,10 +79,10 @@ class Reachability:
     def search(self) -> None:
         """Searches for some of the unknown routes, for one slice."""
         version = self._flight.routes.version
-        if not self.is_known and self._searching.ask(version, self._find):
+        if not self.is_known and self._searching.ask(version, self._find) is not None:
             self._searched_on = version
 
-    def _find(self, max_parts: int = sys.maxsize) -> bool:
+    def _find(self, max_parts: int = sys.maxsize) -> None:
         """Searches for all routes; if the map has blocked a waypoint, to another waypoint."""
         flight, state = self._flight, self._flight.vehicle.state
         if state is not None:
@@ -92,7 +92,6 @@ class Reachability:
             if flight.routes.find(CELLS_PER_TICK):
                 break
             spent(CELL_US * CELLS_PER_TICK)
-        return True
 
     def follow(self) -> BeliefChange:
         """Updates the costs of moves to the present map and speed limit.

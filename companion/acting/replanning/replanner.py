@@ -229,10 +229,13 @@ class Replanner:
         now = flight.task.situation, flight.routes.version
         if is_early or not self.reachability.is_known or now == self._unchanged:
             return None
-        has_changed = self._looking.ask(now, self._has_changed)
-        if has_changed is False:
-            self._unchanged = now
-        return (self._assumptions.news or MAP_HAS_CHANGED) if has_changed else None
+        answered = self._looking.ask(now, self._has_changed)
+        if answered is None:
+            return None
+        if answered.answer:
+            return self._assumptions.news or MAP_HAS_CHANGED
+        self._unchanged = now
+        return None
 
     def _has_changed(self) -> bool:
         self.follow_map()
