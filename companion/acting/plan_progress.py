@@ -48,29 +48,29 @@ class PlanProgress:
         return self.ground not in (GroundState.IN_AIR, GroundState.DESCENDING)
 
     def begin_descent(self) -> None:
-        """The vehicle comes down to a marker, unless it is on the ground already."""
+        """Notes that the vehicle descends to a marker, unless it is on the ground already."""
         if not self.is_landed_by_plan:
             self.ground = GroundState.DESCENDING
 
     def end_descent(self) -> None:
-        """The descent has ended in the air, if it has not led to the ground."""
+        """Notes that a descent has ended in the air; one that has ended on the ground stays so."""
         if self.ground is GroundState.DESCENDING:
             self.ground = GroundState.IN_AIR
 
     def take_to_ground(self) -> None:
-        """The plan lands the vehicle, or takes off: it is not interrupted from now on."""
+        """Notes that the plan lands the vehicle or takes off, and may no longer be interrupted."""
         self.ground = GroundState.ON_GROUND
 
     def leave_ground(self) -> None:
-        """The vehicle is in the air; by the plan, or since somebody else has taken it there."""
+        """Notes that the vehicle is in the air, by the plan or because somebody took it there."""
         if self.is_landed_by_plan:
             self.ground = GroundState.IN_AIR
 
     def strand(self) -> None:
-        """An action has failed; on the ground, the plan cannot go on from there."""
+        """Notes that an action has failed, so that a plan on the ground cannot go on from there."""
         if self.ground is GroundState.ON_GROUND:
             self.ground = GroundState.STRANDED
 
     def miss_landing(self, failed: Failed) -> None:
-        """The autopilot lands, and does not say that it has."""
+        """Notes that the autopilot lands, and does not say that it has landed."""
         self.ground, self.unnoticed_landing = GroundState.LANDING_UNNOTICED, failed
