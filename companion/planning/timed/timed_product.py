@@ -133,9 +133,9 @@ class TimedProduct:
                 now += took_ms
                 if now > limit:
                     return None
-                if kind == BoundReading.GOAL:
-                    now = zero
-            elif kind == BoundReading.TRIGGER:
+            if kind == BoundReading.GOAL:
+                now = zero
+            elif kind == BoundReading.TRIGGER and now < 0:
                 now = 0
             if now > latest:
                 return None
@@ -245,9 +245,12 @@ class TimedProduct:
         return kinds
 
     def _can_begin(self, bound: TimeBound, kinds: NDArray[np.int8]) -> bool:
-        """Whether a clock that stands still may ever run."""
+        """Whether a clock that stands still may ever run.
+
+        That of a revisit stands still if an event has met its goal, up to the next position.
+        """
         if not isinstance(bound, Response):
-            return False
+            return isinstance(bound, Revisit)
         unread = self._problem.unread & frozenset(atoms(bound.trigger))
         return bool(unread) or bool((kinds == BoundReading.TRIGGER).any())
 

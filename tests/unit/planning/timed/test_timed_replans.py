@@ -117,6 +117,19 @@ def test_what_rose_and_fell_is_answered() -> None:
     assert reached_s <= 66.5 + LEGS["H", "A"]  # the first letter is that of the first place
 
 
+@pytest.mark.parametrize(("seconds", "is_kept"), [(110, True), (90, False)])
+def test_a_goal_that_an_event_met_is_due_again_after_the_next_position(
+    seconds: float, is_kept: bool
+) -> None:
+    """The event has come and gone: its clock stands still until the next letter, which has it."""
+    called = Revisit(parse("at(A) | called"), 1000 * seconds)
+    of = moved(asked({"often": called}), "C", (None,))
+    of = replace(of, unread=frozenset({Fact.parse("called")}))
+    search = TimedSearch(Search(of.actions))
+    assert (best(search, of) is not None) == is_kept
+    assert search.is_solvable(of, IN_FLIGHT) is is_kept
+
+
 def test_it_is_told_how_far_a_bound_would_have_to_be_relaxed() -> None:
     of = asked(often("A", 60))
     search = TimedSearch(Search(of.actions))
