@@ -174,7 +174,6 @@ class Sortie:
         if self._flight.progress.is_landed_by_plan:
             return ON_THE_GROUND_BY_PLAN
         self._flown.call_home()
-        self._after_offboard = self._flown.goes_on
         self._on(SortieEvent.CALLED_HOME)
         return None
 
@@ -308,7 +307,7 @@ class Sortie:
     def _fly(self, _: VehicleState) -> None:
         flown, is_paused = self._flown, self.phase is Phase.PAUSED
         if (event := flown.tick_paused() if is_paused else flown.tick()) is not None:
-            self.failure = flown.failure
+            self.failure, self._after_offboard = flown.failure, flown.goes_on
             self._on(event)
 
     def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:

@@ -150,3 +150,25 @@ def test_killed_a_skill_that_flies_there_itself_is_not_done_again_from_anywhere(
     flight.until_the_end()
     assert flight.one(OutcomeUnknown).action == "work(Home, A)"
     assert len(sent_s(flight)) == 1 and not flight.of(SkillCompleted)
+
+
+def test_a_pause_that_has_ended_does_not_come_back_after_a_take_off() -> None:
+    """A link that is lost in a pause leads back to the pause; a skill that fails on the ground, to
+    the task.
+    """
+    steps = ["land()", "command(payload, MAV_CMD_USER_1)", "take_off()"]
+    mission = a_mission(execute=steps, assumes="works")
+    payload = {"component": PAYLOAD, "command": "MAV_CMD_USER_1", "otherwise": "DENIED"}
+    air, world = Cut(), world_of(mission, {"version": 1, "payload": payload})
+    flight = Lockstep(mission, world, up=air, down=air, has_station=True, resumes=True)
+    flight.until_reported(PhaseEntered, phase=Phase.TASK).run(2.0)
+    flight.station_commands(PAUSE, 0.0, component=COMPANION)
+    flight.until_reported(PhaseEntered, phase=Phase.PAUSED)
+    air.is_cut = True
+    flight.run(5.0)
+    air.is_cut = False
+    flight.until(lambda: len(flight.of(PhaseEntered, phase=Phase.PAUSED)) == 2).run(1.0)
+    flight.station_commands(PAUSE, 1.0, component=COMPANION)
+    flight.until_the_end()
+    assert flight.of(SkillFailed) and flight.armings == 2
+    assert len(flight.of(PhaseEntered, phase=Phase.PAUSED)) == 2
