@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 from companion.geometry import Ned
 from companion.motion.layered_routes import LayeredRoutes
-from companion.motion.profile import SpeedLimits
+from companion.motion.profile import Motion, SpeedLimits
 from companion.motion.routes import Route
 from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory, motion_of, run_out
 
@@ -78,8 +78,19 @@ def gentle(limits: SpeedLimits, now: Sample) -> SpeedLimits:
     return replace(
         limits,
         acceleration_mps2=share * limits.acceleration_mps2,
-        jerk_mps3=limits.jerk_mps3 / 2,
+        jerk_mps3=_gentle_jerk_mps3(limits, motion_of(now.velocity, now.acceleration)),
     )
+
+
+def _gentle_jerk_mps3(limits: SpeedLimits, motion: Motion) -> float:
+    """Half of the greatest jerk, or what it takes to end an acceleration at the speed limit."""
+    half_mps3, room_mps = limits.jerk_mps3 / 2, limits.speed_mps - motion.speed_mps
+    if motion.acceleration_mps2 <= 0.0:
+        return half_mps3
+    if room_mps <= 0.0:
+        return limits.jerk_mps3
+    ending_mps3 = motion.acceleration_mps2**2 / (2 * room_mps)
+    return min(max(half_mps3, ending_mps3), limits.jerk_mps3)
 
 
 def stopping_point(now: Sample, limits: SpeedLimits) -> Ned:
