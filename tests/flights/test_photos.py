@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -219,3 +220,18 @@ def test_equal_flights_are_equal() -> None:
         ]
 
     assert sent() == sent()
+
+
+def test_a_photo_of_a_skill_that_flies_there_itself_is_told_where_it_was_made() -> None:
+    """The place at which the flight began is still the vehicle's, as far as the task knows."""
+    skill = {
+        "parameters": {"from": "Place", "s": "Site"},
+        "precondition": "at(from)",
+        "effect": "seen(s) & at(s) & !at(from)",
+        "execute": ["fly(s)", "photo(camera)"],
+    }
+    flight = flown(PhotoFlight(photo_mission("A", photo=skill), {}))
+    taken = flight.one(PhotoTaken)
+    north_m, east_m, _ = taken.position
+    assert math.hypot(north_m, east_m) > 1.0 and flight.exit_code == 0
+    assert taken.place == f"{east_m:.1f} m east, {north_m:.1f} m north"

@@ -14,7 +14,7 @@ from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.flight_events.skills import PhotoTaken
 from companion.flight_events.tree import LeafType
-from companion.mission.facts import AT, Atom
+from companion.mission.facts import AT, HERE
 from companion.mission.payload_steps import Photo
 from companion.outcomes import Failed, Progress
 from companion.vehicle.camera_port import IntendedShot, PhotoMade, ShotOwner, ShotReady
@@ -96,10 +96,12 @@ class TakePhoto(Leaf):
     def _tell(self, made: PhotoMade) -> None:
         flight, state = self._flight, self._flight.vehicle.state
         if state is not None:
-            atoms = [Atom.parse(fact) for fact in sorted(flight.task.facts) if fact.startswith(AT)]
-            places = [atom.arguments[0] for atom in atoms if atom.predicate == AT]
+            running = flight.task.running
+            is_flying = running is not None and running.destination is not None
+            places = [fact.arguments[0] for fact in flight.task.facts if fact.predicate == AT]
             north_m, east_m, _ = state.position
-            place = places[0] if places else f"{east_m:.1f} m east, {north_m:.1f} m north"
+            where = f"{east_m:.1f} m east, {north_m:.1f} m north"
+            place = where if is_flying or HERE in places or not places else min(places)
             flight.report(
                 PhotoTaken(made.number, self._photo.camera, place, made.image_index, state.position)
             )
