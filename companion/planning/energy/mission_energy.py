@@ -155,13 +155,16 @@ class MissionEnergy:
         moment, and the vehicle moves.
         """
         ends = {safe: energy.rests[safe] for safe in self.safe}
+        charges: dict[str, int] = {}
         moves: dict[str, int] = {place: 0}
         for action in actions:
             start = place_of(action.requires)
             if action.charger is not None:
-                ends[start] = (action.charger.bare or action.charger).floor
+                floor = (action.charger.bare or action.charger).floor
+                charges[start] = min(floor, charges.get(start, floor))
             elif start == place and (goal := action.destination) is not None:
                 moves[goal] = action.drain
+        ends |= charges
         return min((moves[safe] + ends[safe] for safe in ends if safe in moves), default=0)
 
     def recall(self, flying: RatioEstimate, gauge: RatioEstimate) -> None:

@@ -113,3 +113,20 @@ def test_no_line_of_the_task_is_dropped_for_it() -> None:
     task = {"a": {"formula": "G F at(A)", "priority": 1}, "b": "G F at(B)"}
     planner = planner_at(FAR, task=task)
     assert planner.solver.lines_to_drop(problem_at(planner)) == ()
+
+
+@pytest.mark.parametrize("place", ["A", "B"])
+def test_of_two_docks_the_nearer_one_counts_in_whatever_order_they_are_named(place: str) -> None:
+    """A skill that flies to its dock itself begins where the vehicle is, for each dock."""
+    given = two_docks()
+    given["skills"]["recharge"] |= {
+        "parameters": {"from": "Place", "pad": "Pad"},
+        "precondition": "at(from)",
+        "effect": "at(pad) & !at(from)",
+        "execute": ["fly(pad)", "land()", "charge(auto)", "take_off()"],
+    }
+    skills, found = given["skills"], []
+    for docks in (["W", "E"], ["E", "W"]):
+        sets = {**given["sets"], "Pad": docks}
+        found.append(lent(planner_at(FAR, place, skills=skills, sets=sets), place))
+    assert found[0] == found[1] < FAR + 5
