@@ -18,7 +18,7 @@ def test_another_mission_than_the_one_that_was_cut_off_is_a_wrong_request(
     companion: Companion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun = SimpleNamespace(mission="first", path="first.yaml", digest="of another mission")
-    cut_off = SimpleNamespace(is_over=False, begun=begun)
+    cut_off = SimpleNamespace(begun=begun)
     monkeypatch.setattr(journal_file, "read_journal", lambda *_: cut_off)
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / JOURNAL_FILE).touch()

@@ -7,14 +7,14 @@ writes them to a file; without a file nothing is stored, and nothing waits.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
-from typing import Protocol
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
 from companion.geometry import Ned
-from companion.planning.task_changes import TaskChange
+from companion.planning.task_changes import ActionCompleted, TaskChange
 from companion.vehicle.camera_port import IntendedShot
 
 
@@ -168,21 +168,24 @@ class NoJournal:
         """Ignores the entry."""
 
 
+KEPT_SHOTS = 20
+
+
 @dataclass(frozen=True)
 class JournalledFlight:
-    """The state of a flight when the journal ended.
+    """The state of a flight, between its arming and its end, when the journal ended.
 
     Attributes:
         begun: which flight it is.
         phase: the phase of its sortie.
         flown: the phase before somebody else had control, or before control was taken back.
         ending: how it was to end; None if it was not landing yet.
-        armed_s: when it was to arm; None if it never was.
+        armed_s: when it was first to arm.
         seen: where the vehicle was last; None if it was never seen.
         changes: of the task's state.
         unsettled: commands since the last completed skill that were done, or whose outcome is
             unknown.
-        shots: the newest photos that were about to be requested.
+        shots: the newest photos, `KEPT_SHOTS` at most, that were about to be requested.
         settings: the operator's settings; None for the initial ones.
         replans: number of replans.
         found: places that were found in flight, each with its newest position, the newest last.
@@ -193,26 +196,26 @@ class JournalledFlight:
     """
 
     begun: FlightBegun
-    phase: Phase = Phase.WAITING
-    flown: Phase = Phase.WAITING
-    ending: EndingBegun | None = None
-    armed_s: float | None = None
-    seen: VehicleSeen | None = None
-    changes: tuple[TaskChange, ...] = ()
-    unsettled: tuple[CommandIntended, ...] = field(default=())
-    shots: tuple[IntendedShot, ...] = ()
-    settings: OperatorSettings | None = None
-    replans: int = 0
-    found: tuple[PlaceFound, ...] = ()
-    fence: KeptFence | None = None
-    energy: EnergyLearnt | None = None
-    time_s: float = 0.0
+    phase: Phase
+    flown: Phase
+    ending: EndingBegun | None
+    armed_s: float
+    seen: VehicleSeen | None
+    changes: tuple[TaskChange, ...]
+    unsettled: tuple[CommandIntended, ...]
+    shots: tuple[IntendedShot, ...]
+    settings: OperatorSettings | None
+    replans: int
+    found: tuple[PlaceFound, ...]
+    fence: KeptFence | None
+    energy: EnergyLearnt | None
+    time_s: float
     away_s: float = 0.0
 
     @property
     def positions(self) -> int:
         """The number of positions of the word that had been left."""
-        return self.changes[-1].positions if self.changes else 0
+        return self.changes[-1].at.positions if self.changes else 0
 
     @property
     def goes_on_s(self) -> float:
@@ -232,71 +235,81 @@ class JournalledFlight:
         away_s = self.seen.zero_s + boot_s - self.time_s
         return replace(self, away_s=away_s) if away_s >= 0.0 else self
 
-    @property
-    def is_over(self) -> bool:
-        """Whether there is nothing to continue: it has ended, or had not begun to arm."""
-        return self.phase is Phase.ENDED or self.armed_s is None
 
-
-KEPT_SHOTS = 20
 _ON_THE_WAY_BACK = (Phase.YIELDED, Phase.OFFBOARD)
+_Entry = TypeVar("_Entry")
 
 
 def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFlight | None:
-    """Reconstructs the state of a flight; None if it has not begun.
+    """Reconstructs the state of a flight; None if it has ended, or had not begun to arm.
 
     >>> begun = FlightBegun("survey", "survey.yaml", "0a", start_s=0.0)
     >>> flight = put_together([(0.0, begun), (3.5, PhaseBegun(Phase.ARMING))])
-    >>> flight.phase.name, flight.armed_s, flight.is_over
-    ('ARMING', 3.5, False)
+    >>> flight.phase.name, flight.armed_s
+    ('ARMING', 3.5)
+    >>> put_together([(0.0, begun)]) is None
+    True
 
     Args:
         entries: the entries, with their times.
     """
-    flight: JournalledFlight | None = None
-    changes: list[TaskChange] = []
-    for time_s, entry in entries:
+    begun: FlightBegun | None = None
+    noted: list[JournalEntry] = []
+    armed_s: float | None = None
+    last_s = 0.0
+    for last_s, entry in entries:
         if isinstance(entry, FlightBegun):
-            flight = JournalledFlight(entry)
-        elif isinstance(entry, TaskChange):
-            changes.append(entry)
-            if flight is not None and entry.method == "complete":
-                flight = replace(flight, unsettled=())
-        elif flight is not None:
-            flight = _after(flight, time_s, entry)
-        if flight is not None:
-            flight = replace(flight, time_s=time_s)
-    return None if flight is None else replace(flight, changes=tuple(changes))
+            begun, noted, armed_s = entry, [], None
+        elif armed_s is None and entry == PhaseBegun(Phase.ARMING):
+            armed_s = last_s
+        noted.append(entry)
+    phases = [entry.phase for entry in noted if isinstance(entry, PhaseBegun)]
+    if begun is None or armed_s is None or phases[-1] is Phase.ENDED:
+        return None
+    plan = _last(PlanNumbered, noted)
+    return JournalledFlight(
+        begun=begun,
+        phase=phases[-1],
+        flown=[phase for phase in phases if phase not in _ON_THE_WAY_BACK][-1],
+        ending=_last(EndingBegun, noted),
+        armed_s=armed_s,
+        seen=_last(VehicleSeen, noted),
+        changes=tuple(entry for entry in noted if isinstance(entry, TaskChange)),
+        unsettled=_unsettled(noted),
+        shots=_all(IntendedShot, noted)[-KEPT_SHOTS:],
+        settings=_last(OperatorSettings, noted),
+        replans=plan.number if plan is not None else 0,
+        found=_newest(noted),
+        fence=_last(KeptFence, noted),
+        energy=_last(EnergyLearnt, noted),
+        time_s=last_s,
+    )
 
 
-def _after(flight: JournalledFlight, time_s: float, entry: JournalEntry) -> JournalledFlight:
-    match entry:
-        case PhaseBegun(phase):
-            flown = flight.flown if phase in _ON_THE_WAY_BACK else phase
-            armed_s = flight.armed_s
-            if phase is Phase.ARMING and armed_s is None:
-                armed_s = time_s
-            return replace(flight, phase=phase, flown=flown, armed_s=armed_s)
-        case EndingBegun():
-            return replace(flight, ending=entry)
-        case VehicleSeen():
-            return replace(flight, seen=entry)
-        case CommandIntended():
-            return replace(flight, unsettled=(*flight.unsettled, entry))
-        case CommandSettled(number):
-            left = tuple(each for each in flight.unsettled if each.number != number)
-            return replace(flight, unsettled=left)
-        case IntendedShot():
-            return replace(flight, shots=(*flight.shots, entry)[-KEPT_SHOTS:])
-        case KeptFence():
-            return replace(flight, fence=entry)
-        case EnergyLearnt():
-            return replace(flight, energy=entry)
-        case PlanNumbered(number):
-            return replace(flight, replans=number)
-        case OperatorSettings():
-            return replace(flight, settings=entry)
-        case PlaceFound(place):
-            before = tuple(each for each in flight.found if each.place != place)
-            return replace(flight, found=(*before, entry))
-    return flight
+def _all(kind: type[_Entry], entries: Sequence[JournalEntry]) -> tuple[_Entry, ...]:
+    return tuple(entry for entry in entries if isinstance(entry, kind))
+
+
+def _last(kind: type[_Entry], entries: Sequence[JournalEntry]) -> _Entry | None:
+    return next((entry for entry in reversed(entries) if isinstance(entry, kind)), None)
+
+
+def _newest(entries: Sequence[JournalEntry]) -> tuple[PlaceFound, ...]:
+    newest: dict[str, PlaceFound] = {}
+    for found in _all(PlaceFound, entries):
+        newest.pop(found.place, None)
+        newest[found.place] = found
+    return tuple(newest.values())
+
+
+def _unsettled(entries: Sequence[JournalEntry]) -> tuple[CommandIntended, ...]:
+    unsettled: dict[int, CommandIntended] = {}
+    for entry in entries:
+        match entry:
+            case CommandIntended(number):
+                unsettled[number] = entry
+            case CommandSettled(number):
+                unsettled.pop(number, None)
+            case ActionCompleted():
+                unsettled.clear()
+    return tuple(unsettled.values())

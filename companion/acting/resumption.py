@@ -71,11 +71,6 @@ class Resumption:
         return GOES_ON_WITH[self.journalled.flown]
 
     @property
-    def armed_s(self) -> float:
-        """When the vehicle was to arm."""
-        return self.journalled.armed_s or 0.0
-
-    @property
     def failure(self) -> CompanionError | None:
         """Why the flight did not end well; None if it ended well, or was not ending."""
         ending = self.journalled.ending
@@ -154,7 +149,7 @@ def restore(
     flight.add_report(Stamped(journalled.begun.start_s, recalled))
     for change in journalled.changes:
         late = replay.make(change)
-        flight.now_s = change.now_s or goes_on_s
+        flight.now_s = change.at.now_s or goes_on_s
         tell_positions(flight)
         tell_overrun(flight, late)
     flight.now_s = goes_on_s

@@ -270,7 +270,7 @@ class Sortie:
         if self._after_offboard is SortieEvent.RETURN_GOES_ON:
             self._flown.call_home()
         self._flown.is_interrupted = True
-        self._limit.begin(resumption.armed_s)
+        self._limit.begin(resumption.journalled.armed_s)
         if resumption.is_landing(state):
             self._on(SortieEvent.LANDING_GOES_ON)
         else:

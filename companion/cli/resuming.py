@@ -67,7 +67,7 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
     if not (folder / JOURNAL_FILE).exists():
         return None
     journalled = read_journal(folder, time.time())
-    if journalled is None or journalled.is_over:
+    if journalled is None:
         return None
     begun = journalled.begun
     mission = asked or load(Path(begun.path))

@@ -1,100 +1,143 @@
-"""The changes of a task's state, as data: repeated on the first state, they give the same state.
+"""The changes of a task's state, as data: a class for each kind of change.
 
-`recorded` and `recorded_where` mark the methods of `TaskState` that change it. Each call from
-outside is reported with its arguments, as names. task_replay.py makes the same calls on another
-state of the same mission. So no state has to be written down, and no part of it can be forgotten.
+`TaskState` reports each change that is made to it. task_replay.py makes the same changes to a fresh
+state of the same mission, and that becomes the same state. So no state has to be written down, and
+no part of it can be forgotten.
+
+Actions, events and facts appear by their names.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import wraps
-from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
-
-from companion.mission.model import Event
-from companion.planning.domain import Action
-
-Argument = str | float | bool | None | tuple[str, ...]
-"""A name, a number, or several names."""
 
 
 @dataclass(frozen=True, slots=True)
-class TaskChange:
-    """One call that changed a task's state.
+class TaskMoment:
+    """When a change was made.
 
     Attributes:
-        method: the method of `TaskState`.
-        arguments: actions, events and facts by their names.
-        positions: how many positions of the word had been left after the call.
-        now_s: the time of the call; 0 if the task has no clocks.
-    """
-
-    method: str
-    arguments: tuple[Argument, ...]
-    positions: int = 0
-    now_s: float = 0.0
-
-
-class Recorded(Protocol):
-    """A class with recorded methods.
-
-    Attributes:
-        positions: how many positions of the word have been left.
-        now_s: the time; only kept if the task has clocks.
-        is_changing: whether a change is under way.
-        on_change: called with each change, after it.
+        positions: how many positions of the word had been left after the change.
+        now_s: the time; 0 if the task has no clocks.
     """
 
     positions: int
     now_s: float
-    is_changing: bool
-    on_change: Callable[[TaskChange], None]
 
 
-P = ParamSpec("P")
-R = TypeVar("R")
-S = TypeVar("S", bound=Recorded)
+@dataclass(frozen=True, slots=True)
+class TimedChange:
+    """What all changes have."""
+
+    at: TaskMoment
 
 
-def recorded(
-    method: Callable[Concatenate[S, P], R],
-) -> Callable[Concatenate[S, P], R]:
-    """Marks a method that changes the state; calls within it belong to the same change."""
-    return recorded_where(lambda _: True)(method)
+@dataclass(frozen=True, slots=True)
+class ActionBegun(TimedChange):
+    """The present position was left for the one that an action leads to."""
+
+    action: str
 
 
-def recorded_where(
-    has_changed: Callable[[Any], bool],
-) -> Callable[[Callable[Concatenate[S, P], R]], Callable[Concatenate[S, P], R]]:
-    """The same for a method that may leave the state unchanged, as its result tells."""
+@dataclass(frozen=True, slots=True)
+class ActionCompleted(TimedChange):
+    """The position that an action leads to was reached, at time `reached_s`."""
 
-    def of(method: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S, P], R]:
-        @wraps(method)
-        def call(state: S, /, *arguments: P.args, **options: P.kwargs) -> R:
-            if state.is_changing:
-                return method(state, *arguments, **options)
-            state.is_changing = True
-            try:
-                done = method(state, *arguments, **options)
-            finally:
-                state.is_changing = False
-            if has_changed(done):
-                named = tuple(map(_named, (*arguments, *options.values())))
-                state.on_change(TaskChange(method.__name__, named, state.positions, state.now_s))
-            return done
-
-        return call
-
-    return of
+    action: str
+    reached_s: float
 
 
-def _named(argument: object) -> Argument:
-    match argument:
-        case Action() | Event():
-            return argument.name
-        case None | bool() | int() | float() | str():
-            return argument
-        case Iterable():
-            return tuple(sorted(str(_named(each)) for each in argument))
-    raise TypeError(f"{argument!r} has no name")
+@dataclass(frozen=True, slots=True)
+class ActionInterrupted(TimedChange):
+    """The action under way ended without its effects."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightBegunAgain(TimedChange):
+    """The flight that was interrupted last was resumed."""
+
+    action: str
+
+
+@dataclass(frozen=True, slots=True)
+class ActionBarred(TimedChange):
+    """No plan may contain an action any more."""
+
+    action: str
+
+
+@dataclass(frozen=True, slots=True)
+class PositionRead(TimedChange):
+    """The automata read the present position."""
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleDeparted(TimedChange):
+    """The vehicle left its place, and is at no place."""
+
+
+@dataclass(frozen=True, slots=True)
+class EventValueTaken(TimedChange):
+    """An event got a new value."""
+
+    event: str
+    holds: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BeliefsWithdrawn(TimedChange):
+    """Beliefs were disproved; from time `retry_s` on, if given, they may be held again."""
+
+    beliefs: tuple[str, ...]
+    retry_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class BeliefsCutOff(TimedChange):
+    """The map contradicts these beliefs, and no others."""
+
+    beliefs: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class BeliefsRestored(TimedChange):
+    """Withdrawn beliefs were held again, as `TaskState.restore` chooses them."""
+
+    restored_s: float
+    is_waiting: bool
+    predicates: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LinesDropped(TimedChange):
+    """A plan was adopted that drops these lines and keeps all others."""
+
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DroppedLinesKept(TimedChange):
+    """Dropped lines stay dropped until a skill is completed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ClocksChanged(TimedChange):
+    """The clocks of bounded lines began, or ran out."""
+
+
+TaskChange = (
+    ActionBegun
+    | ActionCompleted
+    | ActionInterrupted
+    | FlightBegunAgain
+    | ActionBarred
+    | PositionRead
+    | VehicleDeparted
+    | EventValueTaken
+    | BeliefsWithdrawn
+    | BeliefsCutOff
+    | BeliefsRestored
+    | LinesDropped
+    | DroppedLinesKept
+    | ClocksChanged
+)

@@ -1,21 +1,36 @@
-"""Repeats the recorded changes of a task's state on another state of the same mission."""
+"""Makes recorded changes again, on another state of the same mission."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import assert_never
 
 from companion.mission.facts import Fact
-from companion.planning.bound_clocks import ClocksRun
 from companion.planning.domain import Action, reach
 from companion.planning.lasso import Conjunct
 from companion.planning.planner import Planner
-from companion.planning.task_changes import TaskChange
+from companion.planning.task_changes import (
+    ActionBarred,
+    ActionBegun,
+    ActionCompleted,
+    ActionInterrupted,
+    BeliefsCutOff,
+    BeliefsRestored,
+    BeliefsWithdrawn,
+    ClocksChanged,
+    DroppedLinesKept,
+    EventValueTaken,
+    FlightBegunAgain,
+    LinesDropped,
+    PositionRead,
+    TaskChange,
+    VehicleDeparted,
+)
 from companion.planning.task_state import TaskState
 
 
 class TaskReplay:
-    """Repeats changes on a fresh state.
+    """Makes changes again on a fresh state.
 
     Args:
         state: the state, of the mission.
@@ -36,49 +51,43 @@ class TaskReplay:
         return self._actions[name]
 
     def make(self, change: TaskChange) -> Sequence[Conjunct]:
-        """Repeats the next change. Returns the bounded conjuncts whose clock then has run out."""
-        self._state.now_s = change.now_s
-        arguments = _READERS[change.method](self, change.arguments)
-        done = getattr(self._state, change.method)(*arguments)
-        return done.over if isinstance(done, ClocksRun) else ()
+        """Makes the next change. Returns the bounded conjuncts whose clock then has run out."""
+        state = self._state
+        state.now_s = change.at.now_s
+        match change:
+            case ActionBegun():
+                state.begin(self._actions[change.action])
+            case ActionCompleted():
+                state.complete(self._actions[change.action], change.reached_s)
+            case ActionInterrupted():
+                state.interrupt()
+            case FlightBegunAgain():
+                state.begin_again(self._actions[change.action])
+            case ActionBarred():
+                state.bar(self._actions[change.action])
+            case PositionRead():
+                state.leave()
+            case VehicleDeparted():
+                state.depart()
+            case EventValueTaken():
+                state.take(self._events[change.event], change.holds)
+            case BeliefsWithdrawn():
+                state.withdraw(_facts(change.beliefs), change.retry_s)
+            case BeliefsCutOff():
+                state.cut_off(_facts(change.beliefs))
+            case BeliefsRestored():
+                predicates = frozenset(change.predicates)
+                state.restore(change.restored_s, change.is_waiting, predicates)
+            case LinesDropped():
+                state.drop(change.lines)
+            case DroppedLinesKept():
+                state.keep_dropped()
+            case ClocksChanged():
+                return state.run_clocks(change.at.now_s).over
+            case _:
+                assert_never(change)
+        return ()
 
-    def _of_action(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        name, *rest = arguments
-        return (self._actions[name], *rest)
 
-    def _of_actions(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        return ([self._actions[name] for name in arguments[0] if name in self._actions],)
-
-    def _of_event(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        name, *rest = arguments
-        return (self._events[name], *rest)
-
-    def _of_facts(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        facts, *rest = arguments
-        return (frozenset(map(Fact.parse, facts)), *rest)
-
-    def _as_they_are(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        return arguments
-
-    def _of_names(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
-        return (*arguments[:-1], frozenset(arguments[-1]))
-
-
-_Reader = Callable[[TaskReplay, tuple[Any, ...]], tuple[Any, ...]]
-_READERS: dict[str, _Reader] = {
-    "begin": TaskReplay._of_action,
-    "complete": TaskReplay._of_action,
-    "bar": TaskReplay._of_action,
-    "begin_again": TaskReplay._of_actions,
-    "take": TaskReplay._of_event,
-    "withdraw": TaskReplay._of_facts,
-    "cut_off": TaskReplay._of_facts,
-    "restore": TaskReplay._of_names,
-    "drop": TaskReplay._of_names,
-    "leave": TaskReplay._as_they_are,
-    "interrupt": TaskReplay._as_they_are,
-    "run_clocks": TaskReplay._as_they_are,
-    "keep_dropped": TaskReplay._as_they_are,
-    "depart": TaskReplay._as_they_are,
-}
-"""How the arguments of each change are read back."""
+def _facts(names: Iterable[str]) -> frozenset[Fact]:
+    return frozenset(map(Fact.parse, names))

@@ -28,13 +28,13 @@ from dataclasses import replace
 
 from companion.mission.facts import AT, HERE, Fact, at
 from companion.mission.model import Event
+from companion.planning import task_changes as changes
 from companion.planning.bound_clocks import NOTHING_OVER, ClocksRun
 from companion.planning.domain import Action
 from companion.planning.held_beliefs import HeldBeliefs
 from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.situation import Position, TaskSituation
-from companion.planning.task_changes import TaskChange, recorded, recorded_where
 from companion.planning.task_readings import TaskReadings
 
 AT_HERE = at(HERE)
@@ -56,12 +56,10 @@ class TaskState:
         may_take_up: whether a skill was completed since dropped lines were last reconsidered.
         barred: names of actions that no plan may contain, with `*` for where they would begin.
         on_change: called with each change, after it.
-        is_changing: whether a change is under way.
     """
 
     def __init__(self, planner: Planner) -> None:
-        self.on_change: Callable[[TaskChange], None] = _ignore
-        self.is_changing = False
+        self.on_change: Callable[[changes.TaskChange], None] = lambda _: None
         self._planner = planner
         self._readings = TaskReadings(planner.conjuncts)
         self._beliefs = HeldBeliefs(planner.task_facts)
@@ -86,6 +84,10 @@ class TaskState:
         self.now_s = 0.0
         self._left_s = 0.0
         self._reached_s = 0.0
+
+    @property
+    def _moment(self) -> changes.TaskMoment:
+        return changes.TaskMoment(self.positions, self.now_s)
 
     @property
     def withdrawn(self) -> frozenset[Fact]:
@@ -150,15 +152,18 @@ class TaskState:
             problem = replace(problem, waiting_since_ms=word.waiting_since_ms)
         return problem, word.histories
 
-    @recorded
     def begin(self, action: Action) -> None:
         """Leaves the present position for the one that an action leads to."""
-        self.leave()
+        self._read_position()
         self.running, self._left_s = action, self.now_s
+        self.on_change(changes.ActionBegun(self._moment, action.name))
 
-    @recorded
     def leave(self) -> None:
         """Lets the automata read the present position, once."""
+        self._read_position()
+        self.on_change(changes.PositionRead(self._moment))
+
+    def _read_position(self) -> None:
         if self._is_read:
             return
         letter = self._letter(self.facts)
@@ -183,7 +188,6 @@ class TaskState:
         self._beliefs.read()
         self._readings.foresee(self._next_letter)
 
-    @recorded
     def complete(self, action: Action, now_s: float) -> None:
         """Appends the position that an action leads to."""
         self._reached_s = now_s
@@ -194,8 +198,8 @@ class TaskState:
         self._is_read = False
         self._readings.foresee(self._next_letter)
         self.may_take_up = bool(self.dropped)
+        self.on_change(changes.ActionCompleted(self._moment, action.name, now_s))
 
-    @recorded
     def interrupt(self) -> None:
         """Ends the action under way, without its effects."""
         if self.running is not None:
@@ -203,70 +207,74 @@ class TaskState:
             self._readings.try_in_vain(letter, self._reached_s)
         if self.running is not None and self.running.destination is not None:
             self._interrupted = self.running
-            self.depart()
+            self._leave_place()
         self.running = None
+        self.on_change(changes.ActionInterrupted(self._moment))
 
-    @recorded
-    def begin_again(self, actions: Iterable[Action]) -> Action | None:
-        """Resumes the flight that was interrupted last, as if it had not been interrupted.
+    def interrupted(self, actions: Iterable[Action]) -> Action | None:
+        """The flight that was interrupted last and can be resumed.
 
-        Returns:
-            the flight; None if it is not one of these actions, if a position was appended since, or
-            if its precondition would not hold where it began.
+        None if it is not one of these actions, if a position was appended since, or if its
+        precondition would not hold where it began.
         """
         flight = next((action for action in actions if action is self._interrupted), None)
-        if flight is None or not flight.is_applicable(
-            self.all_facts - {AT_HERE} | self._departed_from
-        ):
+        if flight is None:
             return None
+        began_with = self.all_facts - {AT_HERE} | self._departed_from
+        return flight if flight.is_applicable(began_with) else None
+
+    def begin_again(self, flight: Action) -> None:
+        """Resumes the flight that was interrupted last, as if it had not been interrupted."""
         self.facts = self.facts - {AT_HERE} | self._departed_from
         self.running, self._interrupted = flight, None
-        return flight
+        self.on_change(changes.FlightBegunAgain(self._moment, flight.name))
 
-    @recorded
     def drop(self, lines: Collection[str]) -> tuple[str, ...]:
-        """Drops these lines from now on and keeps all others. Returns the kept lines that start
-        again.
+        """Drops these lines from now on and keeps all others.
 
-        These were violated: what they have read is forgotten.
+        Returns the kept lines that start again: they were violated, what they read is forgotten.
         """
         self.dropped, self.may_take_up = frozenset(lines), False
         anew = self.violated_anew
         for line in anew:
             self._restart(line)
+        self.on_change(changes.LinesDropped(self._moment, tuple(sorted(lines))))
         return anew
 
-    @recorded
     def keep_dropped(self) -> None:
         """Leaves all dropped lines dropped until a skill is completed."""
         self.may_take_up = False
+        self.on_change(changes.DroppedLinesKept(self._moment))
 
     def _restart(self, line: str) -> None:
-        """The conjuncts of a line start again at the position that is left next."""
         if self._readings.restart(line, self._reached_s):
             self._restarted = tuple(dict.fromkeys((*self._restarted, line)))
 
-    @recorded
     def depart(self) -> None:
         """The vehicle leaves the place where it is, and is at no place."""
-        self.leave()
+        self._leave_place()
+        self.on_change(changes.VehicleDeparted(self._moment))
+
+    def _leave_place(self) -> None:
+        self._read_position()
         places = frozenset(f for f in self.facts if f.predicate == AT)
         self.facts, self._departed_from = self.facts - places | {AT_HERE}, places
 
-    @recorded
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
         """Withdraws beliefs; from time `retry_s` on, if given, they may be held again."""
         self._beliefs.withdraw(beliefs, retry_s)
+        self.on_change(changes.BeliefsWithdrawn(self._moment, tuple(sorted(beliefs)), retry_s))
 
-    @recorded
     def bar(self, action: Action) -> None:
         """No plan does an action again, because it is not known whether it was done."""
         self.barred |= {action.from_anywhere}
+        self.on_change(changes.ActionBarred(self._moment, action.name))
 
-    @recorded
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
         """Withdraws what the map contradicts, holds again what it no longer does; returns both."""
-        return self._beliefs.cut_off(beliefs)
+        lost, held = self._beliefs.cut_off(beliefs)
+        self.on_change(changes.BeliefsCutOff(self._moment, tuple(sorted(beliefs))))
+        return lost, held
 
     @property
     def returning(self) -> frozenset[Fact]:
@@ -278,7 +286,6 @@ class TaskState:
         """Whether the map contradicts a belief."""
         return self._beliefs.is_cut_off
 
-    @recorded_where(bool)
     def restore(self, now_s: float, is_waiting: bool, predicates: frozenset[str]) -> list[Fact]:
         """Holds beliefs again if their time has come or their predicate is named; returns them.
 
@@ -287,9 +294,12 @@ class TaskState:
             is_waiting: whether the vehicle waits for them because there is no plan.
             predicates: predicates of beliefs that an event restores.
         """
-        return self._beliefs.restore(now_s, is_waiting, predicates)
+        restored = self._beliefs.restore(now_s, is_waiting, predicates)
+        if restored:
+            asked = now_s, is_waiting, tuple(sorted(predicates))
+            self.on_change(changes.BeliefsRestored(self._moment, *asked))
+        return restored
 
-    @recorded
     def take(self, event: Event, holds: bool) -> None:
         """Sets the new value of an event."""
         fact = frozenset({event.fact})
@@ -300,8 +310,8 @@ class TaskState:
         for line in self._planner.mission.task:
             if holds and line in event.restarts:
                 self._restart(line)
+        self.on_change(changes.EventValueTaken(self._moment, event.name, holds))
 
-    @recorded_where(lambda run: run.has_changed)
     def run_clocks(self, now_s: float) -> ClocksRun:
         """Lets time pass. Returns which clocks have just run out.
 
@@ -313,7 +323,10 @@ class TaskState:
         if not readings.have_begun and not self.positions:
             self._reached_s = now_s
         self.now_s = now_s
-        return readings.run_clocks(now_s, None if self._is_read else self._next_letter)
+        run = readings.run_clocks(now_s, None if self._is_read else self._next_letter)
+        if run.has_changed:
+            self.on_change(changes.ClocksChanged(self._moment))
+        return run
 
     @property
     def _next_letter(self) -> Letter:
@@ -334,7 +347,3 @@ class TaskState:
     def _letter(self, facts: frozenset[Fact]) -> Letter:
         """What the automata read at a position with these facts."""
         return facts | self.risen | (self._planner.model.beliefs - self.withdrawn)
-
-
-def _ignore(change: TaskChange) -> None:
-    """Ignores changes: nobody records them."""

@@ -14,15 +14,76 @@ from dataclasses import replace
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, get_args
+from typing import Any
 
-from companion.acting.journal import JournalEntry, JournalledFlight, put_together
+from companion.acting.journal import (
+    CommandIntended,
+    CommandSettled,
+    EndingBegun,
+    EnergyLearnt,
+    FlightBegun,
+    JournalEntry,
+    JournalledFlight,
+    OperatorSettings,
+    PhaseBegun,
+    PlaceFound,
+    PlanNumbered,
+    VehicleSeen,
+    put_together,
+)
 from companion.errors import CompanionError
 from companion.flight_events.values import Unfit, object_of
 from companion.flight_events.writing import json_of
+from companion.geofence import KeptFence
+from companion.planning.task_changes import (
+    ActionBarred,
+    ActionBegun,
+    ActionCompleted,
+    ActionInterrupted,
+    BeliefsCutOff,
+    BeliefsRestored,
+    BeliefsWithdrawn,
+    ClocksChanged,
+    DroppedLinesKept,
+    EventValueTaken,
+    FlightBegunAgain,
+    LinesDropped,
+    PositionRead,
+    VehicleDeparted,
+)
 from companion.record.events import JOURNAL_FILE
+from companion.vehicle.camera_port import IntendedShot
 
-KINDS: dict[str, type] = {kind.__name__: kind for kind in get_args(JournalEntry)}
+KINDS: dict[str, type[JournalEntry]] = {
+    "flight begun": FlightBegun,
+    "phase": PhaseBegun,
+    "ending": EndingBegun,
+    "vehicle": VehicleSeen,
+    "command intended": CommandIntended,
+    "command settled": CommandSettled,
+    "shot intended": IntendedShot,
+    "plan": PlanNumbered,
+    "place found": PlaceFound,
+    "fence kept": KeptFence,
+    "energy": EnergyLearnt,
+    "settings": OperatorSettings,
+    "action begun": ActionBegun,
+    "action completed": ActionCompleted,
+    "action interrupted": ActionInterrupted,
+    "action barred": ActionBarred,
+    "flight begun again": FlightBegunAgain,
+    "position read": PositionRead,
+    "vehicle departed": VehicleDeparted,
+    "event": EventValueTaken,
+    "beliefs withdrawn": BeliefsWithdrawn,
+    "beliefs cut off": BeliefsCutOff,
+    "beliefs restored": BeliefsRestored,
+    "lines dropped": LinesDropped,
+    "dropped lines kept": DroppedLinesKept,
+    "clocks changed": ClocksChanged,
+}
+"""What a line says of each kind of entry; it stays the same if a class gets another name."""
+_WORDS = {kind: words for words, kind in KINDS.items()}
 
 _Noted = tuple[float, JournalEntry]
 
@@ -92,7 +153,7 @@ class JournalFile:
 
 
 def read_journal(folder: Path, now_unix_s: float) -> JournalledFlight | None:
-    """The state of the flight in a run folder; None if the flight had not begun.
+    """The state of the flight in a run folder; None if there is nothing to resume.
 
     Args:
         folder: the folder of the run.
@@ -118,7 +179,7 @@ def read_journal(folder: Path, now_unix_s: float) -> JournalledFlight | None:
 
 
 def _line(unix_s: float, now_s: float, entry: JournalEntry) -> bytes:
-    about = {"t_s": round(now_s, 3), "unix_s": unix_s, "kind": type(entry).__name__}
+    about = {"t_s": round(now_s, 3), "unix_s": unix_s, "kind": _WORDS[type(entry)]}
     return json.dumps(about | json_of(entry)).encode() + b"\n"
 
 

@@ -238,10 +238,9 @@ class Lockstep(Happened):
     def restart(self) -> None:
         """Another companion begins, with the journal of the one before; time has gone on."""
         journalled = put_together(self.journal.entries)
-        assert journalled is not None
-        journalled = replace(journalled, away_s=self.now_s - journalled.time_s)
-        again = None if journalled.is_over else journalled
-        self.companion = self._companion(again)
+        if journalled is not None:
+            journalled = replace(journalled, away_s=self.now_s - journalled.time_s)
+        self.companion = self._companion(journalled)
         self.is_companion_alive = True
 
     def _companion(self, journalled: JournalledFlight | None) -> Companion:

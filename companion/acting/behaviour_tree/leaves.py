@@ -74,7 +74,8 @@ class Precondition(Leaf):
         if (task.may_take_up or is_surprised) and not is_landed:
             self._flight.guidance.hold()
             return Status.RUNNING
-        if intention.tries.is_any and (again := task.begin_again(intention.actions)) is not None:
+        if intention.tries.is_any and (again := task.interrupted(intention.actions)) is not None:
+            task.begin_again(again)
             intention.action = again
             return Status.SUCCESS
         facts = task.all_facts

@@ -14,15 +14,18 @@ from companion.acting.journal import (
     CommandIntended,
     CommandSettled,
     FlightBegun,
+    PhaseBegun,
     put_together,
 )
 from companion.flight_events.skills import SkillCompleted, SkillFailed
+from companion.flight_events.sortie import Phase
 from companion.mission.conditions import parse_condition
 from companion.mission.model import Command, Mission, Wait
 from companion.outcomes import Failed, Outcome, Progress
-from companion.planning.task_changes import TaskChange
+from companion.planning.task_changes import ActionInterrupted, TaskMoment
 
 BEGUN = FlightBegun("m", "m.yaml", "0a", 0.0)
+ARMING = PhaseBegun(Phase.ARMING)
 ONE, TWO = (Command(25, 31009 + n, f"MAV_CMD_USER_{n}", (float(n),)) for n in (1, 2))
 
 
@@ -35,6 +38,7 @@ def begin(flown: Mission, *answers: tuple[float, Outcome]) -> Rig:
     rig = Rig(flown)
     rig.flight.journal = journal = KeptJournal()
     journal.note(0.0, BEGUN)
+    journal.note(0.0, ARMING)
     rig.flight.task.on_change = lambda change: journal.note(rig.flight.now_s, change)
     rig.vehicle.payloads.answers = [*answers]
     return rig.begin()
@@ -162,7 +166,7 @@ def test_a_command_that_was_not_sent_yet_is_not_open() -> None:
 
 def test_an_interruption_settles_nothing() -> None:
     intended = CommandIntended(1, "do", "MAV_CMD_USER_1")
-    entries = [BEGUN, intended, TaskChange("interrupt", ())]
+    entries = [BEGUN, ARMING, intended, ActionInterrupted(TaskMoment(positions=1, now_s=0.0))]
     flight = put_together((0.0, entry) for entry in entries)
     assert flight is not None and flight.unsettled == (intended,)
     flight = put_together((0.0, entry) for entry in [*entries, CommandSettled(1)])

@@ -39,7 +39,7 @@ from companion.mission.tree_nodes import Act, Steps
 from companion.motion.grid import OccupancyGrid
 from companion.outcomes import Failed
 from companion.planning.planner import Planner
-from companion.planning.task_changes import TaskChange
+from companion.planning.task_changes import ActionBegun, TaskChange
 from companion.planning.task_replay import TaskReplay
 from companion.planning.task_state import TaskState
 from companion.vehicle.port import Goal, Mode, Takeover
@@ -336,5 +336,5 @@ def test_another_process_knows_the_flight_there(members: tuple[str, ...]) -> Non
     assert run.rig.task.running is not None
     planner = Planner(run.rig.mission, lambda origin, goal: 4.0)
     again = TaskReplay(TaskState(planner), planner)
-    begin = next(each for each in reversed(changes) if each.method == "begin")
-    assert again.action(begin.arguments[0]).destination == "B"
+    begun = next(each for each in reversed(changes) if isinstance(each, ActionBegun))
+    assert again.action(begun.action).destination == "B"

@@ -7,6 +7,7 @@ import threading
 import time
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from hypothesis import given
@@ -24,21 +25,28 @@ from companion.acting.journal import (
 )
 from companion.errors import CompanionError
 from companion.flight_events.sortie import Phase
-from companion.planning.task_changes import TaskChange
+from companion.planning.task_changes import (
+    ActionCompleted,
+    BeliefsWithdrawn,
+    EventValueTaken,
+    TaskMoment,
+)
 from companion.record.events import JOURNAL_FILE
-from companion.record.journal_file import JournalFile, read_journal
+from companion.record.journal_file import KINDS, JournalFile, read_journal
 
 BEGUN = FlightBegun("survey", "survey.yaml", "ab12", start_s=0.25)
+ARMING = PhaseBegun(Phase.ARMING)
+MOMENT = TaskMoment(positions=0, now_s=0.0)
 ENTRIES: list[JournalEntry] = [
     BEGUN,
-    PhaseBegun(Phase.ARMING),
-    TaskChange("withdraw", (("can_do", "trans_ok(A, B)"), None)),
-    TaskChange("take", ("found", True)),
+    ARMING,
+    BeliefsWithdrawn(MOMENT, ("can_do", "trans_ok(A, B)"), None),
+    EventValueTaken(MOMENT, "found", True),
     VehicleSeen((1.0, 2.0, -3.0), (0.1, 0.2, 0.3), 488.0, system=1),
     CommandIntended(1, "do", "MAV_CMD_USER_1"),
     CommandSettled(1),
     CommandIntended(2, "do", "MAV_CMD_USER_1"),
-    TaskChange("complete", ("do", 7.5), positions=3),
+    ActionCompleted(TaskMoment(3, 7.25), "do", 7.5),
     CommandIntended(3, "do", "MAV_CMD_USER_1"),
     OperatorSettings(2.0, -1.0),
 ]
@@ -72,16 +80,16 @@ def test_the_time_away_is_the_autopilots_unless_its_clock_has_begun_anew(
 ) -> None:
     """Its clock showed 50 when the flight's showed 2; the last entry is of 10, 58 by its clock."""
     seen = VehicleSeen((1.0, 2.0, -3.0), (0.1, 0.2, 0.3), 488.0, system=1, zero_s=-48.0)
-    entries: list[tuple[float, JournalEntry]] = [(0.0, BEGUN), (2.0, seen), (10.0, ENTRIES[1])]
+    entries: list[tuple[float, JournalEntry]] = [(0.0, BEGUN), (2.0, seen), (10.0, ARMING)]
     flight = put_together(entries)
     assert flight is not None
     assert replace(flight, away_s=7.0).found_at(boot_s).away_s == pytest.approx(away_s)
 
 
 def test_without_the_autopilots_clock_the_wall_clock_counts() -> None:
-    flight = put_together([(0.0, BEGUN), (2.0, ENTRIES[4])])
+    flight = put_together([(0.0, BEGUN), (1.0, ARMING), (2.0, ENTRIES[4])])
     assert flight is not None and replace(flight, away_s=7.0).found_at(50.0).away_s == 7.0
-    not_seen = put_together([(0.0, BEGUN)])
+    not_seen = put_together([(0.0, BEGUN), (1.0, ARMING)])
     assert not_seen is not None and replace(not_seen, away_s=7.0).found_at(50.0).away_s == 7.0
 
 
@@ -97,8 +105,8 @@ def test_a_torn_end_is_left_out_and_overwritten(
     path.write_bytes(text + torn.replace(b"\n", b"\0"))
     flight = read_journal(folder, 0.0)
     assert flight == put_together((float(n), e) for n, e in enumerate(ENTRIES[:lines]))
-    written(folder, [BEGUN])
-    assert path.read_bytes().count(b"\n") == lines + 1
+    written(folder, [BEGUN, ARMING])
+    assert path.read_bytes().count(b"\n") == lines + 2
     assert read_journal(folder, 0.0) is not None
 
 
@@ -112,9 +120,22 @@ def test_a_journal_that_is_damaged_in_the_middle_is_refused(tmp_path: Path) -> N
 
 def test_an_entry_that_is_none_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path, ENTRIES)
-    path.write_bytes(path.read_bytes().replace(b"PhaseBegun", b"PhaseEnded"))
+    path.write_bytes(path.read_bytes().replace(b'"phase"', b'"stage"', 1))
     with pytest.raises(CompanionError, match=r"journal\.jsonl:2: this is no entry"):
         read_journal(tmp_path, 0.0)
+
+
+def test_every_kind_of_entry_has_its_word() -> None:
+    assert list(KINDS.values()) == list(dict.fromkeys(KINDS.values()))
+    assert set(KINDS.values()) == set(get_args(JournalEntry))
+
+
+@pytest.mark.parametrize("entries", [[BEGUN], [BEGUN, ARMING, PhaseBegun(Phase.ENDED)]])
+def test_without_arming_or_after_its_end_there_is_nothing_to_go_on_with(
+    tmp_path: Path, entries: list[JournalEntry]
+) -> None:
+    written(tmp_path, entries)
+    assert read_journal(tmp_path, 0.0) is None
 
 
 def test_nothing_is_kept_before_the_disk_has_it(

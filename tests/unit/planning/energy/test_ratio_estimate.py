@@ -6,7 +6,8 @@ from random import Random
 
 import pytest
 
-from companion.acting.journal import EnergyLearnt, FlightBegun, put_together
+from companion.acting.journal import EnergyLearnt, FlightBegun, PhaseBegun, put_together
+from companion.flight_events.sortie import Phase
 from companion.planning.energy.model import FACTOR
 from companion.planning.energy.ratio_estimate import LEAST, MOST, KnownRatios, RatioEstimate
 
@@ -46,5 +47,6 @@ def test_there_are_limits(measured: float, limit: float) -> None:
 
 def test_a_flight_that_is_gone_on_with_knows_it() -> None:
     begun, last = FlightBegun("a", "a.yaml", "", 0.0), EnergyLearnt(1.2, 0.02, 1.1, 0.03)
-    flight = put_together([(0.0, begun), (60.0, EnergyLearnt(1.3, 0.1, 1.0, 0.1)), (99.0, last)])
+    armed, first = PhaseBegun(Phase.ARMING), EnergyLearnt(1.3, 0.1, 1.0, 0.1)
+    flight = put_together([(0.0, begun), (1.0, armed), (60.0, first), (99.0, last)])
     assert flight is not None and flight.energy == last
