@@ -14,13 +14,16 @@ import math
 from collections.abc import Collection, Sequence
 
 from companion.acting.flight import Flight
+from companion.geometry import horizontal_distance
 from companion.mission.facts import HERE, at
 from companion.motion.distance_maps import CELL_US
+from companion.motion.position_error import greatest_error_m
 from companion.motion.routes import CELLS_PER_TICK
 from companion.planning.domain import WAIT
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
+from companion.planning.task_state import AT_HERE
 from companion.slices import Answered, Question, spent
 
 MAX_PARTS = 200
@@ -63,16 +66,28 @@ class SafePlaces:
 
         A dock is one where the charge lasts for none of the mission's.
         """
-        flight, energy = self._flight, self._planner.energy
-        if not flight.progress.is_landed_by_plan:
+        energy = self._planner.energy
+        if not self._flight.progress.is_landed_by_plan:
             return None
-        facts = flight.task.facts
-        named = next((place for place in self._places if at(place) in facts), None)
+        named = next(filter(self._stands_at, self._places), None)
         if named is not None or energy is None:
             return named
         if any(self._missing(energy, place) <= 0 for place in self._places):
             return None
-        return next((dock for dock in energy.safe if at(dock) in facts), None)
+        return next(filter(self._stands_at, energy.safe), None)
+
+    def _stands_at(self, name: str) -> bool:
+        """Whether the vehicle stands at a place.
+
+        The task has a vehicle between places whose skill flies to a place itself and has failed
+        there. Then its position decides, with the margins that a mission has to begin at home.
+        """
+        facts, state = self._flight.task.facts, self._flight.vehicle.state
+        if AT_HERE not in facts or state is None:
+            return at(name) in facts
+        place = self._planner.mission.places[name]
+        near_m = place.inner_m + greatest_error_m(state.accuracy_m)
+        return horizontal_distance(self._flight.symbols[name].position, state.position) <= near_m
 
     def choose(self) -> Answered[str | None] | None:
         """The next place to fly to, or that none can be reached; None while that is not known.

@@ -161,6 +161,23 @@ def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve(tries:
 
 
 @pytest.mark.usefixtures("soon_given_up")
+def test_it_stays_on_its_only_dock_too_if_the_skill_has_flown_there_itself() -> None:
+    """The task has the vehicle between places then; its position says that it stands on W."""
+    given = two_docks(patience_s=1.0, sets={"Place": ["Home", "A", "B", "W", "E"], "Pad": ["W"]})
+    given["skills"]["recharge"] |= {
+        "parameters": {"from": "Place", "pad": "Pad"},
+        "precondition": "at(from)",
+        "effect": "at(pad) & !at(from)",
+        "execute": ["fly(pad)", "land()", "charge(auto)", "take_off()"],
+    }
+    flight = fly(mission=load_mission(given), pads=[])
+    flight.until(lambda: flight.companion.has_ended, 400.0)
+    assert [e.belief for e in flight.of(BeliefWithdrawn)] == ["canCharge(W)"]
+    assert flight.exit_code == 3 and not flight.simulation.is_armed
+    assert flight.armings == 1, text(flight)
+
+
+@pytest.mark.usefixtures("soon_given_up")
 def test_on_a_dock_that_fails_under_it_with_the_floor_it_waits_and_goes_on() -> None:
     mission = load_mission(two_docks(patience_s=600))
     broken = [{**pad, "works": False} for pad in PADS]
