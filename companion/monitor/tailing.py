@@ -7,17 +7,16 @@ was cut off, is read as far as possible. A door: it opens the files of a run fol
 
 from __future__ import annotations
 
-import struct
 from pathlib import Path
 
 from companion.errors import MissionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.reading import read_line
-from companion.mavlink.framing import frame_size
+from companion.record.json_lines import whole_lines
+from companion.record.tlog_records import whole_records
 
 CHUNK_BYTES = 1 << 19
 """Most bytes of flight.tlog that are read at once: 15 s of a flight."""
-_STAMP = struct.Struct(">Q")  # microseconds since 1970
 
 
 class EventLines:
@@ -29,9 +28,9 @@ class EventLines:
 
     def news(self) -> list[Stamped]:
         """The events since the last call; invalid lines are left out."""
-        whole, newline, _ = _read(self._path, self._at, -1).rpartition(b"\n")
-        self._at += len(whole) + len(newline)
-        return [event for event in map(_event, whole.splitlines()) if event is not None]
+        lines, _ = whole_lines(_read(self._path, self._at, -1))
+        self._at += sum(map(len, lines))
+        return [event for event in map(_event, lines) if event is not None]
 
 
 class TlogFrames:
@@ -54,19 +53,13 @@ class TlogFrames:
         data = _read(self._path, self._at, CHUNK_BYTES)
         batches: list[tuple[float, list[bytes]]] = []
         newest, at, whole = None, 0, 0
-        while at + 11 <= len(data):
-            size = frame_size(data, at + 8)
-            if size is None:
-                self._is_damaged = True
-                break
-            if at + 8 + size > len(data):
-                break
-            (stamp,) = _STAMP.unpack_from(data, at)
-            if stamp != newest:
-                newest, whole = stamp, at
-                batches.append((stamp / 1e6, []))
-            batches[-1][1].append(data[at + 8 : at + 8 + size])
-            at += 8 + size
+        records, self._is_damaged = whole_records(data)
+        for record in records:
+            if record.stamp_us != newest:
+                newest, whole = record.stamp_us, at
+                batches.append((record.stamp_us / 1e6, []))
+            batches[-1][1].append(record.frame)
+            at += record.size
         self._at += whole
         is_more = len(data) == CHUNK_BYTES and whole > 0 and not self._is_damaged
         return batches[:-1], is_more

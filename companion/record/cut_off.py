@@ -16,13 +16,11 @@ from companion.flight_events.event import FlightEvent
 from companion.flight_events.plans import PlanMade, TaskRecalled
 from companion.flight_events.reading import read_line
 from companion.flight_events.word import ConjunctViolated, PositionLeft
-from companion.mavlink.framing import frame_size
 from companion.record.events import is_lost
+from companion.record.json_lines import whole_lines
+from companion.record.tlog_records import whole_records
 
 CHUNK_BYTES = 1 << 20
-_STAMP_BYTES = 8
-_HEAD_BYTES = 3
-"""Bytes at the start of a frame that determine its size."""
 
 
 class ToldWord:
@@ -66,7 +64,7 @@ def cut_events(path: Path, positions: int) -> ToldWord:
     Returns:
         What remains.
     """
-    lines = path.read_bytes().splitlines(keepends=True) if path.exists() else []
+    lines, rest = whole_lines(path.read_bytes()) if path.exists() else ([], b"")
     told, kept = ToldWord(), 0
     for line in lines:
         try:
@@ -77,7 +75,7 @@ def cut_events(path: Path, positions: int) -> ToldWord:
             break
         told.add(event)
         kept += len(line)
-    if lines:
+    if lines or rest:
         os.truncate(path, kept)
     return told
 
@@ -93,17 +91,10 @@ def _whole_bytes(path: Path) -> int:
     whole = 0
     with path.open("rb") as file:
         while data := file.read(CHUNK_BYTES):
-            at = 0
-            while at + _STAMP_BYTES + _HEAD_BYTES <= len(data):
-                size = frame_size(data, at + _STAMP_BYTES)
-                if size is None:
-                    return whole + at
-                if at + _STAMP_BYTES + size > len(data):
-                    break
-                at += _STAMP_BYTES + size
-            if at == 0:
+            records, is_damaged = whole_records(data)
+            whole += sum(record.size for record in records)
+            if is_damaged or not records:
                 break
-            whole += at
             file.seek(whole)
     return whole
 

@@ -8,7 +8,6 @@ docs/run-folder.md is refused, with its line.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,7 @@ from companion.flight_events.tree import TreeBuilt
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.ltl.parser import parse_line
 from companion.ltl.timed_formula import Line
+from companion.record.json_lines import is_object, whole_lines
 from companion.record.timed_word import Step, TimedWord
 
 ENDS_THE_TASK = (Phase.RETURNING, Phase.HOLDING, Phase.PARTING, Phase.LANDING)
@@ -76,14 +76,14 @@ def read_events(folder: Path) -> RunRecord:
     """
     path = folder / EVENTS_FILE
     try:
-        *whole, rest = path.read_bytes().split(b"\n")
+        whole, rest = whole_lines(path.read_bytes())
     except FileNotFoundError as error:
         if not has_a_run(folder):
             raise no_run_folder(folder, EVENTS_FILE, error) from error
         raise events_lost(folder, "is missing") from error
     except OSError as error:
         raise no_run_folder(folder, EVENTS_FILE, error) from error
-    is_torn = bool(rest) and not _is_json(rest)
+    is_torn = bool(rest) and not is_object(rest)
     if rest and not is_torn:
         whole.append(rest)
     if not whole:
@@ -220,14 +220,6 @@ def _ends_the_task(event: FlightEvent) -> bool:
         case PositionLeft(for_ever=True) | RunEnded():
             return True
     return False
-
-
-def _is_json(text: bytes) -> bool:
-    try:
-        json.loads(text)
-    except (ValueError, RecursionError):
-        return False
-    return True
 
 
 def _formulas(task: Mapping[str, str], where: Location | KeyPath) -> dict[str, Line]:

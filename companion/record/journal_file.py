@@ -14,7 +14,6 @@ from dataclasses import replace
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any
 
 from companion.acting.journal import (
     CommandIntended,
@@ -52,6 +51,7 @@ from companion.planning.task_changes import (
     VehicleDeparted,
 )
 from companion.record.events import JOURNAL_FILE
+from companion.record.json_lines import is_object, whole_lines
 from companion.vehicle.camera_port import IntendedShot
 
 KINDS: dict[str, type[JournalEntry]] = {
@@ -189,20 +189,12 @@ def _whole_lines(path: Path) -> list[bytes]:
     Raises:
         CompanionError: a damaged line stands between complete ones.
     """
-    lines = path.read_bytes().splitlines(keepends=True)
-    whole = [line.endswith(b"\n") and _is_json(line) for line in lines]
+    lines, _ = whole_lines(path.read_bytes())
+    whole = [is_object(line) for line in lines]
     count = whole.index(False) if False in whole else len(lines)
     if any(whole[count:]):
         raise CompanionError(f"{path}:{count + 1}: the journal is damaged here")
     return lines[:count]
-
-
-def _is_json(line: bytes) -> bool:
-    try:
-        value: Any = json.loads(line)
-    except ValueError:
-        return False
-    return isinstance(value, dict)
 
 
 def _sync_folder(folder: Path) -> None:

@@ -19,7 +19,6 @@ own.
 from __future__ import annotations
 
 import json
-import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -40,6 +39,7 @@ from companion.record.drawing import draw_here
 from companion.record.events import EVENTS_FILE, MISSION_FILE, SCENE_FILE, TLOG_FILE
 from companion.record.journal_file import JournalFile
 from companion.record.scene import scene
+from companion.record.tlog_records import TlogRecord
 from companion.record.trail import Trail
 from companion.vehicle.run_clocks import ClockReading
 
@@ -128,11 +128,11 @@ class RunFolder:
 
     def packets(self, now_s: float, datagrams: list[bytes]) -> None:
         """Appends frames to flight.tlog, except those that contain a signing key."""
-        stamp = struct.pack(">Q", int((self._start_unix_s + now_s) * 1e6))
+        stamp_us = int((self._start_unix_s + now_s) * 1e6)
         for datagram in datagrams:
             for frame in split_frames(datagram):
                 if message_id(frame) != SETUP_SIGNING:
-                    self._packets += stamp + frame
+                    self._packets += bytes(TlogRecord(stamp_us, frame))
         if now_s - self._flushed_s >= FLUSH_S:
             self._flushed_s = now_s
             self._hand_over_packets()

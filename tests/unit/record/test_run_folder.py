@@ -396,6 +396,19 @@ def test_a_task_that_is_in_the_record_is_not_recalled(run: RunFolder, told: list
     assert not read_events(run.folder).is_headless
 
 
+def test_a_line_without_its_end_is_written_again(run: RunFolder, told: list[Stamped]) -> None:
+    run.report(Stamped(0.0, PlanMade({"task": "F at(A)"}, REST)))
+    run.report(Stamped(1.0, position(0)))
+    run.close()
+    path = run.folder / "events.jsonl"
+    os.truncate(path, path.stat().st_size - 1)
+    again = RunFolder(run.folder, mission("F at(A)"), START_UNIX_S, told.append, False, 1)
+    for number in range(2):
+        again.report(Stamped(1.0 + number, position(number)))
+    again.close()
+    assert [line.get("number") for line in lines(again)] == [0, 0, 1]
+
+
 @pytest.mark.parametrize("torn", [0, 1, 7, 12])
 def test_frames_behind_a_torn_one_are_read(run: RunFolder, told: list[Stamped], torn: int) -> None:
     path = run.folder / "flight.tlog"
