@@ -135,6 +135,7 @@ class Explanation:
         late: which time bounds cannot be kept, and from which limit on they could, in words.
         remarks: hints on lines that are often written this way and never hold.
         violated: the lines of the conflict that no continuation of the word can satisfy.
+        barred: skills that are not done again, because it is not known whether they were done.
     """
 
     conflict: tuple[Conjunct, ...]
@@ -147,6 +148,7 @@ class Explanation:
     late: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     violated: tuple[str, ...] = ()
+    barred: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.told({})
@@ -165,6 +167,9 @@ class Explanation:
         words += [f"  {unreachable}" for unreachable in self.unreachable]
         words += [f"  no route leads to {place} on the map" for place in self.no_route]
         words += [f"  {reason}" for reason in (*self.shortages, *self.late, *self.remarks)]
+        if self.barred:
+            known = "it is not known whether that was done"
+            words.append(f"  not done again: {', '.join(self.barred)}, as {known}")
         if self.events:
             values = ", ".join(f"{e} is {str(holds).lower()}" for e, holds in self.events.items())
             words.append(f"  a plan takes events as they are now: {values}")
@@ -188,6 +193,7 @@ class Explanation:
             "restoring": list(self.restoring),
             "shortages": list(self.shortages),
             "late": list(self.late),
+            "barred": list(self.barred),
         }
 
 
@@ -252,6 +258,7 @@ def why_no_plan(
         late=too_late,
         remarks=(*remarks_on(conflict, problem.facts), *world.enclosed(named)),
         violated=violated,
+        barred=tuple(sorted(problem.barred)),
     )
 
 

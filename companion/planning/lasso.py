@@ -117,6 +117,7 @@ class Problem:
             it stands still or there is no bound. Empty if no conjunct has a bound.
         with_ruled_out: all actions in their order, including those that ready lines rule out
             (readiness.py). Empty if no line has to be ready.
+        barred: names of actions left out because it is not known whether they were done.
     """
 
     actions: tuple[Action, ...]
@@ -129,6 +130,7 @@ class Problem:
     energy: Energy | None = None
     clocks_ms: tuple[int | None, ...] = ()
     with_ruled_out: tuple[Action, ...] = ()
+    barred: frozenset[str] = frozenset()
 
     def only(self, indices: Sequence[int]) -> Problem:
         """The same problem with only some of the conjuncts."""

@@ -147,7 +147,7 @@ class TaskState:
         )
         if self.barred:
             allowed = tuple(a for a in problem.actions if a.from_anywhere not in self.barred)
-            problem = replace(problem, actions=allowed)
+            problem = replace(problem, actions=allowed, barred=self.barred)
         if self.completed:
             problem = replace(problem, waiting_since_ms=word.waiting_since_ms)
         return problem, word.histories

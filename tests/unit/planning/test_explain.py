@@ -302,6 +302,7 @@ def test_as_json_has_all_of_it() -> None:
         "restoring": [],
         "shortages": [],
         "late": [],
+        "barred": [],
     }
     assert json.loads(json.dumps(found)) == found
 

@@ -123,4 +123,7 @@ def test_a_barred_action_is_in_no_plan() -> None:
     planner, state, _ = kept(mission("F done", skills=[command("do", "", "done")]))
     assert "do" in {action.name for action in state.problem()[0].actions}
     state.bar(next(a for a in planner.all_actions() if a.name == "do"))
-    assert planner.solver.replan(*state.problem()) is None
+    problem, histories = state.problem()
+    assert planner.solver.replan(problem, histories) is None
+    told = str(planner.solver.explain_soon(problem))
+    assert "not done again: do, as it is not known whether that was done" in told
