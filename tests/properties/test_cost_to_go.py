@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 import pytest
+from discs import disc
 from drawn import drawn
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,7 +22,6 @@ from companion.motion.cost_to_go import (
     repaired,
 )
 from companion.motion.grid_graph import GridGraph, edges_entering, grid_graph, union
-from tests.discs import disc
 
 FAST = drawn(150)
 SHAPE = (24, 31)

@@ -8,6 +8,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 import pytest
+from discs import disc
 
 from companion.motion.cost_to_go import (
     CostToGo,
@@ -19,7 +20,6 @@ from companion.motion.cost_to_go import (
 )
 from companion.motion.grid_graph import Cell, edges_entering, grid_graph, overlap, union
 from companion.motion.line_of_sight import LineOfSight
-from tests.discs import disc
 
 
 def on_map(free: npt.NDArray[np.bool_], goal: Cell) -> CostToGo:

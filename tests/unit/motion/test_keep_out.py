@@ -10,13 +10,13 @@ import pytest
 from drawn import drawn
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from polygons import Point, stars
 
 from companion.geometry import NorthEast, is_in_polygon
 from companion.motion.grid import OccupancyGrid, distances_to_edge
 from companion.motion.path import Path
 from companion.motion.region import Disc
 from companion.motion.routes import PlaceRegion, Route, RouteMap
-from tests.polygons import Point, stars
 
 FENCE: list[NorthEast] = [(0, 0), (0, 16), (12, 16), (12, 0)]
 CLEARANCE_M = 0.6

@@ -9,6 +9,7 @@ import pytest
 from drawn import drawn
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from polygons import Point, stars
 
 from companion.drawn_maps import Wall, walled
 from companion.geometry import Ned, NorthEast, is_in_polygon
@@ -20,7 +21,6 @@ from companion.motion.profile import SpeedLimits, flight_time_s
 from companion.motion.region import Disc
 from companion.motion.routes import PlaceRegion, Route
 from companion.motion.trajectory import Trajectory
-from tests.polygons import Point, stars
 
 FENCE: list[NorthEast] = [(0, 0), (0, 16), (12, 16), (12, 0)]
 CLEARANCE_M = 0.6

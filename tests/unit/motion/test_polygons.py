@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from polygons import Point, area_in_box, stars
 
 from companion.geometry import is_in_polygon
 from companion.motion.polygons import cells_touched, problem_of, segments_meet, without_repeats
-from tests.polygons import Point, area_in_box, stars
 
 SHAPE = (9, 11)
 SLIVER = 1e-6

@@ -9,6 +9,7 @@ import pytest
 from drawn import drawn
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from polygons import Point, stars
 
 from companion.geometry import is_in_polygon
 from companion.motion.grid import OccupancyGrid
@@ -18,7 +19,6 @@ from companion.motion.polygons import are_inside, enters_polygon
 from companion.motion.region import Area, Disc
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, RouteMap
-from tests.polygons import Point, stars
 
 L_SHAPE = ((0.0, 0.0), (0.0, 6.0), (2.0, 6.0), (2.0, 2.0), (6.0, 2.0), (6.0, 0.0))
 CENTRE = (1.0, 1.0, -2.0)

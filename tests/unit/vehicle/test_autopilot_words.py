@@ -6,18 +6,7 @@ import json
 import struct
 
 import pytest
-
-from companion.mavlink.framing import dialect
-from companion.mavlink.statustext import chunks
-from companion.vehicle.autopilot_words import (
-    LATELY_S,
-    MAX_TEXTS,
-    MOST_NEWS,
-    NEWS_S,
-    REPORT_TIMES,
-)
-from companion.vehicle.metadata_fetch import ATTEMPTS, PAUSE_S
-from tests.wordy_px4 import (
+from wordy_px4 import (
     ALTITUDE,
     CRITICAL,
     DENIED,
@@ -35,6 +24,17 @@ from tests.wordy_px4 import (
     Px4,
     check,
 )
+
+from companion.mavlink.framing import dialect
+from companion.mavlink.statustext import chunks
+from companion.vehicle.autopilot_words import (
+    LATELY_S,
+    MAX_TEXTS,
+    MOST_NEWS,
+    NEWS_S,
+    REPORT_TIMES,
+)
+from companion.vehicle.metadata_fetch import ATTEMPTS, PAUSE_S
 
 
 @pytest.fixture

@@ -9,9 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from at_the_gate import AFTER, ENVELOPE, GOOD, heard, verdict
 from drawn import drawn
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from polygons import Point, stars
 
 from companion.geometry import is_in_polygon
 from companion.motion.grid import distances_to_edge
@@ -19,8 +21,6 @@ from companion.motion.line_of_sight import LineOfSight
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Corner, Verdict
 from companion.vehicle.port import hold_at
-from tests.polygons import Point, stars
-from tests.unit.vehicle.test_gate import AFTER, ENVELOPE, GOOD, heard, verdict
 
 SQUARE = ((4.0, 16.0), (4.0, 18.0), (6.0, 18.0), (6.0, 16.0))
 """East of the vehicle, which is at (5, 15)."""
