@@ -30,8 +30,8 @@ from companion.planning import engine_process, engines
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import ConditionalEffect
-from companion.planning.engine_process import EngineAnswer
-from companion.planning.engines import EngineError, solve_with
+from companion.planning.engine_process import EngineAnswer, EngineError
+from companion.planning.engines import solve_with
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective
 
@@ -248,7 +248,7 @@ def test_nothing_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("encoding", [V1, V4])
 def test_conditional_effects_of_skills_reach_the_planner(encoding: Encoding) -> None:
-    lamp, none = facts_of("lamp"), frozenset[str]()
+    lamp, none = facts_of("lamp"), facts_of()
     flips = (ConditionalEffect(lamp, none, none, lamp), ConditionalEffect(none, lamp, lamp, none))
     asked = problem(
         "HA",
@@ -283,7 +283,7 @@ def test_a_bad_engine_is_told_and_the_next_call_has_a_new_child(
         with pytest.raises(EngineError, match=told):
             asked_of("fast-downward", asked, timeout_s=limit_s)
     assert not multiprocessing.active_children()
-    assert solve_with(asked, [history(asked)], "fast-downward", V4, Objective.LAP, LIMIT_S)
+    assert solve_with(asked, history(asked), "fast-downward", V4, Objective.LAP, LIMIT_S)
 
 
 @pytest.mark.slow
