@@ -334,7 +334,7 @@ def test_a_violated_line_has_no_plan_and_one_that_may_be_dropped_begins_anew() -
     assert waiting(task, 19.0) == []
     assert task.problem()[0].clocks_ms == (18_950, 18_950)
     assert waiting(task, 26.0) == ["first", "often"]
-    assert task.violated == ("first",) and task.violated_anew == ("often",)
+    assert (task.violated, task.violated_anew) == (("first",), ("often",))
     first, often = task.problem()[0].automaton_states
     assert not first and often
     assert task.problem()[0].clocks_ms[1] == 0  # as if it began anew

@@ -14,7 +14,8 @@ from companion.errors import CompanionError
 from companion.outcomes import Failed
 from companion.planning.builtin.search import Search
 from companion.planning.engine_jobs import EngineJobs
-from companion.planning.engines import EngineError, EngineTimeout
+from companion.planning.engine_process import EngineError
+from companion.planning.engines import EngineTimeout
 from companion.planning.lasso import Lasso, Problem, Solution
 from companion.planning.objective import Encoding
 

@@ -12,6 +12,7 @@ from leaves import walled_in
 from problems import find_lasso
 from synthetic import command, event, facts_of, mission, planner
 
+from companion.mission.facts import Fact
 from companion.mission.model import Mission
 from companion.planning.builtin.search import Search
 from companion.planning.explain import Explanation, NoPlan, why_no_plan, world_of
@@ -19,14 +20,14 @@ from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
 
 
-def explained(made: Planner, withdrawn: frozenset[str] = frozenset()) -> Explanation:
+def explained(made: Planner, withdrawn: frozenset[Fact] = frozenset()) -> Explanation:
     problem, _ = made.initial_problem()
     problem = replace(problem, facts=problem.facts - withdrawn, withdrawn=withdrawn)
     assert find_lasso(problem) is None
     return why_no_plan(problem, Search().is_solvable, world_of(made.mission, problem))
 
 
-def why(made: Planner, withdrawn: frozenset[str] = frozenset()) -> str:
+def why(made: Planner, withdrawn: frozenset[Fact] = frozenset()) -> str:
     return str(explained(made, withdrawn))
 
 
@@ -112,7 +113,7 @@ def test_no_belief_is_blamed_where_it_takes_two() -> None:
 def test_exactly_the_beliefs_that_would_help_are_restoring(count: int) -> None:
     skills = [command(f"do{i}", "at(H)", "done") for i in range(count)]
     made = planner(mission("F done & G F at(H)", skills=skills))
-    withdrawn = frozenset({*(f"can_do{i}" for i in range(count)), "trans_ok(A, B)"})
+    withdrawn = facts_of(*(f"can_do{i}" for i in range(count)), "trans_ok(A, B)")
     found = explained(made, withdrawn)
     assert found.withdrawn == tuple(sorted(withdrawn))
     problem, _ = made.initial_problem()
@@ -251,7 +252,7 @@ def test_events_that_a_skill_needs_are_told_with_their_values() -> None:
 
 def test_a_line_that_is_violated_is_the_reason_whatever_else_there_is() -> None:
     asked = mission({"away": "G !at(H)", "do": "F done"}, skills=[command("do", "at(A)", "done")])
-    found = explained(planner(asked), withdrawn=frozenset({"can_do"}))
+    found = explained(planner(asked), withdrawn=facts_of("can_do"))
     assert [conjunct.name for conjunct in found.conflict] == ["away"]
     assert "\n  away is violated, whatever is done now\n" in str(found)
 
@@ -318,7 +319,7 @@ def test_a_place_above_another_one_is_told() -> None:
     """Routes enter the region of no other place that the task mentions, at any height."""
     asked = mission({"both": "F at(A) & F at(B)"})
     above = replace(asked.places["B"], position=(*asked.places["A"].position[:2], -3.5))
-    asked = replace(asked, places=asked.places | {"B": above})
+    asked = replace(asked, places={**asked.places, "B": above})
     text = why(Planner(asked))
     assert "no route leads to A on the map" in text
     assert "lies in the region of A, seen from above, which no way enters, at any height" in text

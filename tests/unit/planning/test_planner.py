@@ -130,8 +130,8 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
 ) -> None:
     """What was flown and what is planned are one word, and it satisfies the task."""
     made = planner(mission(task, events=[event("found")]))
-    events = frozenset({"found"} if found else ())
-    letters = [frozenset({f"at({place})"}) | made.model.beliefs for place in f"H{flown}"]
+    events = facts_of(*(["found"] if found else []))
+    letters = [facts_of(f"at({place})") | made.model.beliefs for place in f"H{flown}"]
     states = [c.automaton.initial for c in made.conjuncts]
     for letter in letters:
         states = [
@@ -143,7 +143,7 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
     best = made.solver.solve(problem, histories).lasso
     assert best_lap_and_prefix(problem) == (best.lap_cost_ms, best.prefix_cost_ms)
     for lasso in (best, made.solver.replan(problem, histories)):
-        assert fault(problem, lasso, histories) is None
+        assert lasso is not None and fault(problem, lasso, histories) is None
         assert not lasso.prefix or lasso.prefix[0].name.startswith("move(here, ")
         assert not any("here" in action.name for action in (*lasso.prefix[1:], *lasso.loop))
 

@@ -85,7 +85,11 @@ def test_from_between_places_there_is_always_a_way_back() -> None:
     facts = frozenset(f for f in made.mission.initially if f.predicate != "at")
     states = tuple(conjunct.automaton.initial for conjunct in made.conjuncts)
     for seconds, left in ((15.0, {"A", "B", "H"}), (25.0, {"A", "H"}), (90.0, {"A", "B", "H"})):
-        made.flight_time = lambda a, b, s=seconds: s if a == "here" else SECONDS.get(a + b, 15.0)
+
+        def flight_time(a: str, b: str, from_here_s: float = seconds) -> float:
+            return from_here_s if a == "here" else SECONDS.get(a + b, 15.0)
+
+        made.flight_time = flight_time
         problem = made.problem(facts, states, is_en_route=True, clocks_ms=(None,))
         ways = {a.arguments[1] for a in problem.actions if a.arguments[:1] == ("here",)}
         assert ways == left

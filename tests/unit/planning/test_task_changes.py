@@ -35,7 +35,8 @@ CALLS = (*MUTATORS, "restore", "drop", "keep", "leave", "bar")
 
 def kept(asked: Mission) -> tuple[Planner, TaskState, list[TaskChange]]:
     planner = Planner(asked, lambda origin, goal: 4.0)
-    state, changes = TaskState(planner), []
+    state = TaskState(planner)
+    changes: list[TaskChange] = []
     state.on_change = changes.append
     return planner, state, changes
 
@@ -45,13 +46,20 @@ def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: floa
     actions = state.problem()[0].actions
     action: Action = actions[choice % len(actions)]
     assumed = action.assumes
+
+    def complete() -> None:
+        if state.running:
+            state.complete(state.running, now_s)
+
+    def again() -> None:
+        if flight := state.interrupted(planner.all_actions()):
+            state.begin_again(flight)
+
     calls: dict[str, Callable[[], object]] = {
         "begin": lambda: state.begin(action),
-        "complete": lambda: state.running and state.complete(state.running, now_s),
+        "complete": complete,
         "interrupt": state.interrupt,
-        "again": lambda: (
-            (flight := state.interrupted(planner.all_actions())) and state.begin_again(flight)
-        ),
+        "again": again,
         "take": lambda: state.take(planner.mission.events["found"], choice % 2 == 0),
         "depart": state.depart,
         "withdraw": lambda: state.withdraw(assumed, now_s + 5.0 if choice % 2 else None),

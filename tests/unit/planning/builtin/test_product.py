@@ -110,7 +110,7 @@ def test_its_graph_tells_constants_and_goals_that_are_kept_out() -> None:
     places = "HABCD"
     task = " & ".join(f"F at({p})" for p in places[1:])
     asked = problem(places, unit_legs(places), f"{task} & G !found")
-    made = product(replace(asked, facts=asked.facts | {"day"}))
+    made = product(replace(asked, facts=asked.facts | facts_of("day")))
     graph = made.to_networkx()
     assert graph.graph["constant"] == {"day"}
     assert graph.graph["conjuncts"] == ()
@@ -227,7 +227,7 @@ def test_a_forbidden_fact_keeps_an_action_out() -> None:
     (conjunct,) = made.conjuncts
     states = (conjunct.automaton.initial,)
     assert find_lasso(made.problem(AT_H, states)) is not None
-    assert find_lasso(made.problem(AT_H | {"low"}, states)) is None
+    assert find_lasso(made.problem(AT_H | facts_of("low"), states)) is None
 
 
 def test_automata_are_cut_down_once_for_the_same_constants() -> None:

@@ -11,12 +11,13 @@ from problems import action, move
 from synthetic import facts_of
 
 from companion.errors import SearchLimit
+from companion.mission.facts import Fact
 from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import WAIT, Action, ConditionalEffect
 
-FACTS = ("p", "q", "r", "s", "t")
+FACTS = tuple(map(Fact, "pqrst"))
 SOME = st.frozensets(st.sampled_from(FACTS), max_size=2)
 EFFECTS = st.builds(ConditionalEffect, SOME, SOME, SOME, SOME)
 
@@ -31,7 +32,7 @@ def actions(draw: st.DrawFn) -> list[Action]:
         made.append(
             Action(
                 f"a{i}",
-                "a",
+                ("a",),
                 requires,
                 forbids,
                 frozenset(),
@@ -47,12 +48,12 @@ def actions(draw: st.DrawFn) -> list[Action]:
     return made
 
 
-def system(made: list[Action], facts: frozenset[str]) -> tuple[KnownActions, TransitionSystem]:
+def system(made: list[Action], facts: frozenset[Fact]) -> tuple[KnownActions, TransitionSystem]:
     known = KnownActions(made)
     return known, TransitionSystem(made, facts, known)
 
 
-def reachable(made: list[Action], facts: frozenset[str]) -> set[frozenset[str]]:
+def reachable(made: list[Action], facts: frozenset[Fact]) -> set[frozenset[Fact]]:
     seen, todo = {facts}, [facts]
     while todo:
         here = todo.pop()
@@ -64,7 +65,7 @@ def reachable(made: list[Action], facts: frozenset[str]) -> set[frozenset[str]]:
 
 @given(actions(), st.frozensets(st.sampled_from(FACTS)))
 def test_successors_are_what_the_actions_do_in_every_reachable_state(
-    made: list[Action], start: frozenset[str]
+    made: list[Action], start: frozenset[Fact]
 ) -> None:
     known, found = system(made, start)
     assert found.start == known.state(start)
@@ -79,7 +80,7 @@ def test_successors_are_what_the_actions_do_in_every_reachable_state(
 
 @given(actions(), st.frozensets(st.sampled_from(FACTS)))
 def test_its_graph_has_every_reachable_state_and_every_action_there(
-    made: list[Action], start: frozenset[str]
+    made: list[Action], start: frozenset[Fact]
 ) -> None:
     _, found = system(made, start)
     graph = found.to_networkx()
@@ -110,7 +111,9 @@ def test_a_graph_of_too_many_states_is_refused() -> None:
 
 
 @given(actions(), st.frozensets(st.sampled_from(FACTS)))
-def test_what_is_said_never_to_change_never_does(made: list[Action], start: frozenset[str]) -> None:
+def test_what_is_said_never_to_change_never_does(
+    made: list[Action], start: frozenset[Fact]
+) -> None:
     known, found = system(made, start)
     changing = known.bits.facts(found.changing)
     assert not changing & found.constant
@@ -119,7 +122,7 @@ def test_what_is_said_never_to_change_never_does(made: list[Action], start: froz
 
 
 @given(st.lists(st.frozensets(st.sampled_from(FACTS)), min_size=2))
-def test_different_facts_have_different_bits(several: list[frozenset[str]]) -> None:
+def test_different_facts_have_different_bits(several: list[frozenset[Fact]]) -> None:
     bits = FactBits()
     masks = [bits.mask(facts) for facts in several]
     assert [mask.bit_count() for mask in masks] == [len(facts) for facts in several]
@@ -157,7 +160,7 @@ def test_an_action_that_forbids_what_always_holds_does_not_exist() -> None:
 def test_what_is_added_and_deleted_at_once_is_added() -> None:
     made = [action("both", "", "q", conditional=[("", "!q"), ("q", "!q")])]
     known, found = system(made, frozenset())
-    q = known.state({"q"})
+    q = known.state(facts_of("q"))
     assert found.successors(found.start).states == [q]
     assert found.successors(q).states == [q]
 

@@ -213,7 +213,7 @@ def test_unread_labels_match_what_is_left_once(
 
 def lamp_task() -> Problem:
     """A switch turns the lamp on if it is off, and off if it is on."""
-    lamp, none = facts_of("lamp"), NOTHING
+    lamp, none = facts_of("lamp"), facts_of()
     switch = action(
         "switch",
         conditional=(

@@ -44,8 +44,12 @@ def instance(seed: int) -> tuple[WayTables, dict[int, Charger], WayTable]:
         chargers[dock] = Charger(reserve + landing, landing, take_off, rng.randint(0, 9000), levels)
     np.fill_diagonal(times, UNREACHABLE_MS)
     ways = closed(times, drains), closed(drains, times)[::-1]
-    tables = [WayTable(*table) for table in ways]
-    return WayTables(*tables, np.array(marks, np.int64)), chargers, WayTable(times, drains)
+    quickest, thriftiest = (WayTable(*table) for table in ways)
+    return (
+        WayTables(quickest, thriftiest, np.array(marks, np.int64)),
+        chargers,
+        WayTable(times, drains),
+    )
 
 
 def closed(first: Costs, second: Costs) -> tuple[Costs, Costs]:

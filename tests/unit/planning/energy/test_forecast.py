@@ -22,8 +22,8 @@ def test_a_plan_that_lasts_has_at_each_position_what_is_required(seed: int) -> N
         flown = lasso.prefix if lasso.ends_at_rest else (*lasso.prefix, *lasso.loop)
         assert [each.action for each in told.ahead] == [action.name for action in flown]
         assert [each.duration_s for each in told.ahead] == [a.cost_ms / 1000 for a in flown]
-        for at in (told, *told.ahead):
-            assert at.percent >= at.required_percent
+        assert told.percent >= told.required_percent
+        assert all(each.percent >= each.required_percent for each in told.ahead)
         assert told.reserve_percent == round(asked.energy.percents[1], 1)
 
 

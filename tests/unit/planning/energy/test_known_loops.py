@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from random import Random
+from typing import Any
 
 import pytest
 from energy_problems import energy_problem
@@ -14,6 +16,7 @@ from companion.planning.check import fault
 from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.energy import search as energy_search
+from companion.planning.energy.charging_loops import ChargingLoop, best_loops
 from companion.planning.energy.known_loops import KnownLoops
 from companion.planning.energy.search import energy_solutions
 from companion.planning.energy_check import energy_fault
@@ -76,13 +79,13 @@ def test_a_lap_from_before_is_as_short_as_one_that_is_searched_anew(seed: int) -
 
 def test_only_what_may_have_a_shorter_lap_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
     """The charge, and what has gone beside the lap, changes nothing of it."""
-    searched = []
-    best_loops = energy_search.best_loops
-    monkeypatch.setattr(
-        energy_search,
-        "best_loops",
-        lambda *asked: searched.append(None) or best_loops(*asked),
-    )
+    searched: list[tuple[Any, ...]] = []
+
+    def noted(*asked: Any) -> Iterator[ChargingLoop]:
+        searched.append(asked)
+        return best_loops(*asked)
+
+    monkeypatch.setattr(energy_search, "best_loops", noted)
     problem = next(p for p in map(energy_problem, range(99)) if _charges(p))
     search, known = Search(problem.actions), KnownLoops()
     first = solved(problem, search, known)

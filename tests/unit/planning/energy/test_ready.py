@@ -10,6 +10,7 @@ from ready_problems import by_definition, planned_for, ready_problem
 from reference_energy import EnergyReference, flown
 from two_docks import two_docks
 
+from companion.mission.facts import Fact
 from companion.mission.loader import load_mission
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
@@ -54,7 +55,9 @@ def patrol(limit_s: int = 40, **changes: object) -> Planner:
     )
 
 
-def at_level(planner: Planner, place: str, level: int) -> tuple[Problem, list[list[frozenset]]]:
+def at_level(
+    planner: Planner, place: str, level: int
+) -> tuple[Problem, list[list[frozenset[Fact]]]]:
     problem, letters = planner.initial_problem(at=place)
     assert problem.energy is not None
     return replace(problem, energy=replace(problem.energy, level=level)), letters

@@ -14,7 +14,7 @@ from companion.mission.battery import MissionBattery
 from companion.mission.steps import Charge
 from companion.planning.builtin.search import Search
 from companion.planning.charger import UNITS_PER_WH, Charger
-from companion.planning.domain import WAIT
+from companion.planning.domain import WAIT, Refinement
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.energy.charged_actions import charged
 from companion.planning.energy.model import FACTOR, EnergyModel
@@ -130,11 +130,12 @@ def test_a_level_is_charged_to_with_a_percent_of_the_gauge_more() -> None:
         found = charged(charge, level, None, asked.energy.percents)
         (stop,) = found.execute
         assert found.charge_to == level and found.charger is not None
-        (step,) = stop.steps  # type: ignore[union-attr]
+        assert isinstance(stop, Refinement) and stop.enough_percent is not None
+        (step,) = stop.steps
         assert isinstance(step, Charge) and step.percent is not None
         top = asked.energy.percents[level + 1]
         assert min(100, top + 1) <= step.percent <= min(100, top + 2)
-        assert stop.enough_percent >= asked.energy.percents[level] + 1  # type: ignore[union-attr]
+        assert stop.enough_percent >= asked.energy.percents[level] + 1
 
 
 MODEL = EnergyModel(MissionBattery(BatteryProfile(), 0.2))

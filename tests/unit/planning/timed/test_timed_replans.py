@@ -119,7 +119,7 @@ def test_what_rose_and_fell_is_answered() -> None:
 
 @pytest.mark.parametrize(("seconds", "is_kept"), [(110, True), (90, False)])
 def test_a_goal_that_an_event_met_is_due_again_after_the_next_position(
-    seconds: float, is_kept: bool
+    seconds: int, is_kept: bool
 ) -> None:
     """The event has come and gone: its clock stands still until the next letter, which has it."""
     called = Revisit(parse("at(A) | called"), 1000 * seconds)
