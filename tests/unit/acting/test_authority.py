@@ -156,6 +156,7 @@ def test_who_stands_at_zero_of_a_mission_that_begins_elsewhere_is_told_what_to_w
 @pytest.mark.parametrize("gap_m", [10_000.0, 10_001.0, 123_400.0])
 def test_a_home_that_is_further_than_ten_kilometres_is_a_slip(gap_m: float) -> None:
     told = reason(not_at_home(gap_m, STANDING, HOME))
+    assert told is not None
     if gap_m == 10_000.0:
         assert told.startswith("the vehicle stands 10000.0 m from Home")
     else:
@@ -179,6 +180,7 @@ def test_where_both_are_is_told_of_a_vehicle_far_away(
     state = replace(STANDING, position=zero.to_local(47.3977, 8.54559, 488.0))
     location = FrameLocation(zero, zero, is_asked_for=True, residual_m=0.0)
     told = reason(not_at_home(9e6, state, HOME, location=location))
+    assert told is not None
     here, there = "47.3977, 8.54559", ", ".join(f"{degrees:g}" for degrees in home_at)
     assert f"where the mission begins: it is at {here}, and Home is at {there}\n" in told
     assert remedy in told

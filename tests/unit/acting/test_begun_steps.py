@@ -14,6 +14,7 @@ from companion.acting.journal import (
     CommandIntended,
     CommandSettled,
     FlightBegun,
+    JournalEntry,
     PhaseBegun,
     put_together,
 )
@@ -166,7 +167,8 @@ def test_a_command_that_was_not_sent_yet_is_not_open() -> None:
 
 def test_an_interruption_settles_nothing() -> None:
     intended = CommandIntended(1, "do", "MAV_CMD_USER_1")
-    entries = [BEGUN, ARMING, intended, ActionInterrupted(TaskMoment(positions=1, now_s=0.0))]
+    interrupted = ActionInterrupted(TaskMoment(positions=1, now_s=0.0))
+    entries: list[JournalEntry] = [BEGUN, ARMING, intended, interrupted]
     flight = put_together((0.0, entry) for entry in entries)
     assert flight is not None and flight.unsettled == (intended,)
     flight = put_together((0.0, entry) for entry in [*entries, CommandSettled(1)])

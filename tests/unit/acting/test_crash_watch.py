@@ -119,7 +119,8 @@ def test_an_estimate_that_wanders_jumps_nowhere() -> None:
         velocities: list[Ned] = []
         for _ in range(1000):
             wander.step(TICK_S)
-            velocities.append((*wander.velocity, 0.7))
+            north, east = wander.velocity
+            velocities.append((north, east, 0.7))
         assert watch(at(velocities)) is None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import pytest
@@ -234,7 +234,7 @@ def test_what_is_foreseen_comes_and_nothing_is_taken_before(
 # -- silence ---------------------------------------------------------------------------------------
 
 
-def at_times(watched: Event, heard: dict[float, float], end_s: float) -> Changes:
+def at_times(watched: Event, heard: Mapping[float, float], end_s: float) -> Changes:
     """When the event changed, of values heard at some times, looked at twenty times a second."""
     detector = EventDetector({watched.name: watched})
     found = []

@@ -101,10 +101,10 @@ def test_a_skill_that_lands_waits_too_each_time_anew() -> None:
         rig.vehicle.change(position=BESIDE, mode=Mode.OFFBOARD, is_landed=False)
         rig.flight.guidance.fly(Sample((0.0, 0.0, -2.0), STILL, STILL, is_finished=True))
         land.tick_once()
-        assert land.status is Status.RUNNING and rig.vehicle.pursued == []
+        assert (land.status, rig.vehicle.pursued) == (Status.RUNNING, [])
         rig.vehicle.change(position=(0.0, 0.0, -2.0))
         land.tick_once()
-        assert land.status is Status.RUNNING and rig.vehicle.pursued == []  # the middle of a swing
+        assert (land.status, rig.vehicle.pursued) == (Status.RUNNING, [])  # the middle of a swing
         rig.flight.now_s += STEADY_S
         land.tick_once()
-        assert land.status is Status.SUCCESS and rig.vehicle.pursued == [Goal.LANDED]
+        assert (land.status, rig.vehicle.pursued) == (Status.SUCCESS, [Goal.LANDED])

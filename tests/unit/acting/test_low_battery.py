@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from sortie_rig import SortieRig, aborted
 from synthetic import mission, skill
@@ -24,7 +26,7 @@ from companion.vehicle.port import Mode, Takeover
 PATROL = "G F at(A) & G F at(B)"
 
 
-def flown(asked: Mission | None = None, **options: FlightLimit | bool) -> SortieRig:
+def flown(asked: Mission | None = None, **options: Any) -> SortieRig:
     return SortieRig(asked or mission(PATROL), **options).until(Phase.TASK).run(2.0)
 
 
@@ -64,7 +66,7 @@ def test_a_load_that_is_short_does_not_call_it_home() -> None:
     run.run(LOW_S - 2 * TICK_S)
     run.vehicle.change(battery_low_since_s=float("inf"))
     run.run(2 * LOW_S)
-    assert run.sortie.phase is Phase.TASK
+    assert (run.sortie.phase, run.of(BatteryLow)) == (Phase.TASK, [])
     make_low(run)
     run.run(LOW_S - 2 * TICK_S)
     assert not run.of(BatteryLow)

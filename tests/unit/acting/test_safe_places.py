@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,7 +62,7 @@ def stranded(*places: str, skills: Iterable[Skill] = (), names: str = "HABC") ->
     )
 
 
-def refused(asked: Mission, **options: object) -> SortieRig:
+def refused(asked: Mission, **options: Any) -> SortieRig:
     """On the way to A, where the payload refuses."""
     run = SortieRig(asked, **options)
     run.vehicle.payloads.answers = [(0.0, Failed("denied"))]

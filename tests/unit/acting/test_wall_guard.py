@@ -112,7 +112,7 @@ def test_what_is_flown_goes_on_from_the_setpoint_as_it_was() -> None:
     rig = Rig(mission("F at(A)"))
     flight, edge = rig.flight, (3.0, -1.0, -2.0)
     flight.routes.find(10**6)
-    rig.vehicle.state = replace(rig.vehicle.state, position=(3.0, -1.5, -2.0))
+    rig.vehicle.change(position=(3.0, -1.5, -2.0))
     flight.guidance.fly(told(edge))
     assert flight.guidance.setpoint is not None and flight.guidance.setpoint.position == edge
     assert rig.vehicle.setpoint is not None

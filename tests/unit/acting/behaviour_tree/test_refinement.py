@@ -45,12 +45,12 @@ def steps(name: str, *execute: object, **more: object) -> Skill:
     return replace(made, execute=execute, **more)  # type: ignore[arg-type]
 
 
-def charging(task: str = "F charged", **more: object) -> Mission:
+def charging(task: str = "F charged") -> Mission:
     """Charge at A: fly there and land, charge, take off; the flight and the landing are a skill."""
     dock = skill("dock", Wait(0.0), "to", assumes=["pad(to)"])
     dock = replace(dock, execute=(Fly("to"), Land()), is_planned=False, tries=2)
     charge = skill("charge", Wait(0.0), "from to", "at(from)", [], "at(to) & !at(from) & charged")
-    charge = replace(charge, execute=(Do("dock", ("to",)), Charge(90), TakeOff()), **more)
+    charge = replace(charge, execute=(Do("dock", ("to",)), Charge(90), TakeOff()))
     charge = replace(charge, distinct=(("to", "H"), ("to", "B")))
     return mission(task, skills=[charge, dock], events=[LOW])
 

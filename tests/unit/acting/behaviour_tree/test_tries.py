@@ -18,6 +18,7 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import SkillCompleted, SkillFailed, SymbolMoved
 from companion.flight_events.sortie import VehicleAirborne, VehicleLanded
 from companion.mission.model import Charge, Command, Do, Fly, Land, Skill, TakeOff, Wait
+from companion.mission.steps import Execution
 from companion.outcomes import Failed, Progress
 from companion.vehicle.port import Goal
 
@@ -147,7 +148,7 @@ def test_a_command_among_steps_may_take_all_of_the_skills_time(
 # -- landings --------------------------------------------------------------------------------------
 
 
-def dock(*steps: object, tries: int) -> Rig:
+def dock(*steps: Execution, tries: int) -> Rig:
     made = skill("dock", PHOTO, "from to", "at(from)", ["pad(to)"], "at(to) & !at(from) & done")
     docks = replace(made, execute=steps, tries=tries, distinct=(("to", "H"), ("to", "B")))
     return Rig(mission("F done", skills=[docks])).begin()
@@ -197,6 +198,8 @@ def test_what_began_on_the_ground_and_has_taken_off_is_not_tried_again() -> None
 # -- against a reference ---------------------------------------------------------------------------
 
 Outcomes = Iterator[bool]
+Node = str | tuple[int, list["Node"]]
+"""A photo, or steps with a number of tries."""
 NESTED = st.recursive(
     st.just("photo"),
     lambda inner: st.tuples(st.integers(1, 3), st.lists(inner, min_size=1, max_size=3)),
@@ -204,21 +207,22 @@ NESTED = st.recursive(
 )
 
 
-def tried(node: object, outcomes: Outcomes, log: list[bool]) -> bool:
+def tried(node: Node, outcomes: Outcomes, log: list[bool]) -> bool:
     """What a refinement does, written down once more: so many tries of steps in order."""
-    if node == "photo":
+    if isinstance(node, str):
         log.append(next(outcomes))
         return log[-1]
-    tries, steps = node  # type: ignore[misc]
+    tries, steps = node
     return any(all(tried(s, outcomes, log) for s in steps) for _ in range(tries))
 
 
-def skills_of(node: object, name: str) -> list[Skill]:
+def skills_of(node: Node, name: str) -> list[Skill]:
     """The skill of a node, and those that refine it."""
-    tries, nodes = node if isinstance(node, tuple) else (1, [node])
-    found, steps = [], []
+    tries, nodes = (1, [node]) if isinstance(node, str) else node
+    found: list[Skill] = []
+    steps: list[Execution] = []
     for i, each in enumerate(nodes):
-        if each == "photo":
+        if isinstance(each, str):
             steps.append(PHOTO)
         else:
             steps.append(Do(f"{name}_{i}", ()))
@@ -232,10 +236,10 @@ def skills_of(node: object, name: str) -> list[Skill]:
 @pytest.mark.slow
 @drawn(60)
 @given(NESTED, st.lists(st.booleans(), min_size=20, max_size=20))
-def test_any_refinement_does_what_the_reference_does(node: object, outcomes: list[bool]) -> None:
+def test_any_refinement_does_what_the_reference_does(node: Node, outcomes: list[bool]) -> None:
     log: list[bool] = []
     endless = iter([*outcomes, *[True] * 500])
-    is_done = tried(node if isinstance(node, tuple) else (1, [node]), endless, log)
+    is_done = tried(node, endless, log)
     rig = begin(*skills_of(node, "do"))
     rig.vehicle.payloads.answers = [
         (0.0, Progress.DONE if o else Failed("denied")) for o in outcomes

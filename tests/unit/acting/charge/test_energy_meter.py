@@ -37,7 +37,7 @@ class Stretch:
         self.reports: list[Any] = []
         self.ahead = math.nan
         self.execute: tuple[Fly | Wait, ...] = (Fly("A"),)
-        self.flight: Any = SimpleNamespace(
+        flight: Any = SimpleNamespace(
             vehicle=SimpleNamespace(state=state),
             task=SimpleNamespace(running=None, completed=0),
             progress=SimpleNamespace(is_landed_by_plan=False),
@@ -45,13 +45,14 @@ class Stretch:
             report=self.reports.append,
             now_s=0.0,
         )
-        self.energy: Any = SimpleNamespace(
+        energy: Any = SimpleNamespace(
             known=KnownRatios(),
             model=SimpleNamespace(factor=1.0, full=7000),
             charge=SimpleNamespace(middle=lambda: round(self.level)),
             left_to=lambda *_: self.ahead,
         )
-        self.meter = EnergyMeter(self.flight, self.energy)
+        self.flight, self.energy = flight, energy
+        self.meter = EnergyMeter(flight, energy)
 
     def leg(self, seconds: float = LEG_S, is_completed: bool = True) -> Stretch:
         """An action that is to take so long; it is cut short in the middle if not completed."""

@@ -7,7 +7,7 @@ import json
 import pytest
 
 from companion.acting.contingencies.answers import Answer, GoesOn, LandsAt, PlansAnew, short_of
-from companion.acting.contingencies.changes import BeliefLost, EventTurns, SiteLost
+from companion.acting.contingencies.changes import BeliefLost, Change, EventTurns, SiteLost
 from companion.acting.contingencies.fold_words import (
     answers_in_words,
     labels_in_words,
@@ -29,9 +29,9 @@ def plan(prefix: str, loop: str, way_s: float) -> PlannedLasso:
     return PlannedLasso(steps[0], steps[1], way_s, 4.0 * len(loop))
 
 
-def table(*rows: tuple[int, object, Answer]) -> ContingencyTable:
+def table(*rows: tuple[int, Change, Answer]) -> ContingencyTable:
     positions = tuple(PlanPosition(n, "AB"[n % 2], f"fly({'BA'[n % 2]})", True) for n in range(3))
-    found = tuple(Contingency(n, change, answer) for n, change, answer in rows)  # type: ignore[arg-type]
+    found = tuple(Contingency(n, change, answer) for n, change, answer in rows)
     return ContingencyTable("two", "(fly(A), fly(B))^w", positions, found)
 
 
@@ -57,7 +57,8 @@ def test_changes_with_equal_answers_everywhere_are_one_line() -> None:
 
 def test_the_line_says_how_all_of_them_end() -> None:
     lands = [LandsAt("B", WHY), LandsAt("A", WHY), LandsAt("A", WHY, (), 0.5)]
-    rows = [*((n, ALARM, answer) for n, answer in enumerate(lands)), (0, SiteLost("A"), GoesOn())]
+    rows: list[tuple[int, Change, Answer]] = [(n, ALARM, answer) for n, answer in enumerate(lands)]
+    rows += [(0, SiteLost("A"), GoesOn())]
     unsafe = (1, SiteLost("A"), LandsAt("A", WHY, (), 3.0, 1.0))
     found = table(*rows, unsafe)
     said = "5 contingencies: 1 planned, 1 end at A, 1 end at B, 1 land on the reserve, 1 unsafe"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from fakes import FakeFence
+from fake_devices import FakeFence
 from sortie_rig import SortieRig
 from synthetic import mission
 

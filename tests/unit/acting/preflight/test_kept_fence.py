@@ -66,6 +66,7 @@ def test_routes_lead_around_its_zones_and_keep_away_from_them() -> None:
     run.until(Phase.TAKE_OFF)
     south = min(north for north, _ in ways(run))
     assert south < 5.0 - ASKED.vehicle.clearance_m + 0.1
+    assert run.vehicle.kept_fence is not None
     assert run.vehicle.kept_fence.keep_out == (((5.0, 2.5), (5.0, 3.5), (9.0, 3.5), (9.0, 2.5)),)
 
 
@@ -73,9 +74,10 @@ def test_another_plan_is_made_where_the_first_one_leads_out() -> None:
     """A flower bed between H and A: it begins with B now, to which the way is free."""
     run = rig(WIDE, zone(2.5, -9.0, 3.5, 4.0))
     before = run.until(Phase.CHECKING).rig.executive.lasso
-    run.until(Phase.TAKE_OFF)
+    after = run.until(Phase.TAKE_OFF).rig.executive.lasso
+    assert before is not None and after is not None
     assert before.prefix[0].name == "move(H, A)"
-    assert run.rig.executive.lasso.prefix[0].name == "move(H, B)"
+    assert after.prefix[0].name == "move(H, B)"
     assert run.one(PlanReplaced).reason == "the vehicle's own fence leaves less room"
 
 
@@ -113,7 +115,8 @@ def test_whoever_goes_on_with_the_flight_has_it_from_the_journal() -> None:
     run.until(Phase.TAKE_OFF)
     begun = (0.0, FlightBegun("m", "m.yaml", "0a", 0.0))
     flight = put_together([begun, *run.journal.entries])  # type: ignore[attr-defined]
-    assert flight is not None and flight.fence == run.vehicle.kept_fence
+    assert flight is not None and flight.fence is not None
+    assert flight.fence == run.vehicle.kept_fence
     again = rig()
     assert keep_to(again.rig.flight, flight.fence)
     assert ways(again) == ways(run)

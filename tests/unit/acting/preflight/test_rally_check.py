@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from fakes import FakeRally
+from fake_devices import FakeRally
 from sortie_rig import SortieRig
 from synthetic import mission
 

@@ -22,6 +22,7 @@ from companion.flight_events.plans import (
 )
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.word import ConjunctViolated
+from companion.ltl.formula import Formula
 from companion.ltl.semantics import holds
 from companion.mission.facts import Fact
 from companion.mission.model import Command, Event, Mission, Otherwise
@@ -311,7 +312,9 @@ def test_the_word_satisfies_what_was_kept(far: int) -> None:
         rig.run(lambda until=at_s: rig.flight.now_s >= until)  # type: ignore[misc]
         rig.tick(reading("rain", float(at_s in (5.0, 60.0))))
     word: list[Letter] = [frozenset(map(Fact.parse, p.facts)) for p in rig.positions]
-    assert holds(rig.mission.task["dry"], word[:-1], [frozenset(facts_of("at(H)"))])
+    dry = rig.mission.task["dry"]
+    assert isinstance(dry, Formula)
+    assert holds(dry, word[:-1], [frozenset(facts_of("at(H)"))])
     visits = [p.number for p in rig.positions if "at(B)" in p.facts]
     kept = [p.number for p in rig.positions if "far" not in p.dropped]
     assert visits and set(visits) <= set(kept)

@@ -76,7 +76,7 @@ def test_a_task_that_speaks_of_a_belief_hears_at_once_that_the_map_contradicts_i
     assert (replaced.number, replaced.reason) == (1, cut_off.text)
     assert str(replaced.plan) == "inspect(here, A), move(A, H), (wait)^w"
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of(SkillFailed) == rig.of(BeliefWithdrawn) == []
+    assert not rig.of(SkillFailed) and not rig.of(BeliefWithdrawn)
     assert rig.executive.replans == 1
     assert "accessible(B)" in rig.positions[-1].withdrawn
 
@@ -88,7 +88,7 @@ def test_the_answer_is_the_same_where_it_takes_many_ticks(monkeypatch: pytest.Mo
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.one(PlanReplaced).reason == rig.one(PlacesCutOff).text
     assert rig.time_of(PlanReplaced) > rig.time_of(PlacesCutOff) + TICK_S
-    assert rig.of(SkillFailed) == rig.of(BeliefWithdrawn) == []
+    assert not rig.of(SkillFailed) and not rig.of(BeliefWithdrawn)
     assert rig.places == ["A", "H"]
 
 
