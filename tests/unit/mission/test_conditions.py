@@ -109,4 +109,5 @@ def test_a_percentage_is_compared_with_what_it_may_be(text: str, what: str) -> N
 
 
 def test_a_battery_that_is_not_known_is_a_condition() -> None:
-    assert parse_condition("BATTERY_STATUS.battery_remaining < 0").is_met_by(-1)
+    condition = parse_condition("BATTERY_STATUS.battery_remaining < 0")
+    assert isinstance(condition, Condition) and condition.is_met_by(-1)

@@ -48,7 +48,9 @@ def in_degrees(about: GlobalOrigin = HOME) -> dict[str, Any]:
     """The same mission in latitude and longitude."""
     mission = copy.deepcopy(IN_METRES) | {"frame": "wgs84"}
     fence = mission["limits"]["fence"]
-    mission["limits"]["fence"] = [list(degrees(*corner, about)) for corner in fence]
+    mission["limits"]["fence"] = [
+        list(degrees(east_m, north_m, about)) for east_m, north_m in fence
+    ]
     for entry in (*mission["places"].values(), mission["skills"]["move"]["look_at"]):
         latitude, longitude = degrees(entry.pop("east_m"), entry.pop("north_m"), about)
         entry |= {"lat_deg": latitude, "lon_deg": longitude}

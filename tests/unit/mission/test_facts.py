@@ -44,7 +44,7 @@ def test_a_copy_is_the_same_fact() -> None:
 
 def test_a_fact_cannot_be_changed() -> None:
     with pytest.raises(AttributeError):
-        at("A").predicate = "in"  # type: ignore[misc]
+        at("A").predicate = "in"
 
 
 def test_an_atom_becomes_a_fact_where_its_variables_are_bound() -> None:

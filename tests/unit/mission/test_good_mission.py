@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.errors import MissionError
+from companion.errors import Location, MissionError
 from companion.ltl.parser import parse
 from companion.mission.facts import Atom
 from companion.mission.model import (
@@ -66,7 +66,8 @@ def test_a_moment_cannot_hold_for_a_time(load: Load, good: str) -> None:
     for more in ("", "\n    latch: true", f"\n    until: {CALLED[1]}"):
         with pytest.raises(MissionError, match="a command to hold for 2 s") as caught:
             load(good.replace(CALLED[0], f"{CALLED[1]}\n    for_s: 2{more}"))
-        assert caught.value.where is not None and caught.value.where.line == 20
+        where = caught.value.where
+        assert isinstance(where, Location) and where.line == 20
         assert "remove for_s" in str(caught.value)
     level = "BATTERY_STATUS.battery_remaining > 80"
     load(good.replace(CALLED[0], f"{CALLED[1]}\n    for_s: 2\n    until: {level}"))

@@ -15,7 +15,7 @@ from drawn import drawn
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import FormulaError, MissionError
+from companion.errors import FormulaError, Location, MissionError
 from companion.mission.loader import load_mission
 from companion.mission.model import (
     LandAtSafePlace,
@@ -347,7 +347,7 @@ def test_edits_raise_nothing_but_mission_errors(
     try:
         mission = load(text.encode("utf-8", "surrogatepass"))
     except MissionError as error:
-        assert error.where is not None
+        assert isinstance(error.where, Location)
         assert error.where.line <= text.count("\n") + text.count("\r") + 2
     else:
         assert mission.task

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.documents.document import TextDocument
-from companion.errors import MissionError
+from companion.errors import Location, MissionError
 from companion.mission.facts import at
 from companion.mission.literals import parse_effect, parse_literals
 from companion.mission.model import Mission, Skill, Wait
@@ -27,8 +27,8 @@ def test_a_forgotten_departure_is_refused_with_its_line(load: Load, good: str) -
     assert "move brings the vehicle to to, and leaves it at from too" in str(caught.value)
     assert "add !at(from) to its effect" in str(caught.value)
     where = caught.value.where
-    assert where is not None
-    assert good.splitlines()[(where.line or 0) - 1].strip() == f"effect: {MOVED}"
+    assert isinstance(where, Location)
+    assert good.splitlines()[where.line - 1].strip() == f"effect: {MOVED}"
 
 
 @pytest.mark.parametrize(

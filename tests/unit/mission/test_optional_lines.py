@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
@@ -13,7 +14,7 @@ from companion.ltl.parser import parse
 from companion.mission.model import Mission
 
 
-def room(task: dict[str, object] | None, **more: object) -> dict[str, Any]:
+def room(task: Mapping[str, object] | None, **more: object) -> dict[str, Any]:
     places = {"Home": (0, 0), "A": (5, 0), "B": (5, 5)}
     return {
         "version": 1,
@@ -36,11 +37,11 @@ def room(task: dict[str, object] | None, **more: object) -> dict[str, Any]:
     }
 
 
-def read(task: dict[str, object], **more: object) -> Mission:
+def read(task: Mapping[str, object], **more: object) -> Mission:
     return load_mission(room(task, **more))
 
 
-def refused(task: dict[str, object], **more: object) -> str:
+def refused(task: Mapping[str, object], **more: object) -> str:
     with pytest.raises(MissionError) as error:
         read(task, **more)
     return str(error.value)

@@ -12,7 +12,7 @@ from drawn import drawn
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.errors import MissionError
+from companion.errors import Location, MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
@@ -283,9 +283,9 @@ def test_at_has_one_argument(folder: Path) -> None:
 def test_a_mistake_is_located_in_its_file(spoil: Spoil) -> None:
     with pytest.raises(MissionError, match="Found invalid expression: p3") as caught:
         spoil(PROBLEM, "(in p2 Home)", "(in p3 Home)")
-    assert caught.value.where is not None
-    assert caught.value.where.path.endswith(PROBLEM)
-    assert (caught.value.where.line, caught.value.where.column) == (4, 44)
+    where = caught.value.where
+    assert isinstance(where, Location) and where.path.endswith(PROBLEM)
+    assert (where.line, where.column) == (4, 44)
 
 
 @pytest.mark.parametrize(

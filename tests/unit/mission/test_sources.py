@@ -77,7 +77,7 @@ def test_a_mistake_in_a_text_has_its_line_and_column(text: str) -> None:
     assert caught.value.where == Location("<mission>", 44, 16)
 
 
-def changed(data: Data, keys: tuple[str | int, ...], value: Any) -> Any:
+def changed(data: Any, keys: tuple[str | int, ...], value: Any) -> Any:
     """Data with another value at some keys."""
     if not keys:
         return value

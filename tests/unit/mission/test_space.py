@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
@@ -178,7 +179,7 @@ def kept_out(**zones: Any) -> dict[str, Any]:
     return {"limits": {**FIELD["limits"], "keep_out": zones}}
 
 
-def with_area(*corners: list[float], **entry: Any) -> dict[str, Any]:
+def with_area(*corners: Sequence[float], **entry: Any) -> dict[str, Any]:
     place = {"east_m": 12, "north_m": 0, "up_m": 2, "corners": [*corners], **entry}
     return {"places": {**FIELD["places"], "A": place}}
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from synthetic import facts_of
 
-from companion.errors import MissionError
+from companion.errors import Location, MissionError
 from companion.ltl.parser import parse
 from companion.mission.model import Mission
 from companion.planning.domain import Action
@@ -55,7 +55,7 @@ def test_an_effect_under_a_condition(load: Load, parcels: str) -> None:
     action = actions(load(parcels))["load(p1, A)"]
     before = facts_of("at(A)", "in(p1, A)", "fragile(p1)")
     assert action.apply(before) == {"at(A)", "has(p1)", "shaken(p1)"}
-    assert action.apply(before | {"low"}) == {"at(A)", "has(p1)", "fragile(p1)", "low"}
+    assert action.apply(before | facts_of("low")) == {"at(A)", "has(p1)", "fragile(p1)", "low"}
     assert action.apply(before - {"fragile(p1)"}) == {"at(A)", "has(p1)"}
 
 
@@ -128,6 +128,8 @@ def test_a_mistake_is_answered(load: Load, parcels: str, old: str, new: str, mes
     with pytest.raises(MissionError) as caught:
         load(parcels.replace(old, new.replace("§", "")))
     assert message in caught.value.what
-    if "§" in new and caught.value.where is not None:
+    where = caught.value.where
+    if "§" in new and where is not None:
+        assert isinstance(where, Location)
         before = parcels[: parcels.index(old)] + new[: new.index("§")]
-        assert caught.value.where.line == before.count("\n") + 1
+        assert where.line == before.count("\n") + 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,7 @@ def refusal(folder: Path, **more: Any) -> str:
     return str(error.value).removeprefix(f"{folder}/field.plan: ")
 
 
-def are_near(corners: tuple[NorthEast, ...], others: list[NorthEast]) -> bool:
+def are_near(corners: tuple[NorthEast, ...], others: Sequence[NorthEast]) -> bool:
     """Whether two lists have the same corners, in any order, to a centimetre."""
     return len(corners) == len(others) and all(
         any(math.dist(corner, other) < 0.01 for other in others) for corner in corners
@@ -210,7 +211,7 @@ def _triangle_m2(a: NorthEast, b: NorthEast, c: NorthEast) -> float:
     return abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2
 
 
-def _gap_m(point: NorthEast, a: Any, b: Any) -> float:
+def _gap_m(point: NorthEast, a: LatLon, b: LatLon) -> float:
     """Distance of a point from the line through two corners."""
     p, q, r = at(*point), a, b
     scale = math.cos(math.radians(HOME[0]))

@@ -147,8 +147,8 @@ def test_shapes_of_many_parts_are_their_parts(tmp_path: Path) -> None:
     """Mapping tools save a layer of polygons, even of one, as MultiPolygons."""
     points = feature("MultiPoint", [lon_lat(30, 0), lon_lat(30, 40)], name="Tree")
     fence = feature("MultiPolygon", [[ring(90)]], kind="fence")
-    ponds = [[[lon_lat(n + i, n + j) for i, j in BEND]] for n in (50, 70)]
-    ponds = feature("MultiPolygon", ponds, kind="keep_out")
+    parts = [[[lon_lat(n + i, n + j) for i, j in BEND]] for n in (50, 70)]
+    ponds = feature("MultiPolygon", parts, kind="keep_out")
     mission = load_mission(
         imported(tmp_path, collection(points, fence, ponds), "map.geojson", UP)[0]
     )

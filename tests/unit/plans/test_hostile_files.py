@@ -99,8 +99,8 @@ def test_many_points_and_corners_of_a_map_are_refused(tmp_path: Path) -> None:
     for kind, corners in (("LineString", line), ("Polygon", [line])):
         with pytest.raises(MissionError, match=f"more than {MAX_POINTS}"):
             imported(tmp_path, {"type": kind, "coordinates": corners}, "map.geojson", UP)
-    corners = " ".join(f"{east},{north}" for east, north in line)
-    path = f"<LineString><coordinates>{corners}</coordinates></LineString>"
+    points = " ".join(f"{east},{north}" for east, north in line)
+    path = f"<LineString><coordinates>{points}</coordinates></LineString>"
     with pytest.raises(MissionError, match=f"more than {MAX_POINTS}"):
         imported(tmp_path, f"<kml><Placemark>{path}</Placemark></kml>", "map.kml", UP)
 
