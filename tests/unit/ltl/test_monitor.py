@@ -62,10 +62,10 @@ def continuation(runs: Runs) -> tuple[list[Letter], list[Letter]]:
 
     for nodes in nx.strongly_connected_components(graph):
         inside = [t for t in runs.automaton.transitions if {t.source, t.target} <= nodes]
-        chosen = [next((t for t in inside if m in t.marks), None) for m in marks(runs)]
-        if not inside or None in chosen:
+        with_mark = [[t for t in inside if m in t.marks] for m in marks(runs)]
+        if not inside or not all(with_mark):
             continue
-        chosen = chosen or inside[:1]
+        chosen = [found[0] for found in with_mark] or inside[:1]
         for start in runs.states:
             if not nx.has_path(graph, start, chosen[0].source):
                 continue
@@ -149,7 +149,9 @@ def automaton(*edges: tuple[int, int, set[int]], marks: int, label: Label) -> Bu
 
 def test_a_state_is_live_if_a_run_from_it_can_meet_every_mark_again_and_again() -> None:
     """0 -> 1 <-> 2 with both marks on the circle; 3 has but one mark; 4 leads nowhere."""
-    edges = ((0, 1, set()), (1, 2, {0}), (2, 1, {1}), (0, 3, {0, 1}), (3, 3, {0}), (3, 4, {1}))
+    edges: list[tuple[int, int, set[int]]] = [
+        (0, 1, set()), (1, 2, {0}), (2, 1, {1}), (0, 3, {0, 1}), (3, 3, {0}), (3, 4, {1}),
+    ]  # fmt: skip
     asked = automaton(*edges, marks=2, label=TRUE_LABEL)
     assert live_states(asked) == {0, 1, 2}
     for state in range(5):

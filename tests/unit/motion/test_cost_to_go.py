@@ -99,8 +99,8 @@ def test_edges_are_seen_alike_from_both_ends() -> None:
     free = np.random.default_rng(0).random(shape) < 0.9
     graph, cells = grid_graph(free).without(entering), np.arange(free.size)
     (ends, there), (starts, back) = graph.successors(cells), graph.predecessors(cells)
-    outgoing = {(a, int(b)) for a in cells for b in ends[a][np.isfinite(there[a])]}
-    incoming = {(int(a), b) for b in cells for a in starts[b][np.isfinite(back[b])]}
+    outgoing = {(int(a), int(b)) for a in cells for b in ends[a][np.isfinite(there[a])]}
+    incoming = {(int(a), int(b)) for b in cells for a in starts[b][np.isfinite(back[b])]}
     assert outgoing == incoming
     assert len(outgoing) < np.isfinite(grid_graph(free).successors(cells)[1]).sum()
 

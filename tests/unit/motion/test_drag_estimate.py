@@ -27,14 +27,15 @@ def fly(
         angle = math.radians(60) * (now_s // 6)
         speed = 2.0 * min(1.0, (now_s % 6) / 1.5, (6 - now_s % 6) / 1.5)
         wanted = (speed * math.cos(angle), speed * math.sin(angle))
-        thrust = tuple(
+        thrust = [
             drag_per_s * (v - w) + (u - v) / STEP_S * 0.5
             for v, w, u in zip(velocity, wind, wanted, strict=True)
-        )
+        ]
         error = (0.0, 0.0)
         if wander is not None:
             wander.step(STEP_S)
-            error = wander.velocity
+            north, east = wander.velocity
+            error = (north, east)
         told = (velocity[0] + error[0], velocity[1] + error[1])
         estimate.take(now_s, told, (thrust[0], thrust[1]))
         for axis in (0, 1):
@@ -67,7 +68,8 @@ def test_a_vehicle_without_drag_that_hovers_is_told_nothing() -> None:
     wander = Wander(0.25, 0.3).level_error(Random(1))
     for tick in range(1200):
         wander.step(STEP_S)
-        estimate.take(tick * STEP_S, wander.velocity, (0.0, 0.0))
+        north, east = wander.velocity
+        estimate.take(tick * STEP_S, (north, east), (0.0, 0.0))
     assert estimate.per_s < 0.1
 
 

@@ -107,7 +107,7 @@ def test_edges_into_an_area_are_those_that_enter_it(corners: list[Point], is_rou
         corners = [(round(row), round(col)) for row, col in corners]
     shape, polygon = (13, 15), np.array(corners)
     regions = Regions(("X",), np.array([[6.2, 7.1]]), np.array([6.0]), {"X": polygon})
-    cells = np.argwhere(np.ones(shape))
+    cells = np.argwhere(np.ones(shape)).astype(np.float64)
     ends = cells[:, None] + OFFSETS
     is_on_map = np.all((ends >= 0) & (ends < shape), axis=-1)
     enter = enters_polygon(cells[:, None] + 0.5, ends + 0.5, polygon) & is_on_map
