@@ -12,9 +12,9 @@ import ast
 import copy
 from collections import Counter
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+SWAPS: dict[type[ast.AST], type[Any]] = {
     ast.Lt: ast.LtE,
     ast.LtE: ast.Lt,
     ast.Gt: ast.GtE,
@@ -39,7 +39,12 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.LShift: ast.RShift,
     ast.RShift: ast.LShift,
 }
-OPPOSITE = {ast.Lt: ast.Gt, ast.LtE: ast.GtE, ast.Gt: ast.Lt, ast.GtE: ast.LtE}
+OPPOSITE: dict[type[ast.AST], type[Any]] = {
+    ast.Lt: ast.Gt,
+    ast.LtE: ast.GtE,
+    ast.Gt: ast.Lt,
+    ast.GtE: ast.LtE,
+}
 
 
 class Mutant(NamedTuple):
@@ -108,7 +113,7 @@ def _with(tree: ast.Module, index: int, changed: ast.AST) -> ast.Module:
     whole = copy.deepcopy(tree)
     for at, (_, node) in enumerate(_nodes(whole)):
         if at == index:
-            node.__class__ = changed.__class__  # type: ignore[assignment]
+            node.__class__ = changed.__class__
             node.__dict__ = {**node.__dict__, **changed.__dict__}
     return ast.fix_missing_locations(whole)
 
@@ -119,13 +124,13 @@ def _changes(node: ast.AST) -> Iterator[ast.AST]:
             for i, operator in enumerate(node.ops):
                 for kinds in (SWAPS, OPPOSITE):
                     if type(operator) in kinds:
-                        ops = [*node.ops[:i], kinds[type(operator)](), *node.ops[i + 1 :]]  # type: ignore[index]
+                        ops = [*node.ops[:i], kinds[type(operator)](), *node.ops[i + 1 :]]
                         yield ast.Compare(node.left, ops, node.comparators)
         case ast.BoolOp():
-            yield ast.BoolOp(SWAPS[type(node.op)](), node.values)  # type: ignore[arg-type]
+            yield ast.BoolOp(SWAPS[type(node.op)](), node.values)
         case ast.BinOp() | ast.AugAssign() if type(node.op) in SWAPS:
             changed = copy.copy(node)
-            changed.op = SWAPS[type(node.op)]()  # type: ignore[assignment]
+            changed.op = SWAPS[type(node.op)]()
             yield changed
         case ast.UnaryOp(op=ast.Not(), operand=operand):
             yield ast.BoolOp(ast.And(), [operand, operand])
