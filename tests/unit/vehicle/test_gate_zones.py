@@ -19,7 +19,8 @@ from companion.geometry import is_in_polygon
 from companion.motion.grid import distances_to_edge
 from companion.motion.line_of_sight import LineOfSight
 from companion.outcomes import Refusal
-from companion.vehicle.gate import Corner, Verdict
+from companion.vehicle.gate import Verdict
+from companion.vehicle.gate_polygons import Corner
 from companion.vehicle.port import hold_at
 
 SQUARE = ((4.0, 16.0), (4.0, 18.0), (6.0, 18.0), (6.0, 16.0))
@@ -174,8 +175,8 @@ def test_each_area_of_the_autopilots_own_fence_holds(
     at_the_margin = replace(GOOD, position=(*edge, -2.25))
     assert verdict(at_the_margin, state, envelope) == Verdict(at_the_margin)
     for beyond_m in (AFTER, 1.0):
-        there = [e + beyond_m * o for e, o in zip(edge, outwards, strict=True)]
-        found = verdict(replace(GOOD, position=(*there, -2.25)), state, envelope)
+        north, east = (e + beyond_m * o for e, o in zip(edge, outwards, strict=True))
+        found = verdict(replace(GOOD, position=(north, east, -2.25)), state, envelope)
         assert found == Verdict(hold_at(state.position, state.yaw_rad), Refusal(OWN))
 
 

@@ -6,6 +6,7 @@ import socket
 import time
 from collections.abc import Iterator
 from contextlib import closing
+from typing import Any
 
 import pytest
 from autopilot import Autopilot
@@ -134,7 +135,8 @@ def listener() -> Iterator[Link]:
 
 
 def address_of(made: Link) -> tuple[str, int]:
-    host, port = made.transport.address
+    transport: Any = made.transport
+    host, port = transport.address
     return host, port
 
 
@@ -199,7 +201,7 @@ def test_receive_takes_all_that_has_arrived_and_does_not_wait(peer: Peer, listen
 def test_what_has_arrived_may_be_discarded(peer: Peer) -> None:
     """All of it, also more than a step takes in; what comes later is received."""
     with closing(Link(parse_url("udpin://127.0.0.1:0"))) as link:
-        to = link.transport.address
+        to = address_of(link)
         for i in range(2000):
             peer.socket.sendto(b"old %d" % i, to)
         link.discard()

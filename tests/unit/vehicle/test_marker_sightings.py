@@ -83,7 +83,8 @@ class Vehicle:
 
 def test_a_position_in_the_local_frame_is_one_in_the_missions() -> None:
     seen = Vehicle().sees(target())
-    assert seen == MarkerSighting(NOW_S, CAMERA, 3, pytest.approx(MARKER))
+    assert seen.position == pytest.approx(MARKER)
+    assert seen == MarkerSighting(NOW_S, CAMERA, 3, seen.position)
 
 
 @pytest.mark.parametrize("frame", [dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_LOCAL_FRD])
@@ -166,5 +167,5 @@ def test_a_flood_is_looked_at_in_part_and_forgotten_in_the_next_tick() -> None:
         vehicle.take(target())
     assert len(vehicle.markers.seen) == MOST
     vehicle.markers.step(Moment(NOW_S, NOW_S, False))
-    assert vehicle.markers.seen == vehicle.markers.refused == []
+    assert (vehicle.markers.seen, vehicle.markers.refused) == ([], [])
     assert vehicle.markers.due(Moment(NOW_S, NOW_S, False)) == []

@@ -153,6 +153,7 @@ def test_the_gate_knows_what_is_of_the_task_and_whether_that_is_violated(meeting
 def test_a_heading_that_is_heard_no_longer_holds(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.autopilot.unsent = {"ATTITUDE"}
+    sent: Any = None
     for _ in range(12):
         meeting.vehicle.fly(AHEAD)
         (sent,) = of_type(meeting.tick(), SETPOINT)
@@ -199,6 +200,7 @@ def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number
     meeting.tick()
     known = meeting.vehicle.state
     meeting.autopilot.yaw_rad = number
+    sent: list[Any] = []
     for _ in range(12):
         meeting.autopilot.position = [number, 0.0, -2.0]
         sent = of_type(meeting.tick(), SETPOINT)

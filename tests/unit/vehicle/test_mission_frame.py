@@ -52,7 +52,8 @@ def test_the_frame_is_nearer_to_the_truth_than_one_sample() -> None:
         heard: list[Ned] = []
         for _ in range(round(2 * SETTLING_S / TICK_S)):
             wander.step(TICK_S)
-            heard.append((*wander.position, 0.0))
+            north, east = wander.position
+            heard.append((north, east, 0.0))
         frame = at_home(heard[0])
         stand(frame, heard)
         frame.lay((0.0, 0.0, -2.0))

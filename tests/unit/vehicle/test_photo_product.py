@@ -218,11 +218,11 @@ def test_whatever_is_lost_or_late_there_is_one_photo_and_no_word_too_many(
 
 
 def every() -> Iterator[World]:
-    for asked, answer, image, *flags in product(
-        (Fate.COMES, Fate.LOST), Fate, Fate, *[(False, True)] * 4
-    ):
+    fates = product((Fate.COMES, Fate.LOST), Fate, Fate)
+    flags = product(*[(False, True)] * 4)
+    for (asked, answer, image), (a, b, c, d) in product(fates, flags):
         for after_s, late_s in ((0.4, 1.0), (5.0, 3.0), (9.0, 8.0), (14.0, 12.0)):
-            yield World(asked, answer, image, *flags, after_s, late_s)
+            yield World(asked, answer, image, a, b, c, d, after_s, late_s)
 
 
 @pytest.mark.long

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -118,7 +117,7 @@ class Talk:
 
 
 @pytest.fixture
-def talk() -> Iterator[Talk]:
+def talk() -> Talk:
     return Talk()
 
 
@@ -405,7 +404,8 @@ def test_one_that_was_not_made_is_not_taken_for_made_by_anothers(talk: Talk) -> 
     talk.tick()
     talk.image(0)
     talk.run(0.1)
-    assert talk.outcome == PhotoMade(1, 0)
+    made = talk.outcome
+    assert made == PhotoMade(1, 0)
     talk.count = 1
     talk.cameras.forget(talk.ticket)
     talk.prepare()

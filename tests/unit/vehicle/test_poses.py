@@ -64,7 +64,7 @@ def test_none_is_known_until_position_and_attitude_have_come() -> None:
     turned: Any = dialect.MAVLink_attitude_message(1900, 0.1, 0.2, 0.3, 0, 0, 0)
     lost: Any = dialect.MAVLink_attitude_message(2100, math.nan, 0.2, 0.3, 0, 0, 0)
     keep_pose(poses, place, telemetry)
-    assert poses.at(2.0) is None and poses.complete_until_s is None
+    assert (poses.at(2.0), poses.complete_until_s) == (None, None)
     for message in (turned, lost):
         keep_pose(poses, message, telemetry)
     assert (poses.newest_s, poses.complete_until_s) == (2.0, 1.9)

@@ -98,9 +98,8 @@ def test_what_was_answered_is_recorded_once(wire: Wire) -> None:
 
 
 def test_a_companion_that_flies_nothing_answers_too() -> None:
-    host = SortieHost(
-        pytest.fail, pytest.fail, pytest.fail, uploads=None, functions=FunctionRunner()
-    )
+    never: Any = pytest.fail
+    host = SortieHost(never, never, never, uploads=None, functions=FunctionRunner())
     companion = Companion(HostedRuns(host))
     heard = [HEARTBEAT, question(77)]
     sent: list[Any] = [m for d in companion.step(2.0, heard) for m in EAR.parse(d)]
@@ -114,7 +113,7 @@ def test_our_clock_beside_the_autopilots() -> None:
     (asked,) = clock.due(1010.0)
     clock.take(1010.04, dialect.MAVLink_timesync_message(10 * NANO, asked.ts1))
     offset = clock.offset
-    assert offset == ClockOffset(pytest.approx(1000.02), pytest.approx(0.02))
+    assert offset == pytest.approx(ClockOffset(1000.02, 0.02))
     assert offset is not None and abs(offset.offset_s - 1000.03) <= offset.uncertainty_s
 
 
@@ -124,6 +123,7 @@ def test_our_clock_beside_the_autopilots() -> None:
 def test_the_autopilot_finds_the_offset_and_follows_a_drift() -> None:
     """Our clock is 1 s ahead and 20 millionths too fast; the way is 2 ms each time."""
     offset = TimeOffset()
+    asked_us, remote_us = 0, 0.0
     for k in range(4 * CONVERGED):
         asked_us = 5_000_000 + k * 100_000
         remote_us = (asked_us + 2_000) * (1 + 20e-6) + 1_000_000

@@ -89,7 +89,12 @@ def test_frames_pass_a_serial_port_in_both_directions(board: Board, serial_link:
     assert serial_link.wait(PATIENCE_S) and serial_link.receive() == []
     os.write(board.ours, heartbeat()[7:] + heartbeat(42))
     heard: list[bytes] = []
-    until(lambda: heard.extend(serial_link.receive()) or len(heard) == 2)
+
+    def has_both() -> bool:
+        heard.extend(serial_link.receive())
+        return len(heard) == 2
+
+    until(has_both)
     assert heard == [heartbeat(), heartbeat(42)]
     serial_link.send([heartbeat(191)])
     assert until(board.read) == heartbeat(191), "and call no longer"
@@ -145,6 +150,7 @@ def test_a_server_is_connected_to_until_it_is_there_and_again() -> None:
             with socket.create_server(("127.0.0.1", port)) as server:
                 server.setblocking(False)
                 peer = until(lambda: link.receive() or accepted(server))
+            assert isinstance(peer, socket.socket)
             with peer:
                 peer.sendall(heartbeat())
                 assert until(link.receive) == [heartbeat()]
