@@ -180,7 +180,8 @@ def test_take_off_and_land() -> None:
     cascade = Cascade()
     cascade.reset(1.0)
     for _ in range(500):
-        state = driven(physics, cascade.idle())
+        driven(physics, cascade.idle())
+    state = physics.state
     assert state.is_on_ground
     assert math.hypot(*state.position) < 0.005
     assert state.motor_speed_radps == pytest.approx((60.0,) * 4, abs=1.0)

@@ -1,6 +1,7 @@
 """The failsafe table and its rules, without a vehicle."""
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -206,7 +207,7 @@ def test_after_a_take_over_the_intended_mode_is_flown_in_the_same_situation(
     ],
 )
 def test_stages_and_their_texts(
-    parameters: dict[str, float], stages: list[str], text: str | None
+    parameters: dict[str, Any], stages: list[str], text: str | None
 ) -> None:
     state, outside = FailsafeState(), conditions(breached=True, **parameters)
     state.update(outside, 0.0)

@@ -82,7 +82,8 @@ def test_what_arrives_was_sent_and_came_in_its_time(quality: LinkQuality, seed: 
     fates = []
     for _ in range(2):
         lane = Disturbance(direction, {(port, direction): quality}, seed)
-        sent_s, arrivals = {}, []
+        sent_s: dict[bytes, float] = {}
+        arrivals: list[tuple[float, bytes]] = []
         for tick in range(80):
             now_s = 0.05 * tick
             sent = [(LinkName.OFFBOARD, bytes([tick]))] if tick < 30 else []

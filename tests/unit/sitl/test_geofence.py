@@ -164,6 +164,6 @@ def test_in_flight_a_fence_must_hold_the_vehicle_too() -> None:
     assert upload(wire, fences, kind=1) == ACCEPTED
     wire.run(0.02)
     (area,) = wire.simulation._autopilot.fence.areas
-    assert area.shape.radius_m == 60.0
+    assert isinstance(area.shape, FenceCircle) and area.shape.radius_m == 60.0
     assert "Geofence invalid, doesn't contain current vehicle position" in "".join(wire.texts())
     assert wire.simulation.mode == "OFFBOARD"

@@ -83,7 +83,8 @@ def test_beams_of_a_vehicle_that_leans_end_at_the_first_thing_they_come_into(
     def is_solid(points: Floats) -> Bools:
         cells = np.floor((points[:2].T - grid.origin) / grid.cell_m).astype(int)
         row, col = np.clip(cells + 1, 0, np.array(heights_m.shape) - 1).T
-        return (-points[2] < heights_m[row, col] - 1e-9) | (points[2] > 1e-9)
+        solid: Bools = (-points[2] < heights_m[row, col] - 1e-9) | (points[2] > 1e-9)
+        return solid
 
     lidar, start = Lidar(LidarSpec(), grid, Random(0)), np.array((0.013, -0.021, -up_m))
     scan = lidar.scan((start[0], start[1]), yaw, up_m, (roll, pitch))

@@ -167,7 +167,7 @@ def test_a_heading_that_is_asked_for_is_reached() -> None:
         place(WAYPOINT, (10, 0, 5), yaw_deg=90.0),
         place(WAYPOINT, (10, 20, 5), yaw_deg=-90.0),
     )
-    headings = {}
+    headings: dict[int, float] = {}
     while wire.simulation.mode == "AUTO.MISSION":
         wire.run(0.02)
         for seq in order(wire)[len(headings) :]:
@@ -179,27 +179,27 @@ def test_a_heading_that_is_asked_for_is_reached() -> None:
 def test_the_states_of_a_plan() -> None:
     plan, waypoints = MissionPlan(), [MissionItem(MissionCommand.WAYPOINT)] * 2
     plan.load(waypoints, None, 0.0)
-    assert plan.state is PlanState.NOT_STARTED
+    assert (plan.state, plan.current) == (PlanState.NOT_STARTED, 0)
     assert plan.set_current(1)
     plan.note_disarming()
-    assert plan.state is PlanState.NOT_STARTED
+    assert (plan.state, plan.current) == (PlanState.NOT_STARTED, 1)
     assert plan.begin()
-    assert plan.state is PlanState.STARTED
+    assert (plan.state, plan.current) == (PlanState.STARTED, 1)
     plan.note_disarming()
-    assert plan.state is PlanState.ENDED_EARLY
+    assert (plan.state, plan.current) == (PlanState.ENDED_EARLY, 1)
     assert plan.begin()
     assert (plan.state, plan.current) == (PlanState.STARTED, 0)
     plan.note_disarming()
-    assert plan.state is PlanState.STARTED  # not at the last item
+    assert (plan.state, plan.current) == (PlanState.STARTED, 0)  # not at the last item
     assert plan.advance()
     assert not plan.advance()
     assert (plan.state, plan.current) == (PlanState.COMPLETE, 1)
     assert plan.begin()  # in the air: the last item once more
     assert not plan.advance()
     plan.note_disarming()
-    assert plan.state is PlanState.ENDED
+    assert (plan.state, plan.current) == (PlanState.ENDED, 1)
     assert plan.set_current(1)
-    assert plan.state is PlanState.STARTED
+    assert (plan.state, plan.current) == (PlanState.STARTED, 1)
 
 
 def test_a_mission_that_is_left_goes_on_where_it_was() -> None:
@@ -338,7 +338,8 @@ PLANS = st.lists(st.none() | JUMPS, min_size=1, max_size=6)
 def expanded(plan: list[tuple[int, int] | None], most: int) -> list[int]:
     """The items that are flown, by rule: each jump as often as it says."""
     left = [0 if step is None else step[1] for step in plan]
-    flown_items, at = [], 0
+    flown_items: list[int] = []
+    at = 0
     while at < len(plan) and len(flown_items) < most:
         step = plan[at]
         if step is None:

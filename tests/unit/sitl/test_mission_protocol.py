@@ -156,7 +156,8 @@ def test_a_store_is_as_before_or_what_one_client_has_sent_as_a_whole(
 ) -> None:
     stores = missions()
     clients = [Client(stores, A), Client(stores, B)]
-    promised, sent = [0, 0], [[], []]
+    promised = [0, 0]
+    sent: list[list[tuple[int, Any]]] = [[], []]
     now_s = 0.0
     for verb, who, message in talk:
         if verb == "wait":

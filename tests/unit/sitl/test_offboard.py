@@ -121,12 +121,15 @@ def test_without_a_pilot_posctl_sinks_lands_and_disarms() -> None:
 def test_arm_to_in_air_takes_the_spool_up_and_little_more() -> None:
     wire = Wire()
     wire.send(dialect.MAVLink_command_long_message(1, 1, 511, 0, 245, 20_000, 0, 0, 0, 0, 0))
-    stream = {"send": lambda: wire.setpoint(0, 0, -5)}
-    wire.run(0.2, **stream)
+
+    def setpoint() -> Any:
+        return wire.setpoint(0, 0, -5)
+
+    wire.run(0.2, send=setpoint)
     wire.set_mode("OFFBOARD")
     armed_s = wire.now_s
     wire.arm()
-    wire.run(5.0, **stream)
+    wire.run(5.0, send=setpoint)
     in_air_s = next(
         h.time_s for h in wire.named("EXTENDED_SYS_STATE") if h.message.landed_state == 2
     )

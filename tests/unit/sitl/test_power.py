@@ -9,7 +9,7 @@ import pytest
 from physics_steps import flown
 
 from companion.battery_profile import BatteryProfile
-from companion.geometry import GlobalOrigin, Ned
+from companion.geometry import GlobalOrigin, Ned, moved, times
 from sitl.flight.battery import BatterySpec
 from sitl.flight.controllers import Cascade, ControllerLimits, TrajectorySetpoint
 from sitl.flight.physics import Physics
@@ -25,8 +25,7 @@ def mean_w(velocity: Ned, wind: Ned = (0.0, 0.0, 0.0), charge: float = 0.8) -> f
     def steady(time_s: float) -> TrajectorySetpoint:
         ahead = time_s**2 / 8 if time_s < 4 else time_s - 2  # 4 s of acceleration
         share = min(1.0, time_s / 4)
-        north, east, down = (ahead * v for v in velocity)
-        return TrajectorySetpoint((north, east, -60.0 + down), tuple(share * v for v in velocity))
+        return TrajectorySetpoint(moved((0.0, 0.0, -60.0), velocity, ahead), times(velocity, share))
 
     states = flown(physics, Cascade(ControllerLimits(speed_mps=12.0)), steady, FLIGHT_S)
     return fmean(state.voltage_v * state.current_a for state in states[len(states) // 2 :])

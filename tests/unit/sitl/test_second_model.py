@@ -20,7 +20,7 @@ from second_rate_loop import SecondRateLoop
 
 from companion.geometry import GlobalOrigin, Ned
 from sitl.flight.controllers import CONTROL_STEPS, Cascade, TrajectorySetpoint
-from sitl.flight.physics import FlightState, Physics
+from sitl.flight.physics import FlightState, Physics, RateSetpoint
 from sitl.flight.rotors import Motors
 
 LATITUDE_DEG = 47.4
@@ -91,7 +91,7 @@ def test_the_mission_exercises_the_model(mission: Recording) -> None:
 
 def test_a_mission_is_the_same_in_both_models(mission: Recording) -> None:
     model, cascade, rate_loop = mission.model(0), Cascade(), SecondRateLoop()
-    apart_m = 0.0
+    wanted, apart_m = RateSetpoint(0.0, (0.0, 0.0, 0.0)), 0.0
     for i in range(STEPS - 1):
         if i % CONTROL_STEPS == 0:
             wanted = cascade.step(model.state, setpoint(i), CONTROL_S)
