@@ -22,6 +22,7 @@ from companion.foxglove.messages import LogMessage, heading, pose_in_map, stamp
 from companion.foxglove.recording import RecordedRun
 from companion.foxglove.scenery import PRIMITIVES, blocks, entity, kept, world
 from companion.foxglove.schemas import SCHEMAS
+from companion.geometry import NorthEast
 from companion.monitor.follower import Follower
 from companion.monitor.scene import read_scene
 from companion.record.events import read_events
@@ -47,7 +48,8 @@ class Read:
 
 @pytest.fixture(scope="module")
 def read(surveillance_run: Path) -> Read:
-    stream, told = io.BytesIO(), []
+    stream = io.BytesIO()
+    told: list[Any] = []
     zero = home_of_run(surveillance_run)
     run = RecordedRun(surveillance_run, zero, '{"type": "FeatureCollection"}', told.append)
     count = write_mcap(stream, run.start_unix_ns, run.messages(), {"clocks.json": b"{}"})
@@ -202,7 +204,9 @@ def test_a_heading_is_clockwise_from_north_and_a_rotation_is_not(yaw_deg: int) -
 
 def test_a_zone_has_its_name(surveillance_run: Path) -> None:
     """It stands above the zone's middle, as that of a place above the place."""
-    beds = {"beds": ((4.0, 8.0), (4.0, 12.0), (6.0, 12.0), (6.0, 8.0))}
+    beds: dict[str, tuple[NorthEast, ...]] = {
+        "beds": ((4.0, 8.0), (4.0, 12.0), (6.0, 12.0), (6.0, 8.0))
+    }
     entities = world(replace(read_scene(surveillance_run), keep_out=beds))["entities"]
     [zone] = (each for each in entities if each["id"] == "keep_out_beds")
     [label] = zone["texts"]

@@ -158,7 +158,7 @@ def test_bursts_follow_each_other_to_the_end(client: Client, step: int) -> None:
     client.put("a.yaml", CONTENT)
     session = client.ask(Opcode.OPEN_FILE_RO, "a.yaml").session
     content, fields = b"", {"session": session, "size": step}
-    while (replies := client.burst(Opcode.BURST_READ_FILE, offset=len(content), **fields))[
+    while (replies := client.burst(Opcode.BURST_READ_FILE, b"", offset=len(content), **fields))[
         0
     ].nak is None:
         assert len(replies) <= BURST

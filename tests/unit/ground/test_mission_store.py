@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -153,12 +154,13 @@ def test_all_files_together_have_a_limit(store: MissionStore) -> None:
 def test_the_verdict_is_read_only(store: MissionStore) -> None:
     store.publish(b"{}")
     assert store.read(VERDICT) == b"{}"
-    for attempt in (
+    attempts: list[Callable[[], object]] = [
         lambda: store.write(VERDICT, b"x"),
         lambda: store.remove(VERDICT),
         lambda: store.rename(VERDICT, "a2.yaml"),
         lambda: store.rename("a.yaml", VERDICT),
-    ):
+    ]
+    for attempt in attempts:
         with pytest.raises(FtpRefusal) as refused:
             attempt()
         assert refused.value.nak is Nak.FILE_PROTECTED

@@ -193,6 +193,7 @@ def test_what_was_accepted_and_not_flown_is_offered_again_after_a_restart(tmp_pa
     ground.put("surveillance.yaml", MISSION)
     number = ground.verdict().number
     ground.put("maps/hall.pgm", b"of another mission")
+    restarted = ground
     for times in (1, 2):
         restarted = Ground(Uploads(tmp_path))
         verdict = restarted.verdict()

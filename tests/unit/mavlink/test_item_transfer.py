@@ -175,9 +175,9 @@ def test_an_upload_is_done_when_all_was_asked_for() -> None:
     accepted = dialect.MAVLink_mission_ack_message(*OWN, dialect.MAV_MISSION_ACCEPTED, FENCE)
     ask = [dialect.MAVLink_mission_request_int_message(*OWN, seq, FENCE) for seq in range(2)]
     answers(transfer, accepted, ask[0], accepted)
-    assert transfer.state is TransferState.WRITING
+    before = transfer.state
     answers(transfer, ask[1], accepted)
-    assert transfer.state is TransferState.DONE
+    assert (before, transfer.state) == (TransferState.WRITING, TransferState.DONE)
 
 
 def test_one_that_is_busy_with_this_very_upload_goes_on_with_it() -> None:

@@ -65,4 +65,4 @@ def test_goals_of_a_line_that_begins_anew_are_due_again() -> None:
     assert due.due == (("watch", "C, D still due in this lap, or called"),)
     assert read(due, "called") == []
     due.read(frozenset({at("C")}), ("watch",))
-    assert due.due[1:] == (("watch", "D still due in this lap, or called"),), "another lap"
+    assert [*due.due][1:] == [("watch", "D still due in this lap, or called")], "another lap"

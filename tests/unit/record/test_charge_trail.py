@@ -136,7 +136,9 @@ def test_the_strip_shows_what_is_known(tmp_path: Path) -> None:
         [*MEASURED, (1.0, PLAN), (12.0, PlaceReached("D", "move(A, D)")), *charged, replan]
     )
     strip = figure_of(backdrop_of(mission("F at(A)")), trail).axes[0]
-    told = {text.get_text() for text in strip.get_legend().get_texts()}
+    legend = strip.get_legend()
+    assert legend is not None
+    told = {text.get_text() for text in legend.get_texts()}
     assert told == {"measured", "planned at least", "required", "reserve", "charging"}
     assert [text.get_text() for text in strip.texts] == ["replan 1"]
     draw_flight(backdrop_of(mission("F at(A)")), trail, tmp_path / "flight.png")

@@ -20,7 +20,8 @@ OTHERS = stat.S_IRWXG | stat.S_IRWXO
 )
 def test_a_run_folder_and_what_lies_in_it(tmp_path: Path, umask: int, forbidden: int) -> None:
     runs = tmp_path / "new" / "runs"
-    command = [sys.executable, "-m", "companion", "run", MISSION, *NO_VEHICLE, "--log-dir", runs]
+    run = [sys.executable, "-m", "companion", "run", str(MISSION), *NO_VEHICLE]
+    command = [*run, "--log-dir", str(runs)]
     ended = subprocess.run(command, umask=umask, capture_output=True, timeout=600, check=False)
     assert ended.returncode == 4, ended.stderr
     made = [runs.parent, *runs.parent.rglob("*")]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from threading import Thread
@@ -68,6 +69,10 @@ def lines(run: RunFolder) -> list[dict[str, object]]:
     return [json.loads(line) for line in text.splitlines()]
 
 
+def has_lines(run: RunFolder, number: int) -> bool:
+    return len(lines(run)) == number
+
+
 def value(number: int) -> bytes:
     message = dialect.MAVLink_named_value_int_message(number, b"target", number)
     return MavlinkCodec(1, 26).pack(message)
@@ -85,7 +90,7 @@ def test_each_report_is_a_line_at_once(run: RunFolder, told: list[Stamped]) -> N
     ]
     for number, report in enumerate(reports, start=1):
         run.report(report)
-        assert comes_true(lambda number=number: len(lines(run)) == number)
+        assert comes_true(partial(has_lines, run, number))
     assert lines(run) == [
         {
             "t_s": 0.05,

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from offered import installed_in, offer
@@ -106,7 +107,7 @@ def east(run, place, waypoint): return waypoint.east_m > place.east_m
 def vague(run, place, waypoint): return None
 """
 A = Place("A", 0.0, 6.0, 2.0, 47.0, 8.0, 500.0)
-ABOUT = {"places": (A,), "vehicle": Vehicle(0.0, 0.0, 2.0, 90.0, False)}
+ABOUT: dict[str, Any] = {"places": (A,), "vehicle": Vehicle(0.0, 0.0, 2.0, 90.0, False)}
 ACT = Function(FunctionKind.SKILL, "act")
 
 
@@ -368,7 +369,12 @@ def test_in_real_time_nothing_waits(
     until(lambda: functions.awaited() == (), "it is not loaded")
     ticket = functions.begin(CallRequest(Call(ACT, ("nothing",)), **ABOUT))
     answers: list[Answer] = []
-    until(lambda: answers.extend(functions.take(ticket, 0.0)) or answers, "it does not end")
+
+    def has_answered() -> bool:
+        answers.extend(functions.take(ticket, 0.0))
+        return bool(answers)
+
+    until(has_answered, "it does not end")
     assert answers == [Returned()]
     functions.prepare([])
     functions.end_calls()
