@@ -254,6 +254,7 @@ def test_every_character_of_a_scalar_is_found_in_the_file(
     assert value.split() == words
     offset = data.draw(st.sampled_from([i for i, c in enumerate(value) if not c.isspace()]))
     where = document.inside(offset, "formula")
+    assert isinstance(where, Location)
     lines = text.split("\n")
     assert lines[where.line - 1][where.column - 1 :].startswith(value[offset:].split()[0])
 

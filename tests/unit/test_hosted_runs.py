@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from notes import Notes
@@ -22,9 +23,8 @@ def test_a_start_while_a_run_that_was_cut_off_waits_begins_no_second_one(
     flown = mission("F at(A)")
     above_sea = replace(flown.places["A"], amsl_m=490.0)
     flown = replace(flown, places={**flown.places, "A": above_sea})
-    host = SortieHost(
-        pytest.fail, pytest.fail, pytest.fail, uploads=None, functions=FunctionRunner()
-    )
+    never: Any = pytest.fail
+    host = SortieHost(never, never, never, uploads=None, functions=FunctionRunner())
     monkeypatch.setattr(host, "prepare", pytest.fail)
     runs, telemetry = HostedRuns(host, flown, OnlyRun(flown, Notes())), Telemetry()
     assert runs.next(telemetry, 0.0) is None and not runs.awaits_start

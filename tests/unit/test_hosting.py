@@ -54,7 +54,6 @@ class Hosted(Notes):
     Attributes:
         prepared: missions whose preparation was begun, with the speed that was allowed.
         begun: missions of which a run was begun.
-        started: how often a run was begun with the mission that was uploaded last.
         upload: a mission that was accepted and waits to be taken.
         told: news between two runs.
         beats_s: when HEARTBEAT left.
@@ -69,7 +68,7 @@ class Hosted(Notes):
         self.beats_s: list[float] = []
         self.preparation: Any = None
         self.autopilot = Autopilot()
-        self.uploads = self
+        self.uploads: Any = self
         self.companion = Companion(HostedRuns(self, flown))
         self.now_s = 0.0
         self._polls = polls
@@ -253,7 +252,8 @@ def test_a_task_without_a_plan_is_told_by_its_run() -> None:
     hosted = Hosted(mission("F at(A) & G !at(A)"))
     assert hosted.ask(START) == ACCEPTED
     hosted.fly()
-    assert hosted.reports[-1].event.exit_code == NoPlanError.exit_code
+    end = hosted.reports[-1].event
+    assert isinstance(end, RunEnded) and end.exit_code == NoPlanError.exit_code
     assert hosted.companion.system_status is SystemStatus.CRITICAL
     assert not hosted.companion.has_ended
 

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from companion.drawn_maps import MapEntry, drawn_map
-from companion.errors import MissionError
+from companion.errors import Location, MissionError
 from companion.maps import MAX_CELLS, read_map
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -101,8 +101,9 @@ def test_a_mistake_is_reported_at_its_line(
     path = write_map(tmp_path, [[FREE]], **changes)
     with pytest.raises(MissionError, match=what) as caught:
         read_map(path)
-    assert caught.value.where is not None
-    assert (caught.value.where.path, caught.value.where.line) == (str(path), line)
+    where = caught.value.where
+    assert isinstance(where, Location)
+    assert (where.path, where.line) == (str(path), line)
 
 
 @pytest.mark.parametrize(

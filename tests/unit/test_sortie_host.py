@@ -31,7 +31,8 @@ def test_a_mission_is_prepared_in_another_thread(
 ) -> None:
     monkeypatch.setattr(PREPARE, lambda *asked, **how: (asked, how, threading.get_ident()))
     flown = mission("F at(A)")
-    asked, how, thread = host.prepare(flown, 2.0, 488.0).result()
+    prepared: Any = host.prepare(flown, 2.0, 488.0).result()
+    asked, how, thread = prepared
     told = {"engine": ENGINE, "ground_amsl_m": 488.0, "functions": FUNCTIONS}
     assert asked == (flown, 2.0) and how == told
     assert thread != threading.get_ident()
