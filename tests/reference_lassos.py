@@ -18,9 +18,10 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import operator
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -119,11 +120,11 @@ class Truths:
             case Operator.IMPLIES:
                 return ~held[0] | held[1]
             case Operator.IFF:
-                return held[0] == held[1]
+                return ~(held[0] ^ held[1])
             case Operator.AND:
-                return np.logical_and.reduce(held)
+                return reduce(operator.and_, held)
             case Operator.OR:
-                return np.logical_or.reduce(held)
+                return reduce(operator.or_, held)
         raise AssertionError(node.operator)
 
 

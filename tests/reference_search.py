@@ -15,9 +15,9 @@ import itertools
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 
-from companion.planning.lasso import Problem
+from companion.planning.lasso import Letter, Problem
 
-Node = tuple[frozenset[str], tuple[int, ...]]
+Node = tuple[Letter, tuple[int, ...]]
 Step = tuple[Node, int, int]
 """Target, cost and marks."""
 
@@ -156,7 +156,7 @@ def shortest_tour(sites: Sequence[str], legs: Mapping[tuple[str, str], int]) -> 
                 for last in range(len(others))
             ]
         )
-    return min(map(operator.add, best[-1], (costs[a, first] for a in others)))
+    return min(whole + costs[a, first] for whole, a in zip(best[-1], others, strict=True))
 
 
 def _shortest_paths(legs: Mapping[tuple[str, str], int]) -> dict[tuple[str, str], int]:

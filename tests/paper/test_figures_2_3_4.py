@@ -26,7 +26,7 @@ NONE: frozenset[str] = frozenset()
 ON_A, OFF_A, ANY = Label(frozenset({A}), NONE), Label(NONE, frozenset({A})), Label(NONE, NONE)
 
 
-def when(requires: Iterable[str], adds: str, forbids: str | None = None) -> ConditionalEffect:
+def when(requires: Iterable[str], adds: str, forbids: str | None = None) -> ConditionalEffect[str]:
     """requires, not forbids -> adds."""
     unwanted = frozenset({forbids}) if forbids else NONE
     return ConditionalEffect(frozenset(requires), unwanted, frozenset({adds}), NONE)

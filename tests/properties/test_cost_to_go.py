@@ -136,19 +136,20 @@ def test_what_is_final_in_an_unfinished_search_stays(
 ) -> None:
     """After each part, and where the map changes before the search has ended."""
     graphs = [grid_graph(free).without(without) for free in frees]
-    to_go = begun(graphs[0], GOAL)
-    for graph in graphs:
-        to_go, new = adapted(to_go, graph), cost_to_go(graph, GOAL)
+    to_go, anew = begun(graphs[0], GOAL), [cost_to_go(graph, GOAL) for graph in graphs]
+    for graph, new in zip(graphs, anew, strict=True):
+        to_go = adapted(to_go, graph)
         for _ in range(3):
             final = [(r, c) for r, c in np.ndindex(SHAPE) if to_go.is_final((r, c))]
-            costs = [(to_go.cost[cell], new.cost[cell]) for cell in final]
-            np.testing.assert_allclose(*np.transpose(costs), rtol=0, atol=1e-9)
+            assert final
+            costs, right = ([each.cost[cell] for cell in final] for each in (to_go, new))
+            np.testing.assert_allclose(costs, right, rtol=0, atol=1e-9)
             for cell in (cell for cell in final[::11] if np.isfinite(new.cost[cell])):
                 assert to_go.path(cell).tolist() == new.path(cell).tolist()
             to_go = continued(to_go, part)
     while not to_go.is_final():
         to_go = continued(to_go, part)
-    np.testing.assert_allclose(to_go.cost, new.cost, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(to_go.cost, anew[-1].cost, rtol=0, atol=1e-9)
 
 
 @FAST

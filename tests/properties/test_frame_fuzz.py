@@ -83,10 +83,11 @@ class Aboard:
 
     def __init__(self, signing: Signing | None, is_flying: bool) -> None:
         flown = mission("G F at(A) & G F at(B)")
-        self.notes: Notes = Notes() if is_flying else Waiting()
+        waiting = Waiting()
+        self.notes: Notes = Notes() if is_flying else waiting
         self.beats, self.asked = 0, list[bytes]()
         self._companion = Companion(
-            OnlyRun(flown, self.notes) if is_flying else HostedRuns(self.notes, flown)
+            OnlyRun(flown, self.notes) if is_flying else HostedRuns(waiting, flown)
         )
         self._autopilot, self._intake = Autopilot(), Intake()
         self._answers: list[bytes] = []

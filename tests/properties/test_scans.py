@@ -126,7 +126,9 @@ def test_every_face_that_two_scans_have_met_is_found(occupied: Bools, seed: int)
     known.integrate(scan)
     assert not known.grid.occupied.any()
     known.integrate(scan)
-    near = ndimage.binary_dilation(np.pad(known.grid.occupied, 1), np.ones((3, 3)))[1:-1, 1:-1]
+    near = ndimage.binary_dilation(np.pad(known.grid.occupied, 1), np.ones((3, 3), bool))[
+        1:-1, 1:-1
+    ]
     for i, distance_m in enumerate(scan.distances_m.tolist()):
         angle = 0.3 + i * STEP_RAD
         north = position[0] + (distance_m + 0.01) * math.cos(angle)

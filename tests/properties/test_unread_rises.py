@@ -64,7 +64,8 @@ def problems(draw: st.DrawFn) -> tuple[Problem, Letter]:
 
 
 def last(asked: Problem, objective: Objective) -> Solution | None:
-    return (list(Search(asked.actions).solutions(asked, objective)) or [None])[-1]
+    found = list(Search(asked.actions).solutions(asked, objective))
+    return found[-1] if found else None
 
 
 def best_of_first_actions(asked: Problem, unread: Letter) -> tuple[int, int] | None:
@@ -93,7 +94,7 @@ def test_the_best_plan_is_the_best_first_action_and_the_best_plan_after_it(
     told = UnreadRises().with_unread(plain, unread)
     found, best = last(told, Objective.LAP), best_of_first_actions(plain, unread)
     if found is None or best is None:
-        assert found is best is None
+        assert found is None and best is None
         return
     lasso = found.lasso
     assert fault(told, lasso, histories(told)) is None
@@ -133,6 +134,6 @@ def test_a_request_on_the_way_is_answered_although_it_is_over() -> None:
 
 def test_without_a_prefix_the_first_lap_is_read_once() -> None:
     asked = UnreadRises().with_unread(asking("G F x", [WAIT], [{"at(H)"}]), facts_of("x"))
-    first, lap = {"at(H)", "x"}, {"at(H)"}
+    first, lap = facts_of("at(H)", "x"), facts_of("at(H)")
     assert word(asked, Lasso((), (WAIT, WAIT))) == ([first, lap], [lap, lap])
     assert find_lasso(asked) is None, "one rise is not one again and again"
