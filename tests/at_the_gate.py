@@ -47,10 +47,11 @@ def verdict(
     envelope: Envelope = ENVELOPE,
     asked_s: float = NOW_S,
     is_for_task: bool = False,
-    **options: bool,
+    is_entering: bool = False,
+    is_violated: bool = False,
 ) -> Verdict:
     request = Request(setpoint, asked_s, is_for_task)
-    return admit(request, state, NOW_S, envelope, **options)
+    return admit(request, state, NOW_S, envelope, is_entering=is_entering, is_violated=is_violated)
 
 
 def heard(**fields: Any) -> VehicleState:

@@ -58,8 +58,8 @@ class _Deaf(_Bad):
             pass
 
 
-def _with(engine: type[_Bad], /, *arguments: Any, **named: Any) -> None:
-    engine_process._planner = lambda name, parameters: engine()
+def _with(kind: type[_Bad], /, *arguments: Any, **named: Any) -> None:
+    engine_process._planner = lambda engine, parameters: kind()
     _run(*arguments, **named)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeGuard, TypeVar
 
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.plans import PlanMade, PlanReplaced
@@ -65,6 +65,6 @@ def _in_short(event: FlightEvent) -> FlightEvent | str | Replan:
     return event
 
 
-def _is(event: FlightEvent, kind: type[E], fields: dict[str, Any]) -> bool:
+def _is(event: FlightEvent, kind: type[E], fields: dict[str, Any]) -> TypeGuard[E]:
     has_all = all(getattr(event, name, ...) == value for name, value in fields.items())
     return isinstance(event, kind) and has_all

@@ -48,6 +48,6 @@ def _values(type_: Any) -> st.SearchStrategy[Any]:
         return st.dictionaries(TEXT, _values(arguments[1]), max_size=3)
     if issubclass(type_, Enum):
         return st.sampled_from(type_)
-    if dataclasses.is_dataclass(type_):
+    if isinstance(type_, type) and dataclasses.is_dataclass(type_):
         return _objects(type_)
     return st.builds(type_, *(_values(each) for each in item_types(type_)))

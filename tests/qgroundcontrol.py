@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import struct
+from collections.abc import Sequence
 from typing import Any
 
 from wire import NAN, Wire, gcs_heartbeat
@@ -162,7 +163,7 @@ class QGroundControl:
         self.wire.send(dialect.MAVLink_mission_ack_message(1, 1, 0, kind))
         return items
 
-    def save_plan(self, kind: int, items: list[tuple[int, int, tuple[float, ...]]]) -> None:
+    def save_plan(self, kind: int, items: Sequence[tuple[int, int, tuple[float, ...]]]) -> None:
         """Upload items of (command, frame, seven parameters with degrees)."""
         since = self.mark
         self.wire.send(dialect.MAVLink_mission_count_message(1, 1, len(items), kind))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from companion.mavlink.framing import MavlinkCodec, dialect
@@ -121,12 +122,14 @@ class Wire:
 
     def fly_offboard(self, north: float, east: float, down: float) -> None:
         """Arm, take off and hover at a point in OFFBOARD; the stream ends afterwards."""
-        stream = {"send": lambda: self.setpoint(north, east, down)}
-        self.run(0.1, **stream)
+        send = partial(self.setpoint, north, east, down)
+        self.run(0.1, send=send)
         self.set_mode("OFFBOARD")
         assert self.arm() == [0]
-        self.run_until(lambda: abs(self.simulation.flight.position[2] - down) < 0.2, 20.0, **stream)
-        self.run(2.0, **stream)
+        self.run_until(
+            lambda: abs(self.simulation.flight.position[2] - down) < 0.2, 20.0, send=send
+        )
+        self.run(2.0, send=send)
 
     def _exchange(self, datagrams: list[tuple[LinkName, bytes]]) -> None:
         for link, frame in self.simulation.step(self.now_s, datagrams):

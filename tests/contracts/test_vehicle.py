@@ -17,7 +17,7 @@ from companion.outcomes import Progress
 from companion.tick import TICK_S
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Goal, Mode, Vehicle, hold_at
+from companion.vehicle.port import Goal, Mode, Vehicle, VehicleState, hold_at
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 from sitl.link.routing import LinkName
@@ -105,13 +105,14 @@ class TestVehicle:
         assert distance(state.position, (0.0, 0.0, 0.0)) < 0.05
 
     def test_goals_are_reached_when_they_are_observed(self, world: World) -> None:
-        for goal, is_observed in (
+        goals: tuple[tuple[Goal, Callable[[VehicleState], bool]], ...] = (
             (Goal.ARMED, lambda s: s.is_armed),
             (Goal.AIRBORNE, lambda s: not s.is_landed and s.mode is Mode.LOITER),
             (Goal.OFFBOARD, lambda s: s.mode is Mode.OFFBOARD),
             (Goal.HOLDING, lambda s: s.mode is Mode.LOITER),
             (Goal.LANDED, lambda s: s.is_landed and not s.is_armed),
-        ):
+        )
+        for goal, is_observed in goals:
             reach(world, goal)
             assert world.vehicle.state is not None
             assert is_observed(world.vehicle.state), goal
