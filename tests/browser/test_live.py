@@ -6,10 +6,11 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
-from browsing import Open
+from browsing import Open, Watched
 from ports import free_instance, own_ports
 
 pytestmark = pytest.mark.sockets
@@ -43,6 +44,10 @@ def flight(tmp_path: Path) -> Iterator[str]:
         print(process.stdout.read())  # shown if the test fails
 
 
+def has_figure(page: Watched, figure: str) -> bool:
+    return re.search(figure, " ".join(page.texts("#vehicle div"))) is not None
+
+
 def test_a_mission_from_the_first_plan_to_the_landing(flight: str, open_page: Open) -> None:
     desk, tablet, phone = (open_page(flight, width=width) for width in (1440, 768, 360))
     desk.until(f"{LINES}.includes('at A')")
@@ -58,7 +63,7 @@ def test_a_mission_from_the_first_plan_to_the_landing(flight: str, open_page: Op
     assert desk.comes_true(desk.page.locator(running).first.is_visible), "the running path is open"
     desk.until("document.querySelectorAll('.path polyline').length === 4")
     for figure in (r"mode\s+OFFBOARD", r"link\s+good", r"battery\s+\d+ %", r"up\s+(1\.9|2\.\d) m"):
-        assert desk.comes_true(lambda f=figure: re.search(f, " ".join(desk.texts("#vehicle div"))))
+        assert desk.comes_true(partial(has_figure, desk, figure))
     assert desk.comes_true(lambda: "C or targetFound still due" in " ".join(desk.texts("#due li")))
     assert desk.violations() == []
     flown = desk.page.evaluate(TRAIL)

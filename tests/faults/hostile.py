@@ -230,7 +230,8 @@ def more_facts(data: Data, chance: Chance) -> None:
             skills[f"off{i}"] = {"effect": f"!lamp{i}", "execute": "wait(1)"}
         lamps = [f"lamp{i}" for i in range(count)]
         line = {"lamps": "G F (" + " & ".join(lamps) + ")"}
-        data["task"] = data.get("task") | line if isinstance(data.get("task"), dict) else line
+        task = data.get("task")
+        data["task"] = task | line if isinstance(task, dict) else line
 
 
 def deep_tree(data: Data, chance: Chance) -> None:
@@ -393,7 +394,8 @@ def mutated(text: str, chance: Chance) -> str:
             case 1:
                 text = f"({text}){chance.choice(BINARY)}({random_formula(chance)})"
             case 2:
-                text = text.replace(*chance.sample(("F", "G", "X", "&", "|", "->"), 2))
+                old, new = chance.sample(("F", "G", "X", "&", "|", "->"), 2)
+                text = text.replace(old, new)
             case 3:
                 text = (
                     text[:at] + chance.choice((")", "(", "U", "!", "X", "@", "é", " ")) + text[at:]

@@ -13,7 +13,7 @@ from lockstep import Cut, Lockstep
 
 from companion.api.simulating import world_of
 from companion.errors import Aborted
-from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, VehicleLanded
+from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, RunFailed, VehicleLanded
 from companion.mavlink.framing import MavlinkCodec
 from companion.mavlink.px4_modes import mode_name
 
@@ -106,7 +106,9 @@ def test_the_pilot_takes_over_while_the_vehicle_waits_on_the_ground(mode: str) -
     flight.station_chooses(mode)
     flight.run(60.0)
     assert flight.armings == 1 and flight.exit_code == Aborted.exit_code
-    assert flight.ending.reason == f"the pilot has control, in {mode}"
+    ending = flight.ending
+    assert isinstance(ending, RunFailed)
+    assert ending.reason == f"the pilot has control, in {mode}"
 
 
 @pytest.mark.parametrize("cut_s", [(-1.0, 4.0), (-1.0, 8.0), (0.3, 5.0), (1.5, 5.0), (4.0, 8.0)])

@@ -119,7 +119,7 @@ class ContingencyFlight(Lockstep):
                 case BeliefLost(belief) if belief.predicate == "trans_ok":
                     self._fail_the_flight_from(belief.arguments[0])
         self.laps_before = len(self.of(LapCompleted))
-        return self.until(self._is_over, LIMIT_S)  # type: ignore[return-value]
+        return self.until(self._is_over, LIMIT_S)
 
     def _fail_the_flight_from(self, origin: str) -> None:
         if self.row.after is not None:

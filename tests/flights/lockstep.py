@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from random import Random
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from happened import Happened
 from kept_journal import KeptJournal
@@ -300,12 +300,12 @@ class Lockstep(Happened):
         for _ in range(round(seconds / TICK_S)):
             self.tick()
 
-    def run_for(self, seconds: float) -> Lockstep:
+    def run_for(self, seconds: float) -> Self:
         """Lets time pass, in a chain of calls."""
         self.run(seconds)
         return self
 
-    def until(self, is_so: Callable[[], bool], limit_s: float = 150.0) -> Lockstep:
+    def until(self, is_so: Callable[[], bool], limit_s: float = 150.0) -> Self:
         """Lets time pass until something is so; the test fails if that takes too long."""
         for _ in range(round(limit_s / TICK_S)):
             if is_so():
@@ -316,11 +316,11 @@ class Lockstep(Happened):
 
     def until_reported(
         self, kind: type[FlightEvent], limit_s: float = 150.0, **fields: Any
-    ) -> Lockstep:
+    ) -> Self:
         """Lets time pass until an event is reported."""
         return self.until(lambda: self.of(kind, **fields) != [], limit_s)
 
-    def until_the_end(self, limit_s: float = 150.0) -> Lockstep:
+    def until_the_end(self, limit_s: float = 150.0) -> Self:
         """Lets time pass until the companion has ended."""
         return self.until(lambda: self.companion.has_ended, limit_s)
 

@@ -64,8 +64,8 @@ def start(
 ) -> Lockstep:
     """On its way, beside a ground station."""
     arming = ArmingTerms(fence=policy)
-    options = {"has_station": True, "arming": arming, "memory": own} | options
-    return Lockstep(asked, world_of(asked, None), **options)
+    usual: dict[str, Any] = {"has_station": True, "arming": arming, "memory": own}
+    return Lockstep(asked, world_of(asked, None), **usual | options)
 
 
 def station_uploads(flight: Lockstep, *items: tuple[int, float, Ned]) -> None:

@@ -25,12 +25,14 @@ from companion.flight_events.skills import (
 )
 from companion.flight_events.sortie import RunEnded
 from companion.geometry import Ned, distance
-from companion.ltl.semantics import Letter, holds
+from companion.ltl.semantics import holds
 from companion.ltl.timed_formula import untimed
+from companion.mission.facts import Fact
 from companion.mission.loader import load_mission
 from companion.mission.model import Fly, Mission
 from companion.planning.domain import Action
 from companion.planning.instances import departures, instantiate
+from companion.planning.lasso import Letter
 from companion.tick import TICK_S
 from sitl.world.scenario import read_scenario
 
@@ -150,7 +152,8 @@ def flown_word(flight: ShippedFlight) -> tuple[list[Letter], dict[str, int]]:
     for event in flight.events:
         match event:
             case MissionEventChanged(event=name, holds=holds):
-                facts = facts | {name} if holds else facts - {name}
+                fact = Fact.parse(name)
+                facts = facts | {fact} if holds else facts - {fact}
                 since[name] = len(word)
             case PlaceReached(action=name) | SkillCompleted(action=name):
                 action = actions[name]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from lockstep import Cut, Lockstep, Lossy
 from synthetic import mission
@@ -11,7 +13,10 @@ from sitl.world.scenario import read_scenario
 
 SHORT = mission("F (at(A) & F at(H))")
 LONG = mission("G F at(A) & G F at(H)")
-NO_BLADES = {"version": 1, "happens": [{"at_s": 0, "arming": {"refused": "no blades"}}]}
+NO_BLADES: dict[str, Any] = {
+    "version": 1,
+    "happens": [{"at_s": 0, "arming": {"refused": "no blades"}}],
+}
 SOON = [*NO_BLADES["happens"], {"at_s": 3, "arming": {"allowed": True}}]
 REFUSED = "not armed: temporarily rejected (autopilot: no blades)"
 
@@ -27,8 +32,8 @@ def test_a_refusal_to_arm_is_told_with_its_reason_once(has_station: bool) -> Non
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_link_that_loses_a_fifth_tells_it_too(seed: int) -> None:
-    ways = {"up": Lossy(0.2, seed), "down": Lossy(0.2, seed + 100)}
-    flight = Lockstep(SHORT, read_scenario(NO_BLADES), **ways).until_the_end()
+    up, down = Lossy(0.2, seed), Lossy(0.2, seed + 100)
+    flight = Lockstep(SHORT, read_scenario(NO_BLADES), up=up, down=down).until_the_end()
     assert flight.ending.text.endswith("(autopilot: no blades)")
 
 

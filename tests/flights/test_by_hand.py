@@ -20,6 +20,7 @@ from companion.flight_events.sortie import (
     PhaseEntered,
     ReturnBegun,
     ReturnedAsAsked,
+    RunFailed,
     SetpointRefused,
 )
 from companion.flight_events.word import PositionLeft
@@ -38,7 +39,7 @@ SCENARIO = (
 SEEN = "seen: {east_m: 10.4, north_m: 9.9, radius_m: 0.8, visit: 2}"
 
 
-def fly(scenario: str = SCENARIO, **options: bool) -> Lockstep:
+def fly(scenario: str = SCENARIO, **options: Any) -> Lockstep:
     world = read_scenario(scenario)
     return Lockstep(load_mission(MISSIONS / "by_hand.yaml"), world, seed=1, **options)
 
@@ -108,7 +109,9 @@ def test_what_comes_on_the_way_home_after_a_tree_has_failed_changes_nothing() ->
     flight = fly_own("move(Home, A)", "at(Home)", happens=[alarm])
     assert flight.time_of(ReturnBegun) < flight.time_of(MissionEventChanged, event="alarm")
     assert flight.one(ReturnBegun) and not flight.of(NoPlanFound)
-    assert flight.ending.reason == "the tree has failed: not at(Home)"
+    ending = flight.ending
+    assert isinstance(ending, RunFailed)
+    assert ending.reason == "the tree has failed: not at(Home)"
 
 
 def test_called_home_in_a_pause_it_flies_home() -> None:

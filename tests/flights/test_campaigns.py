@@ -116,7 +116,8 @@ def test_what_raises_is_the_outcome_of_its_row(monkeypatch: pytest.MonkeyPatch) 
 
 def test_so_is_what_raises_while_its_world_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(varied_scenario, "with_values", lambda *about: 1 / 0)
-    assert fly_row(short_kit().packed, Row(0, 0)).outcome is RowOutcome.ERROR
+    flown = fly_row(short_kit().packed, Row(0, 0))
+    assert isinstance(flown, FlownRow) and flown.outcome is RowOutcome.ERROR
 
 
 @pytest.mark.long
@@ -134,8 +135,8 @@ def test_skills_in_python_are_called_in_processes_of_the_row(
     mission = load_mission(TEMPLATE / "weighing.yaml")
     scenario = {"version": 1, "vary": {"wind.east_mps": [-3, 3]}}
     kit = Kit.of(mission, varied_world_of(mission, scenario), 120.0)
-    engines = {"here": ThisProcess(kit), "there": LocalProcesses(kit.packed, 2)}
-    here, there = (table_by(engine, tmp_path / n, kit=kit) for n, engine in engines.items())
+    here = table_by(ThisProcess(kit), tmp_path / "here", kit=kit)
+    there = table_by(LocalProcesses(kit.packed, 2), tmp_path / "there", kit=kit)
     assert here == there and here.count(b",satisfied,") == RUNS
 
 

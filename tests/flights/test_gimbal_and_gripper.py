@@ -96,8 +96,7 @@ def test_straight_down_needs_no_direction() -> None:
 
 def test_angles_are_from_the_vehicles_heading() -> None:
     steps = {"execute": ["gimbal(gimbal, -30, 90)", "photo(camera)"]}
-    lossy = {"up": Lossy(0.3, 1), "down": Lossy(0.3, 2)}
-    flight = DeviceFlight(steps, **lossy)
+    flight = DeviceFlight(steps, up=Lossy(0.3, 1), down=Lossy(0.3, 2))
     flight.until(lambda: flight.simulation._world.cameras[0].is_shooting)
     assert abs(flight.gimbal.pitch_rad + math.radians(30)) <= REACHED_RAD
     assert abs(flight.gimbal.yaw_rad - math.radians(90)) <= REACHED_RAD

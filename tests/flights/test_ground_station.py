@@ -86,7 +86,7 @@ class Station:
         def is_complete(message: Any) -> bool:
             if message.get_type() == "PARAM_VALUE" and message.get_srcComponent() == 191:
                 indices.add(message.param_index)
-                return len(indices) == message.param_count
+                return len(indices) == int(message.param_count)
             return False
 
         self.until(is_complete)

@@ -110,7 +110,7 @@ def test_a_picture_is_taken_of_what_is_looked_at(
     plan = mission(photo={"look_at": look_at}, A={"heading_deg": 90})
     flight = HeadingFlight(plan, seed).until_reported(SkillCompleted, action="photo")
     (sent,) = [said for said in flight.commands if said.message.target_component == 25]
-    taken = flight.between(sent.time_s, flight.now_s)  # type: ignore[attr-defined]
+    taken = flight.between(sent.time_s, flight.now_s)
     assert len(taken) > 2
     most_rad = HEADING_TOLERANCE_RAD + ESTIMATE_RAD + math.atan2(0.3, away_m)
     assert max(off(place, yaw, point) for place, yaw in taken) <= most_rad

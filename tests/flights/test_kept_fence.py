@@ -101,7 +101,8 @@ def test_whoever_goes_on_after_a_kill_still_keeps_to_it() -> None:
     flight.run(3.0)
     flight.restart()
     was = flown(flight)
-    assert flight.of(FlightFoundAgain) and flight.of(ControlTakenBack)
+    assert flight.of(FlightFoundAgain)
+    assert flight.of(ControlTakenBack)
     assert flight.ending == TaskSatisfied() and flight.armings == 1
     assert len(flight.of(FenceKept)) == 1
     assert not any(is_in_polygon(point, BED) for point in was)

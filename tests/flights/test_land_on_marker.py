@@ -210,8 +210,12 @@ def test_a_marker_that_another_component_makes_up_is_not_believed() -> None:
 
 def descending(up_m: float, **about: Any) -> Landing:
     flight = Landing(**about)
-    over_p = lambda: horizontal_distance(flight.simulation.flight.position, AWAY) < 1.5  # noqa: E731
-    flight.until(lambda: over_p() and flight.up_m < up_m, 60.0)
+
+    def is_low_over_p() -> bool:
+        away_m = horizontal_distance(flight.simulation.flight.position, AWAY)
+        return away_m < 1.5 and flight.up_m < up_m
+
+    flight.until(is_low_over_p, 60.0)
     return flight
 
 

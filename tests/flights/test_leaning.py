@@ -53,4 +53,5 @@ def test_in_wind_and_low_above_the_ground_no_way_is_blocked(
     flown.until_the_end()
     assert flown.exit_code == 0 and flown.simulation.collisions == 0
     assert flown.of(RouteBlocked) == [] and flown.of(PlacesCutOff) == []
-    assert flown.companion._run._surroundings.grid is surveillance.grid
+    run = flown.companion._run
+    assert run is not None and run._surroundings.grid is surveillance.grid

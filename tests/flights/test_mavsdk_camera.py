@@ -49,7 +49,7 @@ class Bridge:
         return f"udpout://{LOCAL}:{self._socket.getsockname()[1]}"
 
     def receive(self) -> list[bytes]:
-        datagrams = []
+        datagrams: list[bytes] = []
         while True:
             try:
                 datagram, self._peer = self._socket.recvfrom(4096)

@@ -52,6 +52,10 @@ async def connected(port: int, act: Callable[[Make], Awaitable[None]]) -> None:
                 plugin.destroy()
 
 
+def has_come_to(item: int) -> Callable[[Any], bool]:
+    return lambda progress: progress.current >= item
+
+
 def degrees(north_m: float, east_m: float) -> tuple[float, float]:
     return PX4_HOME.to_global((north_m, east_m, 0.0))[:2]
 
@@ -130,9 +134,7 @@ async def fly_mission(make: Make) -> None:
         await within(mission.start_mission())  # refused while the mission is being checked
         await asyncio.sleep(0.05)
     for current in range(1, len(items) + 1):
-        progress = await first(
-            mission.subscribe_mission_progress(), lambda p, at=current: p.current >= at
-        )
+        progress = await first(mission.subscribe_mission_progress(), has_come_to(current))
         assert progress.total == len(items)
     assert await within(mission.is_mission_finished())
     await first(telemetry.subscribe_armed(), lambda is_armed: not is_armed)

@@ -152,7 +152,8 @@ def watched_flight(log_dir: Path) -> float:
                 break
         clients = [Client(address, pause_s=0.0 if i % 2 else 0.5) for i in range(CLIENTS)]
         stations = Stations(instance)
-        for thread in (*clients, stations):
+        threads: list[Client | Stations] = [*clients, stations]
+        for thread in threads:
             thread.start()
         time.sleep(WATCHED_S)
         assert comes_true(lambda: have_seen(clients)), [client.heard for client in clients]
@@ -165,9 +166,9 @@ def watched_flight(log_dir: Path) -> float:
         flight.send_signal(signal.SIGINT)
         flight.stdout.read()
         assert flight.wait(PATIENCE_S) in (0, 130)
-    for thread in (*clients, stations):
+    for thread in threads:
         thread.is_wanted = False
-    for thread in (*clients, stations):
+    for thread in threads:
         thread.join(PATIENCE_S)
     return empty_gap_s
 

@@ -47,8 +47,8 @@ def test_each_photo_is_made_once_and_told() -> None:
     ],
 )
 def test_whatever_is_lost_each_photo_is_made_once(share: float, seed: int) -> None:
-    lossy = {"up": Lossy(share, seed), "down": Lossy(share, seed + 1000)}
-    flight = flown(PhotoFlight(photo_mission(), {"after_s": 0.8}, seed=seed, **lossy))
+    up, down = Lossy(share, seed), Lossy(share, seed + 1000)
+    flight = flown(PhotoFlight(photo_mission(), {"after_s": 0.8}, seed=seed, up=up, down=down))
     assert is_whole(flight), (flight.made, flight.told, flight.failures)
 
 
@@ -211,8 +211,8 @@ def test_a_tree_by_hand_and_a_refinement() -> None:
 @pytest.mark.long
 def test_equal_flights_are_equal() -> None:
     def sent() -> list[Any]:
-        lossy = {"up": Lossy(0.3, 5), "down": Lossy(0.3, 6)}
-        flight = flown(PhotoFlight(photo_mission("A"), {"lost": 0.3}, **lossy))
+        up, down = Lossy(0.3, 5), Lossy(0.3, 6)
+        flight = flown(PhotoFlight(photo_mission("A"), {"lost": 0.3}, up=up, down=down))
         return [
             (said.time_s, said.message.param4)
             for said in flight.commands

@@ -106,8 +106,8 @@ def test_the_command_line_knows_what_is_installed(
 
 @pytest.mark.sockets
 def test_the_template_flies_over_sockets(site: Path, tmp_path: Path) -> None:
-    options = ["--speed", "2", "--log-dir", tmp_path, "--monitor", "off"]
-    options += ["--instance", free_instance()]
+    options: list[str | Path] = ["--speed", "2", "--log-dir", tmp_path, "--monitor", "off"]
+    options += ["--instance", str(free_instance())]
     flown = in_a_process(site, "sim", WEIGHING, *options)
     assert flown.returncode == 0, flown.stdout + flown.stderr
     assert "weigh(Shelf) done" in flown.stdout

@@ -68,8 +68,8 @@ def start(
     **options: Any,
 ) -> Lockstep:
     scenario = world_of(asked, {"version": 1} | (world or {}))
-    about = {"arming": ArmingTerms(rally_points=policy), "memory": own}
-    return Lockstep(asked, scenario, has_station=True, **about, **options)
+    arming = ArmingTerms(rally_points=policy)
+    return Lockstep(asked, scenario, has_station=True, arming=arming, memory=own, **options)
 
 
 def station_uploads(flight: Lockstep, *points: Ned) -> None:

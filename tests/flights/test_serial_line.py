@@ -68,8 +68,9 @@ class Line:
 
     def _carry(self) -> None:
         frames = StreamFrames()
+        ends: list[int | socket.socket] = [self._ours, self._udp]
         while not self._is_closed.is_set():
-            for source in select.select([self._ours, self._udp], [], [], 0.1)[0]:
+            for source in select.select(ends, [], [], 0.1)[0]:
                 if source is self._udp:
                     with suppress(BlockingIOError):  # the line is full, as nobody reads it
                         os.write(self._ours, self._udp.recv(4096))

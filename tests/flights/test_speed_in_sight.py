@@ -14,6 +14,7 @@ from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SpeedLimitedBySight
 from companion.flight_events.sortie import Phase, PhaseEntered, SetpointRefused
 from companion.mavlink.framing import dialect
+from companion.mission.loader import load_mission
 from companion.motion.speed_in_sight import fastest_mps
 from companion.vehicle_profile import VehicleProfile
 
@@ -37,7 +38,7 @@ def flight(
     """To A, 70 m away, over a field with boxes that no map shows; low is 2 m above it."""
     bounds = {"speed_mps": QUICK_MPS, "up_m": [1, 10], "fence": FIELD} | limits
     places = {name: place | ({"up_m": 2} if low else {}) for name, place in DATA["places"].items()}
-    mission = meadow.load_mission(DATA | {"limits": bounds, "places": places})
+    mission = load_mission(DATA | {"limits": bounds, "places": places})
     world = {
         "version": 1,
         "map": {"east_m": [-30, 120], "north_m": [-30, 30]},

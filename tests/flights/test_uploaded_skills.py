@@ -65,8 +65,9 @@ def test_a_waiting_companion_that_was_killed_goes_on_and_calls_what_is_installed
     run("sitl", *own_ports(number)).until_printed(str(14550 + number), START_S)
     install_template(tmp_path)
     installed_in(tmp_path / "site", monkeypatch)
-    asked = ("companion", "run", "--wait", "--resume", "--monitor", "off")
-    asked += ("--connect", f"udpin://127.0.0.1:{14540 + number}", "--log-dir", tmp_path / "runs")
+    asked = ["companion", "run", "--wait", "--resume", "--monitor", "off"]
+    asked += ["--connect", f"udpin://127.0.0.1:{14540 + number}"]
+    asked += ["--log-dir", str(tmp_path / "runs")]
     killed = run(*asked)
     killed.until_printed("hosting", START_S)
     upload = run("companion", "upload", WEIGHING, *ground, "--start")

@@ -75,7 +75,7 @@ class Pymavlink:
 
     def put(self, local: Path, remote: str) -> int:
         self.ftp.cmd_put([str(local), remote])
-        return self.ftp.process_ftp_reply("CreateFile", timeout=15).error_code
+        return int(self.ftp.process_ftp_reply("CreateFile", timeout=15).error_code)
 
 
 def test_pymavlink_s_client_is_content(instance: int, tmp_path: Path) -> None:
