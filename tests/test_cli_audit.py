@@ -20,6 +20,7 @@ from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import ReturnBegun, RunFailed
 from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.ltl.formula import Formula
 from companion.ltl.semantics import holds
 from companion.mission.loader import load_mission
 
@@ -92,11 +93,14 @@ def test_the_word_in_the_record_satisfies_the_task_of_the_file(good: Path) -> No
     task = load_mission(MISSIONS / "surveillance.yaml").task
     positions = of(good, PositionLeft)
     for name, formula in task.items():
+        assert isinstance(formula, Formula)
         begun = max((p.number for p in positions if name in p.restarted), default=0)
         word = [frozenset(p.facts) for p in positions[begun:]]
         assert holds(formula, word[:-1], word[-1:]), name
     word = [frozenset(p.facts) for p in positions]
-    assert not holds(task["upload"], word[:6], word[5:6])  # rest at r1 would not have done
+    upload = task["upload"]
+    assert isinstance(upload, Formula)
+    assert not holds(upload, word[:6], word[5:6])  # rest at r1 would not have done
 
 
 def test_a_tree_written_by_hand_is_held_against_a_task_it_was_not_made_from(

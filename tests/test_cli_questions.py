@@ -17,7 +17,8 @@ def test_a_mission_is_made_by_answers(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "companion", "new", "mine"]
     made = subprocess.run(command, cwd=tmp_path, stdin=terminal, capture_output=True, text=True)
     assert made.returncode == 0, made.stderr
-    os.close(leader), os.close(terminal)
+    os.close(leader)
+    os.close(terminal)
     assert "moon is none of hall, field, earth" in made.stdout + made.stderr
     mission = load_mission(tmp_path / "mine.yaml")
     assert mission.grid.is_open

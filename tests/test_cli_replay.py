@@ -146,9 +146,9 @@ def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
 def test_a_server_that_cannot_start_keeps_nobody_from_flying(tmp_path: Path) -> None:
     """As if uvicorn were not installed."""
     (tmp_path / "uvicorn.py").write_text("raise ImportError('no uvicorn here')\n")
-    arguments = ["sim", HOP, "--speed", "max", "--monitor", "127.0.0.1:0"]
+    arguments = ["sim", str(HOP), "--speed", "max", "--monitor", "127.0.0.1:0"]
     flight = subprocess.run(
-        [sys.executable, "-m", "companion", *arguments, "--log-dir", tmp_path / "runs"],
+        [sys.executable, "-m", "companion", *arguments, "--log-dir", str(tmp_path / "runs")],
         env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
         capture_output=True,
         text=True,

@@ -100,12 +100,14 @@ def test_a_page_without_a_place_for_a_diagram_is_an_error() -> None:
 @pytest.mark.parametrize("name", DIAGRAMS)
 def test_each_state_is_reached_from_the_beginning(name: str) -> None:
     rows = list(DIAGRAMS[name])
-    states = set(type(rows[0].then))
+    state_kind: type[Enum] = type(rows[0].then)
+    event_kind: type[Enum] = type(rows[0].event)
+    states = set(state_kind)
     reached = {row.then for row in rows if row.state is None} or {rows[0].state}
     for _ in states:
         reached |= {row.then for row in rows if row.state in reached}
     assert reached == states
-    assert {row.event for row in rows} == set(type(rows[0].event))
+    assert {row.event for row in rows} == set(event_kind)
 
 
 def test_an_event_that_cannot_occur_is_an_error_and_two_rows_for_one_too() -> None:

@@ -110,7 +110,7 @@ def test_shipped_missions_have_names_wherever_it_is_installed(
     installed: Path, tmp_path: Path
 ) -> None:
     def ran(*arguments: str) -> subprocess.CompletedProcess[str]:
-        command = [installed.with_name("companion"), *arguments]
+        command = [str(installed.with_name("companion")), *arguments]
         state = {**os.environ, "XDG_STATE_HOME": str(tmp_path / "state")}
         return subprocess.run(
             command, cwd=tmp_path, env=state, capture_output=True, text=True, check=False

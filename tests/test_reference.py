@@ -19,7 +19,11 @@ from sitl.world.schema import ScenarioModel
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = {name: (DOCS / name).read_text(encoding="utf-8") for name in (MISSION_PAGE, SCENARIO_PAGE)}
-ROOTS = {MissionFile: MISSION_PAGE, VehicleFile: MISSION_PAGE, ScenarioModel: SCENARIO_PAGE}
+ROOTS: dict[type[BaseModel], str] = {
+    MissionFile: MISSION_PAGE,
+    VehicleFile: MISSION_PAGE,
+    ScenarioModel: SCENARIO_PAGE,
+}
 
 
 def models(root: type[BaseModel]) -> dict[type[BaseModel], None]:
