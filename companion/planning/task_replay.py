@@ -6,26 +6,10 @@ from collections.abc import Iterable, Sequence
 from typing import assert_never
 
 from companion.mission.facts import Fact
+from companion.planning import task_changes as changes
 from companion.planning.domain import Action, reach
 from companion.planning.lasso import Conjunct
 from companion.planning.planner import Planner
-from companion.planning.task_changes import (
-    ActionBarred,
-    ActionBegun,
-    ActionCompleted,
-    ActionInterrupted,
-    BeliefsCutOff,
-    BeliefsRestored,
-    BeliefsWithdrawn,
-    ClocksChanged,
-    DroppedLinesKept,
-    EventValueTaken,
-    FlightBegunAgain,
-    LinesDropped,
-    PositionRead,
-    TaskChange,
-    VehicleDeparted,
-)
 from companion.planning.task_state import TaskState
 
 
@@ -50,39 +34,39 @@ class TaskReplay:
         """The action with this name."""
         return self._actions[name]
 
-    def make(self, change: TaskChange) -> Sequence[Conjunct]:
+    def make(self, change: changes.TaskChange) -> Sequence[Conjunct]:
         """Makes the next change. Returns the bounded conjuncts whose clock then has run out."""
         state = self._state
         state.now_s = change.at.now_s
         match change:
-            case ActionBegun():
+            case changes.ActionBegun():
                 state.begin(self._actions[change.action])
-            case ActionCompleted():
+            case changes.ActionCompleted():
                 state.complete(self._actions[change.action], change.reached_s)
-            case ActionInterrupted():
+            case changes.ActionInterrupted():
                 state.interrupt()
-            case FlightBegunAgain():
+            case changes.FlightBegunAgain():
                 state.begin_again(self._actions[change.action])
-            case ActionBarred():
+            case changes.ActionBarred():
                 state.bar(self._actions[change.action])
-            case PositionRead():
+            case changes.PositionRead():
                 state.leave()
-            case VehicleDeparted():
+            case changes.VehicleDeparted():
                 state.depart()
-            case EventValueTaken():
+            case changes.EventValueTaken():
                 state.take(self._events[change.event], change.holds)
-            case BeliefsWithdrawn():
+            case changes.BeliefsWithdrawn():
                 state.withdraw(_facts(change.beliefs), change.retry_s)
-            case BeliefsCutOff():
+            case changes.BeliefsCutOff():
                 state.cut_off(_facts(change.beliefs))
-            case BeliefsRestored():
+            case changes.BeliefsRestored():
                 predicates = frozenset(change.predicates)
                 state.restore(change.restored_s, change.is_waiting, predicates)
-            case LinesDropped():
+            case changes.LinesDropped():
                 state.drop(change.lines)
-            case DroppedLinesKept():
+            case changes.DroppedLinesKept():
                 state.keep_dropped()
-            case ClocksChanged():
+            case changes.ClocksChanged():
                 return state.run_clocks(change.at.now_s).over
             case _:
                 assert_never(change)

@@ -34,22 +34,7 @@ from companion.errors import CompanionError
 from companion.flight_events.values import Unfit, object_of
 from companion.flight_events.writing import json_of
 from companion.geofence import KeptFence
-from companion.planning.task_changes import (
-    ActionBarred,
-    ActionBegun,
-    ActionCompleted,
-    ActionInterrupted,
-    BeliefsCutOff,
-    BeliefsRestored,
-    BeliefsWithdrawn,
-    ClocksChanged,
-    DroppedLinesKept,
-    EventValueTaken,
-    FlightBegunAgain,
-    LinesDropped,
-    PositionRead,
-    VehicleDeparted,
-)
+from companion.planning import task_changes as changes
 from companion.record.events import JOURNAL_FILE
 from companion.record.json_lines import is_object, whole_lines
 from companion.vehicle.camera_port import IntendedShot
@@ -67,20 +52,20 @@ KINDS: dict[str, type[JournalEntry]] = {
     "fence kept": KeptFence,
     "energy": EnergyLearnt,
     "settings": OperatorSettings,
-    "action begun": ActionBegun,
-    "action completed": ActionCompleted,
-    "action interrupted": ActionInterrupted,
-    "action barred": ActionBarred,
-    "flight begun again": FlightBegunAgain,
-    "position read": PositionRead,
-    "vehicle departed": VehicleDeparted,
-    "event": EventValueTaken,
-    "beliefs withdrawn": BeliefsWithdrawn,
-    "beliefs cut off": BeliefsCutOff,
-    "beliefs restored": BeliefsRestored,
-    "lines dropped": LinesDropped,
-    "dropped lines kept": DroppedLinesKept,
-    "clocks changed": ClocksChanged,
+    "action begun": changes.ActionBegun,
+    "action completed": changes.ActionCompleted,
+    "action interrupted": changes.ActionInterrupted,
+    "action barred": changes.ActionBarred,
+    "flight begun again": changes.FlightBegunAgain,
+    "position read": changes.PositionRead,
+    "vehicle departed": changes.VehicleDeparted,
+    "event": changes.EventValueTaken,
+    "beliefs withdrawn": changes.BeliefsWithdrawn,
+    "beliefs cut off": changes.BeliefsCutOff,
+    "beliefs restored": changes.BeliefsRestored,
+    "lines dropped": changes.LinesDropped,
+    "dropped lines kept": changes.DroppedLinesKept,
+    "clocks changed": changes.ClocksChanged,
 }
 """What a line says of each kind of entry; it stays the same if a class gets another name."""
 _WORDS = {kind: words for words, kind in KINDS.items()}

@@ -4,31 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import at_the_gate
 import pytest
+from at_the_gate import NOW_S, heard
 
 from companion.outcomes import Refusal
-from companion.vehicle.gate import Envelope, LandingSite, Request, admit
-from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
+from companion.vehicle.gate import LandingSite, Request, admit
+from companion.vehicle.port import Setpoint, hold_at
 
-NOW_S = 100.0
-ENVELOPE = Envelope(
+ENVELOPE = replace(
+    at_the_gate.ENVELOPE,
     fence=((0.0, 0.0), (0.0, 20.0), (10.0, 20.0), (10.0, 0.0)),
-    up_m=(0.5, 4.0),
-    speed_mps=2.0,
-    climb_mps=1.5,
-    descent_mps=1.0,
-    carrot_m=1.5,
+    fence_margin_m=0.0,
 )
-STATE = VehicleState(
+STATE = heard(
     stamp_s=NOW_S,
     position=(5.0, 15.0, -2.0),
     velocity=(0.0, 0.0, 0.0),
-    yaw_rad=0.5,
-    mode=Mode.OFFBOARD,
-    is_armed=True,
-    is_landed=False,
-    is_failsafe=False,
-    battery_percent=80,
     mode_s=NOW_S,
     position_s=NOW_S,
     yaw_s=NOW_S,
