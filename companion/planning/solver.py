@@ -18,9 +18,9 @@ from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT, Effort
-from companion.planning.energy import search
 from companion.planning.energy.known_loops import KnownLoops
 from companion.planning.energy.ready_levels import is_cautious, without_ready
+from companion.planning.energy.search import BatterySearch
 from companion.planning.energy.shortage import STRANDED, is_stranded, shortages
 from companion.planning.energy_check import energy_fault
 from companion.planning.explain import Explanation, NoPlan, WorldModel, why_no_plan, world_of
@@ -59,8 +59,8 @@ class Solver:
     def __init__(self, mission: Mission, actions: Sequence[Action]) -> None:
         self.mission = mission
         self._search = Search(actions)
-        self._loops = KnownLoops()
-        self._timed = TimedSearch(self._search, self._loops)
+        self._battery = BatterySearch(self._search)
+        self._timed = TimedSearch(self._battery)
         self._ready = ready_lines(mission)
 
     def take_actions(self, actions: Sequence[Action]) -> None:
@@ -71,12 +71,11 @@ class Solver:
     @property
     def memory(self) -> SolverMemory:
         """The results of earlier searches."""
-        return SolverMemory(self._loops.copied(), self._timed.known.copied())
+        return SolverMemory(self._battery.loops.copied(), self._timed.known.copied())
 
     def recall(self, memory: SolverMemory) -> None:
         """Sets the results of earlier searches; all others are forgotten."""
-        self._loops, self._timed.known = memory.loops.copied(), memory.laps.copied()
-        self._timed.loops = self._loops
+        self._battery.loops, self._timed.known = memory.loops.copied(), memory.laps.copied()
 
     def solutions(
         self,
@@ -182,9 +181,9 @@ class Solver:
     def _searched(
         self, problem: Problem, objective: Objective, effort: Effort
     ) -> Iterator[Solution]:
-        if problem.energy is None and not problem.clocks_ms:
-            return self._search.solutions(problem, objective, effort)
-        if objective is not Objective.LAP:
+        if objective is Objective.LAP:
+            return self._timed.solutions(problem, effort)
+        if problem.energy is not None or problem.clocks_ms:
             why, kept = "with a battery", "its reserve"
             if problem.energy is None:
                 why, kept = "with bounds in time", "them"
@@ -192,9 +191,7 @@ class Solver:
                 f"the objective {objective.value} is not for missions {why}: plans that "
                 f"keep {kept} are those of the shortest lap; leave the objective out"
             )
-        if problem.clocks_ms:
-            return self._timed.solutions(problem, effort)
-        return search.energy_solutions(self._search, problem, effort, self._loops)
+        return self._search.solutions(problem, objective, effort)
 
     def kept(
         self, problem: Problem, histories: optional_lines.Histories
@@ -246,12 +243,7 @@ class Solver:
 
     def is_solvable(self, problem: Problem, effort: Effort = BEFORE_FLIGHT) -> bool | None:
         """Whether there is a plan; None if the search reaches its limit."""
-        if problem.clocks_ms:
-            found = self._timed.is_solvable(problem, effort)
-        elif problem.energy is None:
-            found = self._search.is_solvable(problem, effort)
-        else:
-            found = search.is_solvable(self._search, problem, effort, self._loops)
+        found = self._timed.is_solvable(problem, effort)
         return None if found is False and is_cautious(problem) else found
 
     def _is_solvable_soon(self, problem: Problem) -> bool | None:
@@ -285,7 +277,7 @@ class Solver:
         return *late, *too_far(self._ready, problem)
 
     def _shortages(self, problem: Problem) -> tuple[str, ...]:
-        short = shortages(self._search, problem, BEFORE_FLIGHT)
+        short = shortages(self._battery, problem, BEFORE_FLIGHT)
         if problem.energy is None or not problem.energy.ready:
             return short
         is_why = self.is_solvable(without_ready(problem))

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.builtin.loops import essential_targets
-from companion.planning.builtin.search import Search, accepting_components
+from companion.planning.builtin.search import accepting_components
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.effort import Effort
 from companion.planning.energy.energy_product import EnergyProduct
-from companion.planning.energy.search import is_solvable
+from companion.planning.energy.search import BatterySearch
 from companion.planning.energy_check import place_of
 from companion.planning.lasso import Problem
 
@@ -25,11 +25,11 @@ FAR = 100
 """Capacities beyond any real battery: if one does not last, the charge is not the reason."""
 
 
-def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ...]:
+def shortages(search: BatterySearch, problem: Problem, effort: Effort) -> tuple[str, ...]:
     """A line for each reason; none if the battery is not the reason.
 
     Args:
-        search: knows the mission's actions and automata.
+        search: of the mission.
         problem: a problem with energy and without a plan.
         effort: the limits of each search.
     """
@@ -39,7 +39,7 @@ def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ..
     if is_stranded(problem):
         return (STRANDED,)
     full = replace(problem, energy=replace(energy, level=len(energy.percents) - 1))
-    if is_solvable(search, full, effort):
+    if search.is_solvable(full, effort):
         percent = math.ceil(energy.percents[_least(search, full, energy.level, effort)])
         now = math.floor(energy.percents[max(0, energy.level - energy.lent)])
         return (f"the charge, {now} %, is too little: from {percent} % on there is a plan",)
@@ -49,7 +49,7 @@ def shortages(search: Search, problem: Problem, effort: Effort) -> tuple[str, ..
             f"the way to its end takes {needed / UNITS_PER_WH:.1f} Wh with the reserve, "
             f"{more / UNITS_PER_WH:.2f} Wh more than a full battery has",
         )
-    graph = EnergyProduct(problem, search.product(problem, effort, min_goals=sys.maxsize))
+    graph = EnergyProduct(problem, search.plain.product(problem, effort, min_goals=sys.maxsize))
     components = accepting_components(graph.product)
     found = [line for nodes in components for line in _unserved(graph, nodes)]
     return tuple(dict.fromkeys(found)) or ("no charge lasts for the way there",)
@@ -61,18 +61,18 @@ def is_stranded(problem: Problem) -> bool:
     return energy is not None and energy.floor(place_of(problem.facts)) is None
 
 
-def _least(search: Search, full: Problem, level: int, effort: Effort) -> int:
+def _least(search: BatterySearch, full: Problem, level: int, effort: Effort) -> int:
     """The lowest level with a plan, between one without a plan and a full battery."""
     assert full.energy is not None
     low, high = max(0, level), full.energy.level
     while high - low > 1:
         middle = (low + high) // 2
         asked = replace(full, energy=replace(full.energy, level=middle))
-        low, high = (low, middle) if is_solvable(search, asked, effort) else (middle, high)
+        low, high = (low, middle) if search.is_solvable(asked, effort) else (middle, high)
     return high
 
 
-def _needed(search: Search, full: Problem, effort: Effort) -> int | None:
+def _needed(search: BatterySearch, full: Problem, effort: Effort) -> int | None:
     """The lowest level, above a full battery's, for which there is a plan without charging.
 
     None if the loop itself takes more than there is, or if the task has docks, where no battery can
@@ -82,7 +82,7 @@ def _needed(search: Search, full: Problem, effort: Effort) -> int | None:
         return None
     most = replace(full.energy, level=FAR * full.energy.level)
     raised = replace(full, energy=most)
-    if not is_solvable(search, raised, effort):
+    if not search.is_solvable(raised, effort):
         return None
     return _least(search, raised, full.energy.level, effort)
 

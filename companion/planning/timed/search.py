@@ -19,12 +19,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from companion.errors import SearchLimit
-from companion.planning.builtin.search import Search, accepting_components
+from companion.planning.builtin.search import accepting_components
 from companion.planning.effort import Effort
-from companion.planning.energy import search as energy_search
-from companion.planning.energy.known_loops import KnownLoops
+from companion.planning.energy.search import BatterySearch
 from companion.planning.lasso import Problem, Solution
-from companion.planning.objective import Objective
 from companion.planning.time_check import time_fault
 from companion.planning.timed.bound_readings import may_any_run
 from companion.planning.timed.charge_levels import LEVELS
@@ -39,16 +37,14 @@ class TimedSearch:
     """Plans that keep time bounds, from any state of one mission.
 
     Args:
-        search: knows the mission's actions and automata.
-        loops: on a battery, loops that were found without bounds.
+        untimed: plans problems without time bounds.
 
     Attributes:
         known: laps that were found before.
-        loops: as given.
     """
 
-    def __init__(self, search: Search, loops: KnownLoops | None = None) -> None:
-        self._search, self.loops = search, loops
+    def __init__(self, untimed: BatterySearch) -> None:
+        self._untimed = untimed
         self.known = KnownLaps()
 
     def costs_have_changed(self) -> None:
@@ -57,6 +53,8 @@ class TimedSearch:
 
     def is_solvable(self, problem: Problem, effort: Effort) -> bool | None:
         """Whether there is a lasso; None if a search reaches its limit."""
+        if not problem.clocks_ms:
+            return self._untimed.is_solvable(problem, effort)
         try:
             return next(self.solutions(problem, effort), None) is not None
         except SearchLimit:
@@ -70,8 +68,8 @@ class TimedSearch:
         Raises:
             SearchLimit: the product has too many states, or the budget ended before any was found.
         """
-        if not may_any_run(problem):
-            yield from self._without_bounds(problem, effort)
+        if not problem.clocks_ms or not may_any_run(problem):
+            yield from self._untimed.solutions(problem, effort)
             return
         if problem.energy is None:
             yield from self._searched(problem, effort)
@@ -86,7 +84,7 @@ class TimedSearch:
         """
         conjuncts = tuple(replace(each, bound=None) for each in problem.conjuncts)
         unbounded = replace(problem, conjuncts=conjuncts, clocks_ms=())
-        *_, best = None, *self._without_bounds(unbounded, effort)
+        *_, best = None, *self._untimed.solutions(unbounded, effort)
         if best is None:
             return
         if time_fault(_as_planned(problem), best.lasso) is None:
@@ -112,7 +110,7 @@ class TimedSearch:
             effort: the limits of the search.
             levels: levels to charge to, in addition to a few.
         """
-        product = self._search.product(problem, effort, min_goals=sys.maxsize)
+        product = self._untimed.plain.product(problem, effort, min_goals=sys.maxsize)
         components = accepting_components(product)
         if not components:
             return
@@ -120,7 +118,7 @@ class TimedSearch:
         for is_late in (False, True) if any(problem.clocks_ms) else (False,):
             graph = TimedProduct(problem, product, is_late, levels=levels)
             if not graph.bounds:
-                yield from self._without_bounds(problem, effort)
+                yield from self._untimed.solutions(problem, effort)
                 return
             parts = [TimedComponent(graph, nodes) for nodes in components]
             into = graph
@@ -137,11 +135,6 @@ class TimedSearch:
                 return
         if limit is not None:
             raise limit
-
-    def _without_bounds(self, problem: Problem, effort: Effort) -> Iterator[Solution]:
-        if problem.energy is None:
-            return self._search.solutions(problem, Objective.LAP, effort)
-        return energy_search.energy_solutions(self._search, problem, effort, self.loops)
 
 
 def _as_planned(problem: Problem) -> Problem:

@@ -8,7 +8,7 @@ from energy_problems import energy_problem
 from companion.planning.builtin.search import Search
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.energy.forecast import charge_ahead
-from companion.planning.energy.search import energy_solutions
+from companion.planning.energy.search import BatterySearch
 from companion.planning.lasso import Lasso
 
 
@@ -16,7 +16,7 @@ from companion.planning.lasso import Lasso
 def test_a_plan_that_lasts_has_at_each_position_what_is_required(seed: int) -> None:
     asked = energy_problem(seed)
     assert asked.energy is not None
-    for found in energy_solutions(Search(asked.actions), asked, BEFORE_FLIGHT):
+    for found in BatterySearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT):
         lasso = found.lasso
         told = charge_ahead(asked.energy, 1, asked.facts, lasso)
         flown = lasso.prefix if lasso.ends_at_rest else (*lasso.prefix, *lasso.loop)
@@ -31,7 +31,7 @@ def test_a_plan_that_lasts_has_at_each_position_what_is_required(seed: int) -> N
 def test_the_next_lap_requires_what_was_told_of_its_beginning(seed: int) -> None:
     asked = energy_problem(seed)
     assert asked.energy is not None
-    for found in energy_solutions(Search(asked.actions), asked, BEFORE_FLIGHT):
+    for found in BatterySearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT):
         lasso, facts = found.lasso, asked.facts
         if lasso.ends_at_rest:
             continue

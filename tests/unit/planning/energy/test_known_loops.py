@@ -15,10 +15,9 @@ from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
-from companion.planning.energy import search as energy_search
+from companion.planning.energy import lassos
 from companion.planning.energy.charging_loops import ChargingLoop, best_loops
-from companion.planning.energy.known_loops import KnownLoops
-from companion.planning.energy.search import energy_solutions
+from companion.planning.energy.search import BatterySearch
 from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Problem, Solution
 
@@ -53,8 +52,8 @@ def _priced(action: Action, chance: Random, step: int) -> Action:
     return replace(action, drain=drain, cost_ms=max(200, action.cost_ms + 100 * step))
 
 
-def solved(problem: Problem, search: Search, known: KnownLoops) -> Solution | None:
-    return next(energy_solutions(search, problem, IN_FLIGHT, known), None)
+def solved(problem: Problem, search: BatterySearch) -> Solution | None:
+    return next(search.solutions(problem, IN_FLIGHT), None)
 
 
 @pytest.mark.parametrize(
@@ -63,11 +62,12 @@ def solved(problem: Problem, search: Search, known: KnownLoops) -> Solution | No
 )
 def test_a_lap_from_before_is_as_short_as_one_that_is_searched_anew(seed: int) -> None:
     problem, chance = energy_problem(seed), Random(seed)
-    search, known = Search(problem.actions), KnownLoops()
-    solved(problem, search, known)
+    remembers = BatterySearch(Search(problem.actions))
+    solved(problem, remembers)
     for _ in range(CHANGES):
         asked = changed(problem, chance)
-        kept, anew = solved(asked, search, known), solved(asked, search, KnownLoops())
+        kept = solved(asked, remembers)
+        anew = solved(asked, BatterySearch(remembers.plain))
         assert (kept is None) == (anew is None)
         if kept is None or anew is None:
             continue
@@ -85,28 +85,28 @@ def test_only_what_may_have_a_shorter_lap_is_searched(monkeypatch: pytest.Monkey
         searched.append(asked)
         return best_loops(*asked)
 
-    monkeypatch.setattr(energy_search, "best_loops", noted)
+    monkeypatch.setattr(lassos, "best_loops", noted)
     problem = next(p for p in map(energy_problem, range(99)) if _charges(p))
-    search, known = Search(problem.actions), KnownLoops()
-    first = solved(problem, search, known)
+    search = BatterySearch(Search(problem.actions))
+    first = solved(problem, search)
     assert first is not None and problem.energy is not None
     before = len(searched)
     full = len(problem.energy.percents) - 1
-    solved(replace(problem, energy=replace(problem.energy, level=full)), search, known)
+    solved(replace(problem, energy=replace(problem.energy, level=full)), search)
     assert len(searched) == before
     used = {action.name for action in (*first.prefix, *first.loop)}
     beside = next(a for a in problem.actions if a.name not in used and a.skill == "move")
     fewer = tuple(action for action in problem.actions if action is not beside)
-    kept = solved(replace(problem, actions=fewer), search, known)
+    kept = solved(replace(problem, actions=fewer), search)
     assert kept is not None and kept.loop == first.loop and len(searched) == before
     dearer = tuple(
         replace(action, drain=action.drain + 1) if action.name == first.loop[-1].name else action
         for action in problem.actions
     )
-    solved(replace(problem, actions=dearer), search, known)
+    solved(replace(problem, actions=dearer), search)
     assert len(searched) > before
 
 
 def _charges(problem: Problem) -> bool:
-    found = next(energy_solutions(Search(problem.actions), problem, BEFORE_FLIGHT), None)
+    found = next(BatterySearch(Search(problem.actions)).solutions(problem, BEFORE_FLIGHT), None)
     return found is not None and any(action.charger for action in found.loop)

@@ -14,7 +14,7 @@ from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.domain import WAIT, Action
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
-from companion.planning.energy.search import energy_solutions
+from companion.planning.energy.search import BatterySearch
 from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Energy, Problem
 
@@ -42,7 +42,7 @@ def test_skills_besides_make_no_plan_worse(seed: int) -> None:
 def judge(asked: Problem) -> None:
     """The plan that is found is right, and what is said of it."""
     best_ms = EnergyReference(asked).best_ms()
-    found = list(energy_solutions(Search(asked.actions), asked, BEFORE_FLIGHT))
+    found = list(BatterySearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT))
     if not found:
         assert best_ms is None
         return
@@ -68,7 +68,7 @@ def test_of_two_ways_to_do_the_same_the_thrifty_one_is_known_too(level: int, way
     quick = replace(action("flash", "at(A)", "seen", 1.0), drain=20)
     thrifty = replace(action("look", "at(A)", "seen", 20.0), drain=4)
     asked = on_battery(problem("HA", unit_legs("HA"), "F seen"), [quick, thrifty], level)
-    *_, found = energy_solutions(Search(), asked, BEFORE_FLIGHT)
+    *_, found = BatterySearch(Search()).solutions(asked, BEFORE_FLIGHT)
     assert [each.name for each in found.lasso.prefix] == ["move(H, A)", way]
 
 

@@ -16,7 +16,7 @@ from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.energy.ready_levels import is_cautious
-from companion.planning.energy.search import energy_solutions
+from companion.planning.energy.search import BatterySearch
 from companion.planning.energy_check import energy_fault
 from companion.planning.explain import NoPlan
 from companion.planning.lasso import Problem
@@ -34,7 +34,7 @@ def test_a_plan_keeps_the_charge_for_the_answer_wherever_the_event_comes(seed: i
     meant, problem = by_definition(asked, line), planned_for(asked, line)
     assert [a.name for a in problem.actions] == [a.name for a in meant.actions]
     best_ms = EnergyReference(meant).best_ms()
-    found = list(energy_solutions(Search(problem.actions), problem, BEFORE_FLIGHT))
+    found = list(BatterySearch(Search(problem.actions)).solutions(problem, BEFORE_FLIGHT))
     if not found:
         assert best_ms is None or is_cautious(problem)
         return

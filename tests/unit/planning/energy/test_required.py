@@ -18,14 +18,14 @@ from companion.planning.domain import WAIT, Refinement
 from companion.planning.effort import BEFORE_FLIGHT
 from companion.planning.energy.charged_actions import charged
 from companion.planning.energy.model import FACTOR, EnergyModel
-from companion.planning.energy.search import energy_solutions
+from companion.planning.energy.search import BatterySearch
 from companion.planning.energy.shortage import STRANDED, shortages
 from companion.planning.energy_check import energy_fault, required_levels
 from companion.planning.lasso import Energy, Lasso, Problem
 
 
 def best(asked: Problem) -> Lasso | None:
-    found = list(energy_solutions(Search(asked.actions), asked, BEFORE_FLIGHT))
+    found = list(BatterySearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT))
     return found[-1].lasso if found else None
 
 
@@ -68,7 +68,7 @@ def test_one_unit_short_is_one_unit() -> None:
     assert best(two_places(14)) is not None
     asked = two_places(13)
     assert best(asked) is None
-    (line,) = shortages(Search(asked.actions), asked, BEFORE_FLIGHT)
+    (line,) = shortages(BatterySearch(Search(asked.actions)), asked, BEFORE_FLIGHT)
     assert line.startswith("A cannot be served: X, A, X takes 0.1 Wh, ")
     assert "0.01 Wh more than" in line
 
@@ -76,14 +76,14 @@ def test_one_unit_short_is_one_unit() -> None:
 def test_a_charge_that_is_too_little_is_told_with_the_least_that_is_enough() -> None:
     asked = at_level(two_places(20), 2)
     assert best(asked) is None and best(at_level(asked, 3)) is not None
-    (line,) = shortages(Search(asked.actions), asked, BEFORE_FLIGHT)
+    (line,) = shortages(BatterySearch(Search(asked.actions)), asked, BEFORE_FLIGHT)
     assert line == "the charge, 10 %, is too little: from 15 % on there is a plan"
 
 
 def test_without_a_dock_a_task_for_ever_has_none() -> None:
     asked = two_places(20)
     asked = replace(asked, actions=tuple(a for a in asked.actions if a.charger is None))
-    assert shortages(Search(asked.actions), asked, BEFORE_FLIGHT) == (
+    assert shortages(BatterySearch(Search(asked.actions)), asked, BEFORE_FLIGHT) == (
         "the task goes on for ever, and nothing on its way charges",
     )
 
@@ -99,7 +99,7 @@ def test_a_task_with_an_end_is_told_by_how_much_the_battery_is_too_small(full: i
         return replace(ends, energy=asked.energy)
 
     assert best(once(13)) is not None and best(once(full)) is None
-    (line,) = shortages(Search(once(full).actions), once(full), BEFORE_FLIGHT)
+    (line,) = shortages(BatterySearch(Search(once(full).actions)), once(full), BEFORE_FLIGHT)
     more = (13 - full) / UNITS_PER_WH
     assert line == (
         f"the way to its end takes 0.1 Wh with the reserve, {more:.2f} Wh more than a full "
@@ -111,14 +111,14 @@ def test_where_no_way_leads_to_a_safe_place_the_charge_is_not_blamed() -> None:
     asked = two_places(20)
     assert asked.energy is not None
     cut_off = replace(asked, energy=replace(asked.energy, floors={"A": 3}))
-    assert shortages(Search(asked.actions), cut_off, BEFORE_FLIGHT) == (STRANDED,)
+    assert shortages(BatterySearch(Search(asked.actions)), cut_off, BEFORE_FLIGHT) == (STRANDED,)
 
 
 def test_a_task_without_a_plan_anyway_is_not_the_batterys_fault() -> None:
     asked = two_places(20)
     impossible = asking("F at(Nowhere)", asked.actions, [{"at(X)"}])
     impossible = replace(impossible, energy=asked.energy)
-    assert shortages(Search(impossible.actions), impossible, BEFORE_FLIGHT) == ()
+    assert shortages(BatterySearch(Search(impossible.actions)), impossible, BEFORE_FLIGHT) == ()
 
 
 def test_a_level_is_charged_to_with_a_percent_of_the_gauge_more() -> None:

@@ -21,6 +21,7 @@ from companion.mission.loader import load_mission
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT
+from companion.planning.energy.search import BatterySearch
 from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Problem, Solution
 from companion.planning.planner import Planner
@@ -48,7 +49,7 @@ def bounded(seed: int, share: float) -> Problem:
 
 def planned(asked: Problem) -> Solution | None:
     """The last plan that is found; all are right."""
-    found = list(TimedSearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT))
+    found = list(TimedSearch(BatterySearch(Search(asked.actions))).solutions(asked, BEFORE_FLIGHT))
     for solution in found:
         assert fault(asked, solution.lasso, histories(asked)) is None
         assert energy_fault(asked, solution.lasso) is None

@@ -14,6 +14,7 @@ from companion.ltl.time_bounds import Revisit, TimeBound
 from companion.mission.facts import at
 from companion.planning.builtin.search import Search
 from companion.planning.effort import IN_FLIGHT, Effort
+from companion.planning.energy.search import BatterySearch
 from companion.planning.lasso import Problem
 from companion.planning.timed import lassos
 from companion.planning.timed.lap_search import LapSearch
@@ -61,7 +62,7 @@ def test_it_is_searched_for_laps_once(
 ) -> None:
     """Whether it is proved that there is none, or the search was given up."""
     of = patrol(TOO_SHORT_S)
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert search.is_solvable(of, effort) is answer
     assert searches
     searches.clear()
@@ -72,7 +73,7 @@ def test_it_is_searched_for_laps_once(
 
 def test_what_was_given_up_is_searched_with_more_effort(searches: list[LapSearch]) -> None:
     of = patrol(TOO_SHORT_S)
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert search.is_solvable(of, LITTLE) is None
     assert search.is_solvable(of, IN_FLIGHT) is False
     searches.clear()
@@ -82,7 +83,7 @@ def test_what_was_given_up_is_searched_with_more_effort(searches: list[LapSearch
 
 def test_with_other_costs_it_is_searched_again() -> None:
     of = patrol(TOO_SHORT_S)
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert search.is_solvable(of, IN_FLIGHT) is False
     shorter = patrol(TOO_SHORT_S, "A", {pair: 0.8 * cost_s for pair, cost_s in LEGS.items()})
     assert search.is_solvable(shorter, IN_FLIGHT) is True
@@ -90,7 +91,7 @@ def test_with_other_costs_it_is_searched_again() -> None:
 
 def test_with_other_limits_it_is_searched_again() -> None:
     of = patrol(TOO_SHORT_S)
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert search.is_solvable(of, IN_FLIGHT) is False
     assert search.is_solvable(patrol(LONG_ENOUGH_S), IN_FLIGHT) is True
 
@@ -109,7 +110,7 @@ def test_what_is_done_once_and_for_all_makes_no_other_component(
         automaton_states=(*of.automaton_states, *read.automaton_states),
         clocks_ms=(*of.clocks_ms, None),
     )
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert search.is_solvable(of, IN_FLIGHT) is False
     searches.clear()
     assert search.is_solvable(patrol(TOO_SHORT_S, "C"), IN_FLIGHT) is False
@@ -118,7 +119,7 @@ def test_what_is_done_once_and_for_all_makes_no_other_component(
 
 def test_a_copy_knows_as_much(searches: list[LapSearch]) -> None:
     of = patrol(TOO_SHORT_S)
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     before = search.known.copied()
     assert search.is_solvable(of, IN_FLIGHT) is False
     after = search.known.copied()
@@ -134,9 +135,9 @@ def test_a_copy_knows_as_much(searches: list[LapSearch]) -> None:
 def test_answers_are_those_of_a_search_that_remembers_nothing() -> None:
     for seed in range(60):
         of = timed_problem(seed)
-        remembers = TimedSearch(Search(of.actions))
+        remembers = TimedSearch(BatterySearch(Search(of.actions)))
         asked = [of, *(moved[0] for turn in range(4) if (moved := later(of, 10 * seed + turn)))]
         for number, each in enumerate(asked):
-            alone = TimedSearch(Search(of.actions)).is_solvable(each, IN_FLIGHT)
+            alone = TimedSearch(BatterySearch(Search(of.actions))).is_solvable(each, IN_FLIGHT)
             known = remembers.is_solvable(each, IN_FLIGHT)
             assert alone is None or known is alone, (seed, number)

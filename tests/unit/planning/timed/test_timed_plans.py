@@ -12,6 +12,7 @@ from companion.ltl.time_bounds import Within
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
+from companion.planning.energy.search import BatterySearch
 from companion.planning.lasso import Problem, Solution
 from companion.planning.time_check import time_fault
 from companion.planning.timed.search import TimedSearch
@@ -22,7 +23,7 @@ SEEDS_OF_SWEEPS = range(50, 100)
 
 def planned(asked: Problem) -> Solution | None:
     """The best plan that is found; it is right."""
-    found = list(TimedSearch(Search(asked.actions)).solutions(asked, BEFORE_FLIGHT))
+    found = list(TimedSearch(BatterySearch(Search(asked.actions))).solutions(asked, BEFORE_FLIGHT))
     for solution in found:
         assert fault(asked, solution.lasso, histories(asked)) is None
         assert time_fault(asked, solution.lasso) is None
@@ -49,14 +50,17 @@ def test_a_plan_is_found_if_there_is_one_and_no_lap_is_shorter(seed: int) -> Non
 def test_plans_made_anew_are_as_good(seed: int) -> None:
     """With the laps that are known, and without them; where none is left, what is kept in hand."""
     begun = timed_problem(seed)
-    search = TimedSearch(Search(begun.actions))
+    search = TimedSearch(BatterySearch(Search(begun.actions)))
     list(search.solutions(begun, BEFORE_FLIGHT))
     reached = later(begun, seed)
     if reached is None:
         return
     asked, letters = reached
     best_ms = TimeReference(asked).best_ms()
-    for effort, used in ((IN_FLIGHT, search), (BEFORE_FLIGHT, TimedSearch(Search(begun.actions)))):
+    for effort, used in (
+        (IN_FLIGHT, search),
+        (BEFORE_FLIGHT, TimedSearch(BatterySearch(Search(begun.actions)))),
+    ):
         found = list(used.solutions(asked, effort))
         for solution in found:
             assert fault(asked, solution.lasso, [letters] * len(asked.conjuncts)) is None

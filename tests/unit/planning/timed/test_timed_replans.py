@@ -16,6 +16,7 @@ from companion.mission.facts import Fact, at
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
+from companion.planning.energy.search import BatterySearch
 from companion.planning.lasso import Problem, Solution
 from companion.planning.time_check import time_fault
 from companion.planning.timed.lateness import late_bounds
@@ -53,7 +54,7 @@ def best(search: TimedSearch, of: Problem) -> Solution | None:
 
 
 def test_a_lap_visits_a_place_twice_where_one_visit_is_too_seldom() -> None:
-    search = TimedSearch(Search())
+    search = TimedSearch(BatterySearch(Search()))
     tour, twice = best(search, asked(often("B", 110))), best(search, asked(often("B", 70)))
     assert tour is not None and twice is not None
     assert (tour.lasso.lap_cost_ms, twice.lasso.lap_cost_ms) == (100_000, 100_000)
@@ -66,7 +67,7 @@ def test_what_no_line_asks_for_is_not_done_on_the_way() -> None:
     works = [action(f"work({p})", f"at({p})", f"done({p})", cost_s=5.0) for p in "HABC"]
     of = asked(often("A", 110))
     of = replace(of, actions=(*of.actions, *works))
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     first = best(search, of)
     assert first is not None
     assert not any(each.skill == "work" for each in first.lasso.prefix)
@@ -77,7 +78,7 @@ def test_what_no_line_asks_for_is_not_done_on_the_way() -> None:
 
 def test_a_plan_made_anew_keeps_the_lap() -> None:
     of = asked(often("A", 110))
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     first = best(search, of)
     assert first is not None
     later = moved(of, "C", (40_000,))
@@ -87,7 +88,7 @@ def test_a_plan_made_anew_keeps_the_lap() -> None:
 
 def test_the_clock_decides_which_way_a_lap_is_entered() -> None:
     of = asked(often("A", 120))
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     fresh, late = (best(search, moved(of, "B", (clock,))) for clock in (0, 70_000))
     assert fresh is not None and late is not None
     assert names(late.lasso)[0] + names(late.lasso)[1][:1] == ["move(B, A)"]
@@ -96,7 +97,7 @@ def test_the_clock_decides_which_way_a_lap_is_entered() -> None:
 
 def test_what_is_late_uses_up_what_plans_keep_in_hand() -> None:
     of = asked({"soon": Within(parse("at(C)"), 100_000)})
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert of.conjuncts[-1].bound is not None and of.conjuncts[-1].bound.planned_ms == 95_000
     for clock, is_kept in ((35_000, True), (38_000, True), (40_000, True), (40_001, False)):
         assert (best(search, moved(of, "H", (clock,))) is not None) == is_kept
@@ -104,7 +105,7 @@ def test_what_is_late_uses_up_what_plans_keep_in_hand() -> None:
 
 def test_what_rose_and_fell_is_answered() -> None:
     of = asked({"answer": Response(parse("at(C)"), 70_000, parse("alarm"))})
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     calm = best(search, of)
     risen = replace(of, unread=frozenset({Fact.parse("alarm")}))
     rushed = best(search, risen)
@@ -125,14 +126,14 @@ def test_a_goal_that_an_event_met_is_due_again_after_the_next_position(
     called = Revisit(parse("at(A) | called"), 1000 * seconds)
     of = moved(asked({"often": called}), "C", (None,))
     of = replace(of, unread=frozenset({Fact.parse("called")}))
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert (best(search, of) is not None) == is_kept
     assert search.is_solvable(of, IN_FLIGHT) is is_kept
 
 
 def test_it_is_told_how_far_a_bound_would_have_to_be_relaxed() -> None:
     of = asked(often("A", 60))
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     assert best(search, of) is None
     (line,) = late_bounds(search, of, BEFORE_FLIGHT)
     assert line == (
@@ -146,7 +147,7 @@ def test_it_is_told_how_far_a_bound_would_have_to_be_relaxed() -> None:
 
 def test_a_search_that_ends_too_early_does_not_say_that_there_is_no_plan() -> None:
     of = asked(often("A", 110) | {"other": Revisit(parse("at(B)"), 90_000)})
-    search = TimedSearch(Search(of.actions))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
     with pytest.raises(SearchLimit, match="no proof"):
         list(search.solutions(of, replace(BEFORE_FLIGHT, time_labels=10)))
     assert search.is_solvable(of, replace(BEFORE_FLIGHT, time_labels=10)) is None
