@@ -66,7 +66,9 @@ def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
     def here() -> Departure | None:
         return flight.guidance.departure
 
-    planner.flight_time = flight_times(mission, prepared.ways, here, lambda: speed_limit.target)
+    planner.flight_time = flight_times(
+        mission, prepared.flown_routes, here, lambda: speed_limit.target
+    )
     if (energy := planner.energy) is not None:
         energy.here = here
         energy.charge = Gauge(flight, energy)

@@ -24,7 +24,7 @@ from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.engine_port import Engine
 from companion.planning.flight_times import flight_times, route_map
-from companion.planning.flown_ways import FlownWays
+from companion.planning.flown_routes import FlownRoutes
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.task_state import TaskState
@@ -55,7 +55,7 @@ class PreparedMission:
     """
 
     mission: Mission
-    ways: FlownWays
+    flown_routes: FlownRoutes
     speed_limit: LiveSpeedLimit
     planner: Planner
     first_plan: FirstPlan | None
@@ -66,7 +66,7 @@ class PreparedMission:
     @property
     def routes(self) -> LayeredRoutes:
         """The mission's routes."""
-        return self.ways.routes
+        return self.flown_routes.routes
 
     def plan(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
@@ -125,28 +125,28 @@ def prepare(
     """
     calls = functions or NoFunctions()
     mission = above_ground(mission, ground_amsl_m)
-    ways = FlownWays(routes := routes or route_map(mission))
+    flown_routes = FlownRoutes(routes := routes or route_map(mission))
     for name in (name for name, place in mission.places.items() if place.found_by):
         routes.hide(name)
     speed_limit = LiveSpeedLimit(mission.speed_limits)
     speed_limit.set_operator_limit(speed_max_mps)
-    times = flight_times(mission, ways, limits=lambda: speed_limit.target)
+    times = flight_times(mission, flown_routes, limits=lambda: speed_limit.target)
     energy = None
     if mission.battery is not None:
-        energy = MissionEnergy(mission, ways, lambda: speed_limit.target)
+        energy = MissionEnergy(mission, flown_routes, lambda: speed_limit.target)
     planner = Planner(mission, times, energy=energy)
     routes.find(ALL)  # in flight they are only repaired, which is quicker
     if mission.tree is not None:
         planner.actions_of(mission.tree)  # raises an error if an action does not exist
         return PreparedMission(
-            mission, ways, speed_limit, planner, first_plan=None, functions=calls
+            mission, flown_routes, speed_limit, planner, first_plan=None, functions=calls
         )
     problem, histories = TaskState(planner).problem()
     found, failure = _planned(planner, problem, histories, engine)
     anticipate_events(planner)
     return PreparedMission(
         mission,
-        ways,
+        flown_routes,
         speed_limit,
         planner,
         first_plan=FirstPlan(problem, found),

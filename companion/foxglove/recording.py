@@ -91,8 +91,8 @@ class RecordedRun:
                 yield LogMessage(now_s, "/setpoint", "foxglove.PoseInFrame", asked)
 
     def _plans(self) -> Iterator[LogMessage]:
-        for time_s, way in self._follower.ways:
-            yield LogMessage(time_s, "/plan", "foxglove.PosesInFrame", poses_in_map(way))
+        for time_s, route in self._follower.planned_routes:
+            yield LogMessage(time_s, "/plan", "foxglove.PosesInFrame", poses_in_map(route))
 
     def _logs(self) -> Iterator[LogMessage]:
         line = 0

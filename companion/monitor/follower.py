@@ -40,8 +40,8 @@ from companion.monitor.page_events import (
     AutomataDrawn,
     CellsChanged,
     Leg,
+    RoutePlanned,
     SeenCell,
-    WayPlanned,
 )
 from companion.monitor.scene import Scene, read_scene
 from companion.monitor.tailing import EventLines, TlogFrames
@@ -80,7 +80,7 @@ class Follower:
         self.mission = _mission(scene, folder.name, is_live)
         self.events: list[Stamped] = []
         self.snapshots: list[Snapshot] = []
-        self.ways: list[tuple[float, tuple[Ned, ...]]] = []
+        self.planned_routes: list[tuple[float, tuple[Ned, ...]]] = []
         self._scene = scene
         self._lines = EventLines(folder / EVENTS_FILE)
         self._frames = TlogFrames(folder / "flight.tlog")
@@ -170,8 +170,10 @@ class Follower:
                 self._routes.aim(event.place, event.position)
             case TreeBuilt() if not self._is_written:
                 legs = list(self._legs(event))
-                self.ways.append((time_s, tuple(corner for leg in legs for corner in leg)))
-                yield WayPlanned(tuple(map(_on_the_page, legs)))
+                self.planned_routes.append(
+                    (time_s, tuple(corner for leg in legs for corner in leg))
+                )
+                yield RoutePlanned(tuple(map(_on_the_page, legs)))
 
     def _legs(self, tree: TreeBuilt) -> Iterator[list[Ned]]:
         """The route of each action that flies somewhere."""

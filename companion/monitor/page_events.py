@@ -79,7 +79,7 @@ class AutomataMoved(DerivedEvent):
 
 
 @dataclass(frozen=True, slots=True)
-class WayPlanned(DerivedEvent):
+class RoutePlanned(DerivedEvent):
     """The plan has this route on the map as known now."""
 
     kind = "path"
@@ -104,4 +104,4 @@ class CellsChanged(DerivedEvent):
     cells: tuple[SeenCell, ...]
 
 
-DERIVED: tuple[type[DerivedEvent], ...] = (AutomataDrawn, AutomataMoved, WayPlanned, CellsChanged)
+DERIVED: tuple[type[DerivedEvent], ...] = (AutomataDrawn, AutomataMoved, RoutePlanned, CellsChanged)

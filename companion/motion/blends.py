@@ -129,11 +129,11 @@ class Blend:
 
         The curve lies between these legs and the chords.
         """
-        points, ways = self._outline
+        points, directions = self._outline
         plane = np.stack([self.before, self._aside], axis=1)
-        chords, ways_2d = np.diff(points, axis=0) @ plane, ways @ plane
-        ahead_m = cross(chords, ways_2d[1:]) / cross(ways_2d[:-1], ways_2d[1:])
-        meets = points[:-1] + ahead_m[:, None] * ways[:-1]
+        chords, directions_2d = np.diff(points, axis=0) @ plane, directions @ plane
+        ahead_m = cross(chords, directions_2d[1:]) / cross(directions_2d[:-1], directions_2d[1:])
+        meets = points[:-1] + ahead_m[:, None] * directions[:-1]
         return np.vstack([points[:1], meets, points[-1:]])
 
     def speed_mps(self, limits: SpeedLimits) -> float:

@@ -6,7 +6,7 @@ beyond the least one, where the map has room for it.
 1. A passage that is too narrow is flown at the next lower clearance, in its middle (`voronoi.py`).
    Outside the passage the route still keeps what is enough.
 2. If that leads nowhere, or is too long a detour, the whole route keeps only the level's clearance.
-3. Levels differ by steps of the added clearance. way_choice.py decides which level is flown.
+3. Levels differ by steps of the added clearance. clearance_choice.py decides which level is flown.
 
 A place may itself be nearer to an obstacle than a level demands, and so may the vehicle. Around
 each of them a disc is open in which routes keep as much distance as the place or the vehicle does.
@@ -35,7 +35,8 @@ from companion.motion.regions import Regions
 from companion.motion.voronoi import passages
 
 ENOUGH_SHARE = 2 / 3
-"""The share of the added clearance that is enough if all of it makes a detour (`way_choice.py`)."""
+"""The share of the added clearance that is enough if all of it makes a detour, see
+`clearance_choice.py`."""
 
 _MAX_STARTS = 1000  # starts whose cell is cached
 _OPEN_SHARE = 1.5  # reach of an open disc, in straight ways out to the level's clearance
@@ -80,7 +81,7 @@ class Obstacles:
         return passages(self.grid, self.narrowest_m)
 
 
-class WayEntry(NamedTuple):
+class RouteEntry(NamedTuple):
     """Where a route to a place enters free cells.
 
     Attributes:
@@ -238,11 +239,11 @@ class ClearanceLevel:
         is_plain = self.space.is_connected(start, goal)
         return is_plain or self.around(start).is_connected(start, goal)
 
-    def entry(self, start: NorthEast, place: str) -> WayEntry | None:
+    def entry(self, start: NorthEast, place: str) -> RouteEntry | None:
         """Where a route to a place enters cells from which a path leads there; None without one."""
         return self.plain_entry(start, place) or self._entry_near(start, place)
 
-    def plain_entry(self, start: NorthEast, place: str) -> WayEntry | None:
+    def plain_entry(self, start: NorthEast, place: str) -> RouteEntry | None:
         """The result of `entry`, quickly, if a path leads on from the start's own cell."""
         cell = self._plain_cell(start)
         goal = self._grid.cell(self._room.goals[place][:2])
@@ -252,20 +253,20 @@ class ClearanceLevel:
         is_way = to_go is not None and math.isfinite(to_go.cost[cell])
         return self._entered(start, place, to_go, cell) if to_go and is_way else None
 
-    def _entry_near(self, start: NorthEast, place: str) -> WayEntry | None:
+    def _entry_near(self, start: NorthEast, place: str) -> RouteEntry | None:
         to_go = self.maps.cost_to_go(place) if self.is_connected(start, place) else None
         others = self._room.others[place]
         cell = self.around(start).entry(start, others, to_go.cost) if to_go else None
         return self._entered(start, place, to_go, cell) if to_go and cell else None
 
-    def _entered(self, start: NorthEast, place: str, to_go: CostToGo, cell: Cell) -> WayEntry:
+    def _entered(self, start: NorthEast, place: str, to_go: CostToGo, cell: Cell) -> RouteEntry:
         goal, grid = self._room.goals[place][:2], self._grid
         if to_go.cost[cell] == 0:
-            return WayEntry(to_go, cell, math.dist(start, goal))
+            return RouteEntry(to_go, cell, math.dist(start, goal))
         first = math.dist(start, grid.centre(*cell))
         last = math.dist(goal, grid.centre(*grid.cell(goal)))
         along = float(to_go.cost[cell]) * grid.cell_m
-        return WayEntry(to_go, cell, first + along + last)
+        return RouteEntry(to_go, cell, first + along + last)
 
     def _plain_cell(self, start: NorthEast) -> Cell | None:
         """Cached, because each place is a start of routes to all others."""

@@ -45,7 +45,7 @@ class DragEstimate:
         self._last_s = self._window_s = 0.0
         self._begin_velocity: NorthEast | None = None
         self._thrust: NorthEast = (0.0, 0.0)  # its integral, m/s
-        self._way: NorthEast = (0.0, 0.0)  # integral of the velocity, m
+        self._travel: NorthEast = (0.0, 0.0)  # integral of the velocity, m
 
     @property
     def per_s(self) -> float:
@@ -69,7 +69,7 @@ class DragEstimate:
             return
         self._window_s += passed_s
         self._thrust = _sum(self._thrust, thrust_mps2, passed_s)
-        self._way = _sum(self._way, velocity, passed_s)
+        self._travel = _sum(self._travel, velocity, passed_s)
         if self._window_s >= WINDOW_S:
             self._learn(self._thrust - np.subtract(velocity, self._begin_velocity))
             self._begin(velocity)
@@ -80,12 +80,12 @@ class DragEstimate:
 
     def _begin(self, velocity: NorthEast) -> None:
         self._begin_velocity, self._window_s = velocity, 0.0
-        self._thrust = self._way = (0.0, 0.0)
+        self._thrust = self._travel = (0.0, 0.0)
 
     def _learn(self, spent_mps: npt.NDArray[np.float64]) -> None:
         """One step of the Kalman filter: (2,) the part of a window's thrust that overcame drag."""
         seconds = self._window_s * np.eye(2)
-        model = np.column_stack([self._way, -seconds])
+        model = np.column_stack([self._travel, -seconds])
         prior = self._covariance + np.diag([0.0, CHANGE_MPS2**2, CHANGE_MPS2**2])
         gain = prior @ model.T @ np.linalg.inv(model @ prior @ model.T + NOISE_MPS**2 * np.eye(2))
         self._mean = self._mean + gain @ (spent_mps - model @ self._mean)

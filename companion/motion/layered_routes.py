@@ -277,8 +277,8 @@ class LayeredRoutes:
 
     def _layers_to(self, start: Ned, place: str) -> Iterable[int]:
         """The layers of all routes to a place, each once."""
-        ways = (way for added_m in self._margins for way in self._ways(start, place, added_m))
-        return dict.fromkeys(layer for layer, _ in ways)
+        levels = (each for added_m in self._margins for each in self._ways(start, place, added_m))
+        return dict.fromkeys(layer for layer, _ in levels)
 
     def _ways(self, start: Ned, place: str, added_m: float) -> Iterator[tuple[int, float | None]]:
         """The routes to a place: layer, and altitude of the level part (None: it is sloped).

@@ -115,13 +115,13 @@ def _candidates(points: Waypoints, index: int, moves: tuple[float, ...]) -> Iter
     before, corner, after = points[index - 1 : index + 2]
     first, second = corner - before, after - corner
     shorter_m = min(float(np.linalg.norm(first)), float(np.linalg.norm(second)))
-    ways = _directions(points[index - 1 : index + 2])
-    inwards = np.array([*(ways[1] - ways[0])[:2], 0.0])
+    directions = _directions(points[index - 1 : index + 2])
+    inwards = np.array([*(directions[1] - directions[0])[:2], 0.0])
     width = float(np.linalg.norm(inwards))
     inwards = inwards / width if width > 0 else inwards
     for size in _SIZES.tolist():
         reach_m = _LEG_SHARE * shorter_m * size
-        in_place = Blend(corner, ways[0], ways[1], reach_m)
+        in_place = Blend(corner, directions[0], directions[1], reach_m)
         if in_place.turn_rad > MAX_TURN_RAD:
             return
         for move in moves:
@@ -138,8 +138,8 @@ def _aimed(blend: Blend | None, target: Vector) -> Blend | None:
     """The blend with another end of its second leg."""
     if blend is None:
         return None
-    way = target - blend.corner
-    return Blend(blend.corner, blend.before, way / np.linalg.norm(way), blend.reach_m)
+    leg = target - blend.corner
+    return Blend(blend.corner, blend.before, leg / np.linalg.norm(leg), blend.reach_m)
 
 
 def _is_flyable(

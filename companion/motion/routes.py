@@ -23,6 +23,7 @@ import numpy.typing as npt
 
 from companion.geometry import Ned, NorthEast
 from companion.motion.blends import Blend
+from companion.motion.clearance_choice import RouteAtClearance, decisive_routes
 from companion.motion.clearance_level import ClearanceLevel, Obstacles, Room, levels_from
 from companion.motion.free_space import FreeSpace, points_of
 from companion.motion.grid import OccupancyGrid, cells_inside
@@ -33,7 +34,6 @@ from companion.motion.region_edges import RegionEdges
 from companion.motion.regions import Regions
 from companion.motion.rounding import Waypoints, rounded
 from companion.motion.string_pulling import length, pull_string
-from companion.motion.way_choice import WayAt, decisive_ways
 
 CELLS_PER_TICK = 10_000
 """Cells that are searched in one tick, because the same loop sends the setpoints."""
@@ -166,9 +166,9 @@ class RouteMap:
         """
         if self._is_in_sight(start, place) or not self.is_connected(start, place):
             return True
-        for way in self._decisive_ways(start, place):
-            max_cells -= way.level.search(start, place, max_cells)
-            if not way.level.is_known(start, place):
+        for route in self._decisive_routes(start, place):
+            max_cells -= route.level.search(start, place, max_cells)
+            if not route.level.is_known(start, place):
                 return False
         return True
 
@@ -215,7 +215,7 @@ class RouteMap:
         straight_m = math.dist(start, self._goals[place][:2])
         if self._is_in_sight(start, place):
             return straight_m
-        length_m = self._way(start, place).length_m
+        length_m = self._chosen(start, place).length_m
         is_direct = math.isinf(length_m) and self._is_in_sight(start, place, self._least)
         return straight_m if is_direct else length_m
 
@@ -256,13 +256,13 @@ class RouteMap:
     ) -> Route | None:
         """A route to a place, after points that are flown in any case."""
         goal, others = self._goals[place], self._others[place]
-        space, way = self._levels[0].space, None
+        space, chosen = self._levels[0].space, None
         if not self._is_in_sight(start[:2], place):
-            way = self._way(start[:2], place)
-        if way is None:
+            chosen = self._chosen(start[:2], place)
+        if chosen is None:
             points = space.point([start[:2], goal[:2]])
-        elif entry := way.entry:
-            space = way.level.around(*(point[:2] for point in (*flown, start)))
+        elif entry := chosen.entry:
+            space = chosen.level.around(*(point[:2] for point in (*flown, start)))
             cells = entry.to_go.path(entry.cell) + 0.5
             path = np.vstack([space.point(start), cells, space.point(goal)])
             kept = 0 if space.is_clear(path[0], path[0]) else 1  # the leg out of the clearance band
@@ -300,14 +300,14 @@ class RouteMap:
         leg = space.point(start), space.point(self._goals[place][:2])
         return bool(legs.may_be_clear(*leg) and legs.are_clear(*leg))
 
-    def _way(self, start: NorthEast, place: str) -> WayAt:
+    def _chosen(self, start: NorthEast, place: str) -> RouteAtClearance:
         """The route by which a place is reached, at one clearance, if there is one."""
-        *_, way = self._decisive_ways(start, place)
-        return way
+        *_, chosen = self._decisive_routes(start, place)
+        return chosen
 
-    def _decisive_ways(self, start: NorthEast, place: str) -> Iterator[WayAt]:
+    def _decisive_routes(self, start: NorthEast, place: str) -> Iterator[RouteAtClearance]:
         straight_m = math.dist(start, self._goals[place][:2])
-        return decisive_ways(self._levels, start, place, straight_m)
+        return decisive_routes(self._levels, start, place, straight_m)
 
 
 def _regions(grid: OccupancyGrid, places: Mapping[str, PlaceRegion]) -> Regions:

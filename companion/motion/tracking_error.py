@@ -16,7 +16,7 @@ from companion.geometry import NorthEast
 
 LOOK_S = 0.25
 """Time between two measurements; a vehicle oscillates over seconds."""
-WAY_S = 3.0
+PATH_S = 3.0
 """How long a setpoint counts as part of the path: no vehicle lags further behind. A vehicle that
 others have moved may also take so long to return to its path."""
 PERIOD_S = 60.0
@@ -34,7 +34,7 @@ class TrackingError:
 
     def __init__(self, jump_m: float) -> None:
         self._jump_m = jump_m
-        self._way: deque[tuple[float, NorthEast]] = deque()
+        self._path: deque[tuple[float, NorthEast]] = deque()
         self._most_m = self._before_m = 0.0  # the largest of this period and of the one before
         self._begin_s: float | None = None
         self._look_s = self._paused_s = -math.inf
@@ -46,7 +46,7 @@ class TrackingError:
 
     def pause(self, now_s: float) -> None:
         """Interrupts the measurement: there is no setpoint, or the position is unknown."""
-        self._way.clear()
+        self._path.clear()
         self._paused_s = now_s
 
     def follow(self, now_s: float, told: NorthEast, here: NorthEast) -> None:
@@ -54,14 +54,14 @@ class TrackingError:
         if now_s - self._look_s < LOOK_S:
             return
         self._look_s = now_s
-        while self._way and self._way[0][0] < now_s - WAY_S:
-            self._way.popleft()
-        if self._way and math.dist(self._way[-1][1], told) > self._jump_m:
-            self._way.clear()
-        self._way.append((now_s, told))
-        if now_s - self._paused_s < WAY_S:
+        while self._path and self._path[0][0] < now_s - PATH_S:
+            self._path.popleft()
+        if self._path and math.dist(self._path[-1][1], told) > self._jump_m:
+            self._path.clear()
+        self._path.append((now_s, told))
+        if now_s - self._paused_s < PATH_S:
             return
-        points = [point for _, point in self._way]
+        points = [point for _, point in self._path]
         legs = pairwise(points) if len(points) > 1 else [(told, told)]
         if self._begin_s is None or now_s >= self._begin_s + PERIOD_S:
             self._begin_s, self._before_m, self._most_m = now_s, self._most_m, 0.0

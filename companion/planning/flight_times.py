@@ -15,7 +15,7 @@ from companion.motion.departure import Departure, at_rest
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import PlaceRegion
-from companion.planning.flown_ways import FlownWays
+from companion.planning.flown_routes import FlownRoutes
 from companion.planning.instances import FlightTime
 from companion.slices import spent
 
@@ -55,7 +55,7 @@ def route_map(mission: Mission, kind: type[LayeredRoutes] = LayeredRoutes) -> La
 
 def flight_times(
     mission: Mission,
-    ways: FlownWays,
+    flown_routes: FlownRoutes,
     here: Callable[[], Departure | None] = lambda: None,
     limits: Callable[[], SpeedLimits] | None = None,
 ) -> FlightTime:
@@ -65,11 +65,11 @@ def flight_times(
 
     Args:
         mission: the mission with the places.
-        ways: routes to its places, and how long they are flown.
+        flown_routes: routes to its places, and how long they are flown.
         here: says where the vehicle is between places, and how it moves.
         limits: says how fast it may fly now; without it, as fast as the mission allows.
     """
-    as_written, routes = mission.speed_limits, ways.routes
+    as_written, routes = mission.speed_limits, flown_routes.routes
 
     def flight_time(origin: str, goal: str) -> float:
         departure = here() if origin == HERE else at_rest(routes.goal(origin))
@@ -78,7 +78,7 @@ def flight_times(
         now = limits() if limits else as_written
         spent(_DISTANCE_US)
         if mission.is_timed or mission.battery is not None:
-            return ways.departure_s(departure, goal, now)
+            return flown_routes.departure_s(departure, goal, now)
         return routes.passage(departure.now.position, goal).duration_s(now)
 
     return flight_time

@@ -32,7 +32,7 @@ from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.energy_check import place_of
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, given_times, route_map
-from companion.planning.flown_ways import FlownWays
+from companion.planning.flown_routes import FlownRoutes
 from companion.planning.instances import FlightTime, Instances, task_model
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective, asked_for
@@ -85,10 +85,10 @@ class Planner:
     ) -> None:
         check_kind(mission, Mission, "a mission, as of load_mission")
         if flight_time is None:
-            ways = FlownWays(route_map(mission))
-            flight_time = flight_times(mission, ways)
+            flown_routes = FlownRoutes(route_map(mission))
+            flight_time = flight_times(mission, flown_routes)
             if mission.battery is not None:
-                energy = energy or MissionEnergy(mission, ways)
+                energy = energy or MissionEnergy(mission, flown_routes)
         elif mission.battery is not None and energy is None:
             raise RequestError(
                 "flight times say nothing of energy, and the mission has a battery\n"

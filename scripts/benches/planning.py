@@ -31,7 +31,7 @@ from companion.motion.departure import at_rest
 from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.engines import solve_with
 from companion.planning.flight_times import flight_times, route_map
-from companion.planning.flown_ways import FlownWays
+from companion.planning.flown_routes import FlownRoutes
 from companion.planning.lasso import Solution
 from companion.planning.objective import Encoding, Objective
 from companion.planning.planner import Planner
@@ -65,7 +65,7 @@ def replanning(runs: int) -> Iterator[Row]:
     mission = load_mission(MISSION)
     routes = route_map(mission)
     here = [mission.places["A"].position]
-    planner = Planner(mission, flight_times(mission, FlownWays(routes), lambda: at_rest(here[0])))
+    planner = Planner(mission, flight_times(mission, FlownRoutes(routes), lambda: at_rest(here[0])))
     actions = {action.name: action for action in planner.model.actions}
     task = TaskState(planner)
     yield from _phase("plan at the start", planner, [task.problem()] * runs)

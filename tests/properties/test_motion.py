@@ -19,6 +19,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy import ndimage
 
+from companion.motion.clearance_choice import DETOUR
 from companion.motion.clearance_level import ENOUGH_SHARE
 from companion.motion.free_space import ENTRY_M
 from companion.motion.grid import OccupancyGrid
@@ -28,7 +29,6 @@ from companion.motion.region import Disc
 from companion.motion.regions import Regions
 from companion.motion.routes import PlaceRegion, RouteMap
 from companion.motion.voronoi import passages
-from companion.motion.way_choice import DETOUR
 
 FAST = drawn(60)
 

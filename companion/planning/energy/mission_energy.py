@@ -20,7 +20,7 @@ from companion.planning.energy.charge_source import ChargeSource, FullBattery
 from companion.planning.energy.model import EnergyModel
 from companion.planning.energy.ratio_estimate import KnownRatios, RatioEstimate
 from companion.planning.energy_check import place_of
-from companion.planning.flown_ways import FlownWays
+from companion.planning.flown_routes import FlownRoutes
 from companion.planning.lasso import Energy
 from companion.planning.step_times import waits_s
 
@@ -34,7 +34,7 @@ class MissionEnergy:
 
     Args:
         mission: a mission with a battery.
-        ways: the routes to its places.
+        flown_routes: the routes to its places.
         limits: tells how fast it may fly now.
 
     Attributes:
@@ -48,12 +48,12 @@ class MissionEnergy:
     def __init__(
         self,
         mission: Mission,
-        ways: FlownWays,
+        flown_routes: FlownRoutes,
         limits: Callable[[], SpeedLimits] | None = None,
     ) -> None:
         battery = mission.battery
         assert battery is not None
-        self._mission, self._ways, self._routes = mission, ways, ways.routes
+        self._mission, self._flown_routes, self._routes = mission, flown_routes, flown_routes.routes
         self._limits = limits or (lambda: mission.speed_limits)
         self.model = EnergyModel(battery)
         self.here: Callable[[], Departure | None] = lambda: None
@@ -99,7 +99,7 @@ class MissionEnergy:
     def _flight(self, departure: Departure, goal: str) -> int | None:
         start, limits = departure.now.position, self._limits()
         passage = self._routes.passage(start, goal)
-        flight_s = self._ways.departure_s(departure, goal, limits)
+        flight_s = self._flown_routes.departure_s(departure, goal, limits)
         if math.isinf(flight_s):
             return None
         return self.model.flight(passage, start, self._routes.goal(goal), limits, flight_s)
@@ -197,7 +197,7 @@ class MissionEnergy:
     def _bends_s(self, here: Ned, place: str, limits: SpeedLimits) -> float:
         """How much longer the route from the nearest place takes than its length suggests."""
         near = min(map(self._routes.goal, self._mission.places), key=lambda at: math.dist(at, here))
-        flown_s = self._ways.flight_s(near, place, limits)
+        flown_s = self._flown_routes.flight_s(near, place, limits)
         by_length_s = self._routes.passage(near, place).duration_s(limits)
         return max(0.0, flown_s - by_length_s) if math.isfinite(flown_s) else 0.0
 

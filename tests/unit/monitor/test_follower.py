@@ -31,7 +31,7 @@ from companion.monitor.page_events import (
     AutomataMoved,
     CellsChanged,
     DerivedEvent,
-    WayPlanned,
+    RoutePlanned,
 )
 from companion.monitor.scene import read_scene
 from companion.record.run_folder import RunFolder
@@ -135,7 +135,7 @@ def test_a_folder_that_grows_is_read_as_one_that_is_whole(
         run.read()
     run.read()
     assert run.snapshots == whole.snapshots
-    for kind in {type(stamped.event) for stamped in whole.events} - {WayPlanned}:
+    for kind in {type(stamped.event) for stamped in whole.events} - {RoutePlanned}:
         assert of(run, kind) == of(whole, kind), kind  # a way begins at the vehicle
 
 
@@ -160,7 +160,7 @@ def test_events_wait_for_the_frames_of_their_time_but_not_for_long(
 def test_the_way_of_each_plan_leads_from_the_vehicle_through_its_places(
     whole: Follower, surveillance: Mission
 ) -> None:
-    first, second, third = (planned.legs for planned in of(whole, WayPlanned))
+    first, second, third = (planned.legs for planned in of(whole, RoutePlanned))
     for legs, names in ((first, "ABCA"), (second, ["r1", "Home"]), (third, ["r2", "Home"])):
         for leg, name in zip(legs, names, strict=True):
             north, east, _ = surveillance.places[name].position
@@ -312,15 +312,15 @@ def test_ways_keep_to_a_fence_of_the_autopilots_own(surveillance_run: Path, tmp_
     for name in ("scene.json", "flight.tlog"):
         (tmp_path / name).write_bytes((surveillance_run / name).read_bytes())
     whole = read_whole(surveillance_run)
-    (first, *_), *_ = of(whole, WayPlanned)[0].legs
-    (east, north), *_ = [leg[-1] for leg in of(whole, WayPlanned)[0].legs]
+    (first, *_), *_ = of(whole, RoutePlanned)[0].legs
+    (east, north), *_ = [leg[-1] for leg in of(whole, RoutePlanned)[0].legs]
     middle = ((first[1] + north) / 2, (first[0] + east) / 2)
     corners = ((-1, -1), (-1, 1), (1, 1), (1, -1))
     zone = tuple((middle[0] + n, middle[1] + e) for n, e in corners)
     kept = line_of(Stamped(0.0, FenceKept("4 points, 1 area", keep_out=(zone,))))
     events = (surveillance_run / "events.jsonl").read_text(encoding="utf-8")
     (tmp_path / "events.jsonl").write_text(f"{json.dumps(kept)}\n{events}", encoding="utf-8")
-    ways = of(read_whole(tmp_path), WayPlanned)
-    before = of(whole, WayPlanned)[0].legs[0]
-    assert len(ways[0].legs) == len(of(whole, WayPlanned)[0].legs)
+    ways = of(read_whole(tmp_path), RoutePlanned)
+    before = of(whole, RoutePlanned)[0].legs[0]
+    assert len(ways[0].legs) == len(of(whole, RoutePlanned)[0].legs)
     assert len(ways[0].legs[0]) > len(before), "it leads round the zone"

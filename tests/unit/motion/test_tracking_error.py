@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from companion.motion.tracking_error import PERIOD_S, WAY_S, TrackingError
+from companion.motion.tracking_error import PATH_S, PERIOD_S, TrackingError
 
 TICK_S = 0.05
 JUMP_M = 1.0
@@ -23,8 +23,8 @@ def flown(
 
 def test_one_that_lags_behind_is_on_its_way() -> None:
     error = TrackingError(JUMP_M)
-    flown(error, 10.0, WAY_S, 0.0)
-    flown(error, 10.0 + WAY_S, 20.0, 0.0, behind_m=0.9 * WAY_S)
+    flown(error, 10.0, PATH_S, 0.0)
+    flown(error, 10.0 + PATH_S, 20.0, 0.0, behind_m=0.9 * PATH_S)
     assert error.off_m == pytest.approx(0.0)
 
 
@@ -77,5 +77,5 @@ def test_setpoints_that_jump_and_a_pause_make_no_way() -> None:
     for i in range(60):
         error.follow(2.0 + TICK_S * i, (20.5, 5.0), (20.0 + i / 120, 6.0 - i / 60))
     assert error.off_m == pytest.approx(0.0)
-    error.follow(2.0 + WAY_S + 0.25, (20.5, 5.0), (20.1, 5.0))
+    error.follow(2.0 + PATH_S + 0.25, (20.5, 5.0), (20.1, 5.0))
     assert error.off_m == pytest.approx(0.4)

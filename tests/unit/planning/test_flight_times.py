@@ -19,7 +19,7 @@ from companion.motion.departure import Departure, at_rest
 from companion.motion.region import Disc
 from companion.motion.trajectory import Trajectory
 from companion.planning.flight_times import flight_times, given_times, route_map
-from companion.planning.flown_ways import ARRIVAL_S, FlownWays
+from companion.planning.flown_routes import ARRIVAL_S, FlownRoutes
 from companion.vehicle_profile import VehicleProfile
 
 QUAD = VehicleProfile()
@@ -47,7 +47,7 @@ def test_flight_times_are_those_of_the_map() -> None:
     """At rest at both ends: d/v + v/a + a/j; a way along cells is a little longer."""
     asked = mission("F at(A)")
     here: Departure | None = None
-    seconds = flight_times(asked, FlownWays(route_map(asked)), lambda: here)
+    seconds = flight_times(asked, FlownRoutes(route_map(asked)), lambda: here)
     change_s = 2.0 / 2.0 + 2.0 / QUAD.jerk_mps3
     assert seconds("H", "A") == pytest.approx(6.0 / 2.0 + change_s, abs=0.4)
     assert seconds("here", "A") == math.inf
@@ -64,9 +64,9 @@ def test_a_task_with_bounds_counts_the_bends() -> None:
     routes = route_map(asked)
     route = routes.route(POSITIONS["C"], "A")
     assert route is not None and route.blends
-    seconds = flight_times(bounded, FlownWays(routes))
+    seconds = flight_times(bounded, FlownRoutes(routes))
     assert seconds("C", "A") == Trajectory(route, asked.speed_limits).duration_s + ARRIVAL_S
-    assert seconds("C", "A") != flight_times(asked, FlownWays(routes))("C", "A")
+    assert seconds("C", "A") != flight_times(asked, FlownRoutes(routes))("C", "A")
     routes.hide("A")
     assert seconds("C", "A") == math.inf
     routes.find_place("A", (6.0, 3.0, -2.0))
@@ -80,7 +80,7 @@ def test_among_shelves_flights_take_longer_than_their_length_says() -> None:
     routes = route_map(asked)
     routes.add_clearance(0.5)
     by_length_s = routes.passage(routes.goal("Gate"), "Dock").duration_s(asked.speed_limits)
-    assert flight_times(asked, FlownWays(routes))("Gate", "Dock") > 1.4 * by_length_s
+    assert flight_times(asked, FlownRoutes(routes))("Gate", "Dock") > 1.4 * by_length_s
 
 
 def test_a_table_has_the_ways_that_it_has() -> None:

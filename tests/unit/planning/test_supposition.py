@@ -10,14 +10,14 @@ from companion.errors import CompanionError, MissionError
 from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 from companion.planning.flight_times import flight_times
-from companion.planning.flown_ways import FlownWays
+from companion.planning.flown_routes import FlownRoutes
 from companion.planning.objective import Objective
 from companion.planning.planner import Planner
 
 
 @pytest.fixture
 def planner(surveillance: Mission, surveillance_routes: LayeredRoutes) -> Planner:
-    return Planner(surveillance, flight_times(surveillance, FlownWays(surveillance_routes)))
+    return Planner(surveillance, flight_times(surveillance, FlownRoutes(surveillance_routes)))
 
 
 def test_nothing_supposed_is_the_missions_own_beginning(planner: Planner) -> None:

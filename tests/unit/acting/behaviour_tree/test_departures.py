@@ -16,7 +16,7 @@ from synthetic import POSITIONS
 
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.motion.departure import SLOW_MPS, at_rest
-from companion.planning.flown_ways import ARRIVAL_S, FlownWays
+from companion.planning.flown_routes import ARRIVAL_S, FlownRoutes
 from companion.tick import TICK_S
 
 SEEN_S = 4 * TICK_S
@@ -32,8 +32,8 @@ def rig() -> Rig:
 def reckoned_s(rig: Rig, place: str) -> float:
     departure = rig.flight.guidance.departure
     assert departure is not None
-    ways = FlownWays(rig.flight.routes)
-    return ways.departure_s(departure, place, rig.speed_limit.target) - ARRIVAL_S
+    flown_routes = FlownRoutes(rig.flight.routes)
+    return flown_routes.departure_s(departure, place, rig.speed_limit.target) - ARRIVAL_S
 
 
 def flown_s(rig: Rig, leaf: MoveCommand) -> float:
@@ -86,9 +86,11 @@ def test_from_a_flight_that_is_given_up(
 
 
 def test_at_rest_it_is_the_leg_from_there(rig: Rig) -> None:
-    ways, limits = FlownWays(rig.flight.routes), rig.speed_limit.target
+    flown_routes, limits = FlownRoutes(rig.flight.routes), rig.speed_limit.target
     for start in ((3.0, 1.0, -2.0), POSITIONS["B"]):
-        assert ways.departure_s(at_rest(start), "A", limits) == ways.flight_s(start, "A", limits)
+        assert flown_routes.departure_s(at_rest(start), "A", limits) == flown_routes.flight_s(
+            start, "A", limits
+        )
 
 
 def test_to_turn_back_takes_the_way_to_a_stop_and_back(rig: Rig) -> None:

@@ -31,7 +31,7 @@ _DEPARTURES_KEPT = 64
 _TURNING_STEP_S = 0.05
 
 
-class FlownWays:
+class FlownRoutes:
     """Routes to places, and how long their trajectories last.
 
     Attributes:

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from companion.geometry import NorthEast
-from companion.motion.clearance_level import ClearanceLevel, WayEntry, is_enough
+from companion.motion.clearance_level import ClearanceLevel, RouteEntry, is_enough
 
 DETOUR = 1.1
 """A route may be this many times as long to keep the whole added clearance."""
 
 
 @dataclass
-class WayAt:
+class RouteAtClearance:
     """A route at one clearance; its properties are searched when first asked for, and once.
 
     Args:
@@ -35,7 +35,7 @@ class WayAt:
     place: str
 
     @cached_property
-    def entry(self) -> WayEntry | None:
+    def entry(self) -> RouteEntry | None:
         """Where the route enters free cells; None if there is no route."""
         return self.level.entry(self.start, self.place)
 
@@ -45,9 +45,9 @@ class WayAt:
         return math.inf if self.entry is None else self.entry.length_m
 
 
-def decisive_ways(
+def decisive_routes(
     levels: Sequence[ClearanceLevel], start: NorthEast, place: str, straight_m: float
-) -> Iterator[WayAt]:
+) -> Iterator[RouteAtClearance]:
     """The routes that decide which one is flown; each may be searched before it is examined.
 
     The last one is flown: the one at the highest level that is not DETOUR times as long as the one
@@ -60,17 +60,19 @@ def decisive_ways(
         place: where it leads.
         straight_m: length of the straight line there.
     """
-    ways = [WayAt(level, start, place) for level in levels]
-    yield ways[0]
-    is_direct = ways[0].length_m <= DETOUR * straight_m
+    routes = [RouteAtClearance(level, start, place) for level in levels]
+    yield routes[0]
+    is_direct = routes[0].length_m <= DETOUR * straight_m
     if is_direct or not levels[-1].is_connected(start, place):
         return
     least_m = levels[-1].clearance_m
     added_m = levels[0].clearance_m - least_m
-    *_, enough = (way for way in ways if is_enough(way.level.clearance_m - least_m, added_m))
+    *_, enough = (
+        route for route in routes if is_enough(route.level.clearance_m - least_m, added_m)
+    )
     yield enough
     most_m = DETOUR * enough.length_m
-    for way in ways:
-        yield way
-        if math.isfinite(way.length_m) and way.length_m <= most_m:
+    for route in routes:
+        yield route
+        if math.isfinite(route.length_m) and route.length_m <= most_m:
             return
