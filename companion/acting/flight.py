@@ -21,6 +21,7 @@ from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.planning.task_state import TaskState
 from companion.tick import TICK_S
+from companion.vehicle.camera_port import ShotOwner
 from companion.vehicle.port import Vehicle
 from companion.vehicle_profile import VehicleProfile
 
@@ -51,6 +52,7 @@ class Flight:
         guidance: makes the setpoints.
         steps: the steps that must not be done twice; the leaves of the tree write them.
         kept_fence: somebody else's fence to which the flight keeps; `kept_fence.py` writes it.
+        photos_reported: what the reported photos were for; `photo.py` writes it.
     """
 
     vehicle: Vehicle
@@ -70,6 +72,7 @@ class Flight:
     heard: dict[Signal, tuple[float, float]] = field(default_factory=dict)
     believed_percent: int = 100
     kept_fence: KeptFence | None = None
+    photos_reported: set[ShotOwner] = field(default_factory=set)
     guidance: Guidance = field(init=False)
     steps: BegunSteps = field(init=False)
 

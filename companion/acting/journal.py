@@ -15,7 +15,7 @@ from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
 from companion.geometry import Ned
 from companion.planning.task_changes import ActionCompleted, TaskChange
-from companion.vehicle.camera_port import IntendedShot
+from companion.vehicle.camera_port import IntendedShot, ShotOwner
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +99,26 @@ class CommandSettled:
 
 
 @dataclass(frozen=True, slots=True)
+class PhotoReported:
+    """A photo was made, and was reported.
+
+    Attributes:
+        action: the action that it is for.
+        position: position of the word at which the action is done.
+        nth: which of the action's steps, from 0.
+    """
+
+    action: str
+    position: int
+    nth: int
+
+    @property
+    def owner(self) -> ShotOwner:
+        """What the photo is for."""
+        return (self.action, self.position, self.nth)
+
+
+@dataclass(frozen=True, slots=True)
 class PlanNumbered:
     """A plan was made, or none was found; so many plans had been made before."""
 
@@ -142,6 +162,7 @@ JournalEntry = (
     | IntendedShot
     | KeptFence
     | OperatorSettings
+    | PhotoReported
     | PlaceFound
     | PlanNumbered
     | TaskChange
@@ -186,6 +207,7 @@ class JournalledFlight:
         unsettled: commands since the last completed skill that were done, or whose outcome is
             unknown.
         shots: the newest photos, `KEPT_SHOTS` at most, that were about to be requested.
+        photos: what the photos were for that were made and reported.
         settings: the operator's settings; None for the initial ones.
         replans: number of replans.
         found: places that were found in flight, each with its newest position, the newest last.
@@ -204,6 +226,7 @@ class JournalledFlight:
     changes: tuple[TaskChange, ...]
     unsettled: tuple[CommandIntended, ...]
     shots: tuple[IntendedShot, ...]
+    photos: frozenset[ShotOwner]
     settings: OperatorSettings | None
     replans: int
     found: tuple[PlaceFound, ...]
@@ -277,6 +300,7 @@ def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFli
         changes=tuple(entry for entry in noted if isinstance(entry, TaskChange)),
         unsettled=_unsettled(noted),
         shots=_all(IntendedShot, noted)[-KEPT_SHOTS:],
+        photos=frozenset(photo.owner for photo in _all(PhotoReported, noted)),
         settings=_last(OperatorSettings, noted),
         replans=plan.number if plan is not None else 0,
         found=_newest(noted),

@@ -164,9 +164,10 @@ def restore(
     events = mission.events
     detector.resume(name for name, event in events.items() if event.fact in task.facts)
     task.on_change = lambda change: journal.note(flight.now_s, change)
+    flight.photos_reported |= journalled.photos
     for shot in journalled.shots:
         flight.vehicle.cameras.recall(shot)
-        if shot.position == task.positions:
+        if shot.position == task.positions and shot.owner not in journalled.photos:
             flight.report(
                 OutcomeUnknown(shot.action, "the camera is asked how many photos it has taken")
             )

@@ -118,7 +118,7 @@ def test_a_skill_of_two_photos_makes_two_and_one_that_fails_after_them_no_more()
     components = {"components": {"camera": 100, "winch": 33}}
     flight = PhotoFlight(photo_mission("A", **components, **steps), {})
     flight.until_reported(SkillFailed)
-    assert flight.made == 1
+    assert flight.made == len(flight.told) == 1
 
 
 def test_a_pause_in_mid_photo() -> None:
@@ -129,6 +129,22 @@ def test_a_pause_in_mid_photo() -> None:
     assert flight.of(PhaseEntered, phase=Phase.PAUSED) and flight.made == 1 and not flight.told
     flight.station_commands(PAUSE, 1.0, component=COMPANION)
     assert is_whole(flown(flight), "A") and len(flight.asked) == 1
+
+
+@pytest.mark.parametrize("is_killed", [False, True])
+def test_a_photo_is_told_once_although_its_skill_begins_again(is_killed: bool) -> None:
+    skill = {"execute": ["photo(camera)", "wait(5)"]}
+    flight = PhotoFlight(photo_mission("A", photo=skill), {}, has_station=True, resumes=True)
+    flight.until_reported(PhotoTaken).run(1.0)
+    if is_killed:
+        flight.kill()
+        flight.run(3.0)
+        flight.restart()
+    else:
+        flight.station_commands(PAUSE, 0.0, component=COMPANION)
+        flight.run(2.0)
+        flight.station_commands(PAUSE, 1.0, component=COMPANION)
+    assert is_whole(flown(flight), "A") and not flight.of(OutcomeUnknown)
 
 
 def test_a_pilot_in_mid_photo_and_no_photo_for_him() -> None:

@@ -2,7 +2,7 @@
 
 A photo is due once for its action at each position of the word. After a failed try, a pause,
 another plan, or a crash of the process, the leaf returns to the same photo; the camera's counter
-then tells whether it was taken.
+then tells whether it was taken. It is reported once.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.kept_intention import kept
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
+from companion.acting.journal import PhotoReported
 from companion.flight_events.skills import PhotoTaken
 from companion.flight_events.tree import LeafType
 from companion.mission.facts import AT, HERE
@@ -95,7 +96,7 @@ class TakePhoto(Leaf):
 
     def _tell(self, made: PhotoMade) -> None:
         flight, state = self._flight, self._flight.vehicle.state
-        if state is not None:
+        if state is not None and self._owner not in flight.photos_reported:
             running = flight.task.running
             is_flying = running is not None and running.destination is not None
             places = [fact.arguments[0] for fact in flight.task.facts if fact.predicate == AT]
@@ -105,3 +106,5 @@ class TakePhoto(Leaf):
             flight.report(
                 PhotoTaken(made.number, self._photo.camera, place, made.image_index, state.position)
             )
+            flight.photos_reported.add(self._owner)
+            flight.note(PhotoReported(*self._owner))

@@ -20,6 +20,7 @@ from companion.acting.journal import (
     JournalEntry,
     OperatorSettings,
     PhaseBegun,
+    PhotoReported,
     VehicleSeen,
     put_together,
 )
@@ -48,6 +49,7 @@ ENTRIES: list[JournalEntry] = [
     CommandIntended(2, "do", "MAV_CMD_USER_1"),
     ActionCompleted(TaskMoment(3, 7.25), "do", 7.5),
     CommandIntended(3, "do", "MAV_CMD_USER_1"),
+    PhotoReported("do", 3, 1),
     OperatorSettings(2.0, -1.0),
 ]
 
@@ -66,7 +68,7 @@ def test_what_was_written_is_read(tmp_path: Path) -> None:
     flight = read_journal(tmp_path, 0.0)
     assert flight == put_together((float(n), entry) for n, entry in enumerate(ENTRIES))
     assert flight is not None and flight.unsettled == (ENTRIES[9],)
-    assert flight.positions == 3
+    assert flight.positions == 3 and flight.photos == {("do", 3, 1)}
     assert flight.phase is flight.flown is Phase.ARMING and flight.armed_s == 1.0
     later = read_journal(tmp_path, time.time() + 60.0)
     assert later is not None and 60.0 <= later.away_s < 600.0
