@@ -225,3 +225,17 @@ def destination(steps: tuple[Step, ...]) -> str | None:
         if isinstance(step, Refinement) and (place := destination(step.steps)) is not None:
             return place
     return None
+
+
+def is_one_flight(steps: tuple[Step, ...]) -> bool:
+    """Whether they are a flight to a place and nothing else.
+
+    >>> is_one_flight(reach("North").execute), is_one_flight(WAIT.execute)
+    (True, False)
+    """
+    match steps:
+        case (Fly(),):
+            return True
+        case (Refinement(steps=refined),):
+            return is_one_flight(refined)
+    return False

@@ -177,6 +177,20 @@ def test_it_stays_on_its_only_dock_too_if_the_skill_has_flown_there_itself() -> 
     assert flight.armings == 1, text(flight)
 
 
+def test_a_charge_of_a_skill_that_flies_to_its_dock_is_told_as_done() -> None:
+    given = two_docks()
+    given["skills"]["recharge"] |= {
+        "parameters": {"from": "Place", "pad": "Pad"},
+        "precondition": "at(from)",
+        "effect": "at(pad) & !at(from)",
+        "execute": ["fly(pad)", "land()", "charge(auto)", "take_off()"],
+    }
+    flight = fly(mission=load_mission(given))
+    flight.until_reported(SkillCompleted, limit_s=300.0)
+    assert flight.one(SkillCompleted).action.startswith("recharge(")
+    assert all(event.action.startswith("move(") for event in flight.of(PlaceReached))
+
+
 @pytest.mark.usefixtures("soon_given_up")
 def test_on_a_dock_that_fails_under_it_with_the_floor_it_waits_and_goes_on() -> None:
     mission = load_mission(two_docks(patience_s=600))

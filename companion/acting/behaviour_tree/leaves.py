@@ -21,6 +21,7 @@ from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.tree import LeafType
 from companion.mission.model import Command
+from companion.planning.domain import is_one_flight
 from companion.slices import InSlices
 
 RUNNING = Status.RUNNING
@@ -125,7 +126,7 @@ class Effects(Leaf):
         """Always SUCCESS."""
         flight, action = self._flight, self._intention.action
         flight.task.complete(action, flight.now_s)
-        if action.destination is not None and len(action.execute) == 1:
+        if action.destination is not None and is_one_flight(action.execute):
             flight.report(PlaceReached(action.destination, action.name))
         elif action.assumes or action.adds:
             flight.report(SkillCompleted(action.name))
