@@ -212,7 +212,8 @@ class ReplanTriggers:
         """After restored beliefs or changed events; the flight continues during the search."""
         task = self._flight.task
         if not task.violated:
-            answered = self._possible.ask(task.situation, lambda: self._replanner.is_possible)
+            about = tuple(self._assumptions.wrong), task.withdrawn
+            answered = self._possible.ask(about, lambda: self._replanner.is_possible)
             if answered is None:
                 return None
             if answered.answer:
@@ -227,12 +228,15 @@ class ReplanTriggers:
         return self._flight.task.may_take_up and not self._flight.progress.is_landed_by_plan
 
     def _taken_up(self, plan: PlanUnderWay) -> str | None:
-        """Asked once after each completed skill."""
+        """Asked once after each completed skill; changes of an event do not ask again.
+
+        Those that matter to the plan lead to another one, which considers all lines.
+        """
         task = self._flight.task
         if plan.is_leaving:
             task.keep_dropped()
             return None
-        answered = self._line.ask(task.situation, lambda: self._replanner.line_to_take_up)
+        answered = self._line.ask(task.completed, lambda: self._replanner.line_to_take_up)
         if answered is None:
             return None
         task.keep_dropped()

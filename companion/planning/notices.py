@@ -21,6 +21,7 @@ from companion.planning.domain import Action, ConditionalEffect, destination
 from companion.planning.lasso import Conjunct, Lasso, Solution
 from companion.planning.low_places import low_places, too_low
 from companion.planning.planner import Planner
+from companion.planning.situation import unread_events
 from companion.planning.step_times import is_guessed, on_the_spot_s
 
 
@@ -140,12 +141,9 @@ def _walls_below_the_end(mission: Mission, plan: Lasso) -> Iterator[Notice]:
 
 def _unused_events(mission: Mission) -> Iterator[Notice]:
     """Events that neither the task nor a skill mentions, and that restart no line."""
-    used = {fact.predicate for fact in mission.task_facts}
-    for skill in mission.skills.values():
-        conditions = (skill.precondition, *(when.condition for when in skill.conditional))
-        used |= {literal.atom.predicate for literals in conditions for literal in literals}
+    unread = unread_events(mission)
     for name, event in mission.events.items():
-        if name not in used and not (event.restarts or event.restores):
+        if event.fact in unread and not event.restores:
             yield Notice(name, "nothing uses this event: no line of the task, no skill")
 
 

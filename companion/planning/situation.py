@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from companion.mission.facts import Fact
+from companion.mission.model import Mission
 from companion.planning.lasso import Conjunct
 
 
@@ -51,3 +52,16 @@ class TaskSituation:
         """Whether two situations are equal, except for some events."""
         alike = replace(other, facts=self.facts, risen=self.risen)
         return self == alike and self.changed_events(other) <= but_for
+
+
+def unread_events(mission: Mission) -> frozenset[Fact]:
+    """The events on which no plan depends.
+
+    Neither the task nor a skill mentions them, and they restart no line.
+    """
+    read = {fact.predicate for fact in mission.task_facts}
+    for skill in mission.skills.values():
+        conditions = (skill.precondition, *(when.condition for when in skill.conditional))
+        read |= {literal.atom.predicate for literals in conditions for literal in literals}
+    events = mission.events.items()
+    return frozenset(e.fact for name, e in events if name not in read and not e.restarts)

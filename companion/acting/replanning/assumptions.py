@@ -16,6 +16,7 @@ from companion.flight_events.facts import in_words
 from companion.mission.facts import Fact
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
+from companion.planning.situation import unread_events
 
 FLAPPING_S = 1.0
 """Within this time, several changes of one event make only one new plan."""
@@ -28,6 +29,7 @@ class Assumptions:
 
     Attributes:
         may_do_better: a belief has come back since the plan was made.
+        unread: the events on which no plan depends.
 
     Args:
         planner: of the mission with the events.
@@ -39,6 +41,7 @@ class Assumptions:
         self._flight = flight
         events = planner.mission.events.values()
         self._always = planner.task_facts.union(each.fact for each in events if each.restarts)
+        self.unread = unread_events(planner.mission)
         self._values: dict[Fact, bool] = {}
         self._foreseen = self._noted = frozenset[Fact]()
         self._positions = 0

@@ -160,7 +160,7 @@ class Replanner:
         if self._planned_in is None:
             return False
         now, assumptions = self._flight.task.situation, self._assumptions
-        if self._planned_in.is_like(now, but_for=assumptions.flapping):
+        if self._planned_in.is_like(now, but_for=assumptions.flapping | assumptions.unread):
             return False
         assumptions.note_replan(self._planned_in.changed_events(now))
         return True
@@ -180,9 +180,9 @@ class Replanner:
         self._assumptions.forget_restored_beliefs()
         if planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
-        is_in_vain = self._idle_replans > MAX_IDLE_REPLANS
+        is_in_vain = self._idle_replans >= MAX_IDLE_REPLANS
         if is_in_vain and flight.task.dropped == flight.task.optional:
-            return NoPlanError(f"no plan: {MAX_IDLE_REPLANS} plans in a row led nowhere")
+            return NoPlanError(f"no plan: {self._idle_replans} plans in a row led nowhere")
         self._planned_in = flight.task.situation
         self._assumptions.renew()
         problem, histories = flight.task.problem()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -40,7 +42,7 @@ from companion.outcomes import Failed, Progress
 from companion.planning.builtin.search import Search
 from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.explain import Explanation, NoPlan, why_no_plan
-from companion.planning.lasso import Problem
+from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.solver import Solver
 from companion.tick import TICK_S
@@ -232,7 +234,8 @@ def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for
 ) -> None:
     monkeypatch.setattr(slices, "SLICE_US", 20)
     conjuncts = {f"c{i}": f"F at({name}) | F done" for i, name in enumerate("AB" * 5)}
-    asked = mission({"do": "F done", **conjuncts}, skills=[DO], events=[FOUND])
+    task = {"do": "F done", "go": "G (found -> F at(A))", **conjuncts}
+    asked = mission(task, skills=[DO], events=[FOUND])
     rig = Rig(replace(asked, patience_s=0.0)).begin()
     rig.vehicle.payloads.answers = [(0.0, Failed("denied"))]
     rig.run(lambda: bool(rig.of(BeliefWithdrawn)), limit_s=2.0)
@@ -240,6 +243,18 @@ def test_what_flaps_while_the_reason_is_looked_for_does_not_hold_the_vehicle_for
         rig.tick(reading("found", float(i % 2 == 0)))
     assert rig.executive.status is TaskStatus.NO_PLAN
     assert f"{MAX_IDLE_REPLANS} plans in a row led nowhere" in rig.of(NoPlanFound)[-1].explanation
+
+
+@pytest.mark.parametrize(("extra", "plans"), [({}, 5), ({"again": "F done"}, 6)])
+def test_so_many_plans_lead_nowhere_as_are_told(extra: dict[str, str], plans: int) -> None:
+    """With a line that may be dropped, another plan without it follows the five."""
+    ways = [command(f"do{number}", "at(H)", "done") for number in range(9)]
+    asked = mission({"do": "F done", **extra}, skills=ways, priorities=dict.fromkeys(extra, 1))
+    rig = Rig(asked).begin()
+    rig.vehicle.payloads.answers = [(0.0, Failed("denied"))] * 20
+    assert rig.run_to_the_end() is TaskStatus.NO_PLAN
+    assert len(rig.of(SkillFailed)) == plans
+    assert rig.one(NoPlanFound).explanation == f"no plan: {plans} plans in a row led nowhere"
 
 
 @pytest.mark.parametrize("slice_us", [slices.SLICE_US, 200])
@@ -255,6 +270,25 @@ def test_a_flapping_event_makes_a_plan_a_second_and_ends_nothing(
     times_s = [stamped.time_s for stamped in rig.reports if isinstance(stamped.event, PlanReplaced)]
     assert len(times_s) > 5
     assert all(b - a >= FLAPPING_S - TICK_S / 2 for a, b in pairwise(times_s))
+
+
+def test_an_event_that_nothing_mentions_begins_no_search_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It changes more often than a plan can be made."""
+    replan = Solver.replan
+
+    def slow(solver: Solver, problem: Problem, histories: Sequence[Sequence[Letter]]) -> Any:
+        for _ in range(50):
+            slices.spent(slices.SLICE_US)
+        return replan(solver, problem, histories)
+
+    monkeypatch.setattr(Solver, "replan", slow)
+    rig = Rig(mission(A_OR_B, events=[FOUND, event("noise")])).begin()
+    rig.tick(reading("found"))
+    for i in range(100):
+        rig.tick(reading("noise", float(i // 25 % 2 == 0)))
+    assert rig.one(PlanReplaced).reason == "found"
 
 
 def test_another_event_is_answered_at_once_while_one_flaps() -> None:

@@ -43,6 +43,7 @@ from companion.planning.planner import Planner
 from companion.planning.task_changes import ActionBegun, TaskChange
 from companion.planning.task_replay import TaskReplay
 from companion.planning.task_state import TaskState
+from companion.slices import SLICE_US, spent
 from companion.vehicle.port import Goal, Mode, Takeover
 
 MISSIONS = Path(__file__).parents[3] / "missions"
@@ -244,6 +245,25 @@ def test_an_event_on_the_way_that_brings_no_plan_changes_nothing(
     landed(run, first)
     assert not run.of(ReturnFailed) and begun(run) == [first]
     assert not [e for e in run.events[before:] if isinstance(e, NoPlanFound | PlanReplaced)]
+
+
+def test_a_plan_is_found_on_the_way_although_other_events_change_meanwhile(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The search takes half a second; an event that nothing mentions changes in each tick."""
+    def slow(replanner: Replanner) -> bool:
+        for _ in range(10):
+            spent(SLICE_US)
+        return replanner.plan_now() is not None
+
+    again = replace(event("again"), restores=frozenset({"can_do"}))
+    run = refused(replace(stranded("B"), events={"again": again, "noise": event("noise")}))
+    leaving(run, "B")
+    monkeypatch.setattr(Replanner, "is_possible", property(slow))
+    run.step(reading("again"))
+    for i in range(20):
+        run.step(reading("noise", float(i % 2)))
+    assert run.one(PlanReplaced).reason == "a belief came back"
 
 
 def test_where_the_plan_that_was_hoped_for_is_none_it_goes_on_to_the_same(

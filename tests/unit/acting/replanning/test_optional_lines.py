@@ -32,6 +32,7 @@ from companion.planning.lasso import Lasso, Letter, Problem
 from companion.planning.optional_lines import NO_PLAN
 from companion.planning.planner import Planner
 from companion.planning.solver import Solver
+from companion.slices import SLICE_US, spent
 from companion.tick import TICK_S
 
 RAIN = event("rain")
@@ -110,6 +111,25 @@ def test_it_is_asked_once_a_completed_skill(monkeypatch: pytest.MonkeyPatch) -> 
     rig.run_until(PlaceReached, times=first + 6)
     assert len(tried) == len(set(tried)) <= 6
     assert len(rig.of(PlanReplaced)) == 1
+
+
+def test_events_that_change_meanwhile_do_not_hold_the_vehicle_for_ever(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The question whether a line can be kept takes a second; an event changes in each tick."""
+    line_to_take_up = Solver.line_to_take_up
+
+    def slow(solver: Solver, problem: Problem, dropped: frozenset[str]) -> str | None:
+        for _ in range(20):
+            spent(SLICE_US)
+        return line_to_take_up(solver, problem, dropped)
+
+    monkeypatch.setattr(Solver, "line_to_take_up", slow)
+    rig = Rig(asked(events=(RAIN, event("noise")))).begin()
+    rig.tick(reading("rain"))
+    for i in range(600):
+        rig.tick(reading("noise", float(i % 2)))
+    assert len(places(rig)) >= 4
 
 
 def test_a_line_that_was_dropped_knows_what_it_has_read() -> None:
