@@ -251,6 +251,7 @@ def test_a_plan_is_found_on_the_way_although_other_events_change_meanwhile(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The search takes half a second; an event that nothing mentions changes in each tick."""
+
     def slow(replanner: Replanner) -> bool:
         for _ in range(10):
             spent(SLICE_US)
