@@ -175,7 +175,7 @@ class Companion:
         """Flies the newest mission, from the step after its preparation."""
         if self._run is not None:
             phase = self._run.sortie.phase
-            if phase in BEGINNING:
+            if phase in BEGINNING and not self._runs.has_newer:
                 return None
             return Refusal(f"{self._run.mission.name} is {phase.value}")
         speed_max_mps = self._component.parameters[SPEED_MAX]

@@ -74,6 +74,10 @@ class MonitorPage(Protocol):
 class UploadService(Protocol):
     """Missions that come over MAVLink FTP. No call may block."""
 
+    @property
+    def has_waiting(self) -> bool:
+        """Whether an accepted mission waits until nothing is flown."""
+
     def ftp(self, now_s: float, client: tuple[int, int], payload: bytes) -> list[bytes]:
         """Returns the replies to a FILE_TRANSFER_PROTOCOL payload of a (system, component)."""
 

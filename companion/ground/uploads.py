@@ -139,6 +139,11 @@ class Uploads:
             self._publish(verdict)
         return verdicts
 
+    @property
+    def has_waiting(self) -> bool:
+        """Whether an accepted mission waits for `take_active`."""
+        return bool(self._all_in(UploadState.ACCEPTED))
+
     def take_active(self) -> Path | None:
         """Makes the accepted mission the active one and returns its path; None without one."""
         for upload in self._all_in(UploadState.ACCEPTED):

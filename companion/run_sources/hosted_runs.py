@@ -54,11 +54,18 @@ class HostedRuns:
         is_prepared = self._preparation is not None and self._preparation.done()
         return self._first is None and not is_prepared
 
+    @property
+    def has_newer(self) -> bool:
+        """Whether an upload was accepted since a mission was started."""
+        return self.uploads is not None and self.uploads.has_waiting
+
     def missing(self, telemetry: Telemetry) -> None:
         """None: nobody waits for the vehicle, which may come at any time."""
 
     def start(self, telemetry: Telemetry, now_s: float, speed_max_mps: float) -> Refusal | None:
         """Begins to prepare the newest mission; a run that was cut off continues by itself."""
+        if self.has_newer:
+            return Refusal("another mission was started before; the newest is flown after it")
         if self._first is not None:
             return None
         if self._mission is None:

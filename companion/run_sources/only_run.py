@@ -29,10 +29,11 @@ class OnlyRun:
         uploads: always None: uploads are not accepted.
         is_over: whether the run was handed out, or cannot begin.
         awaits_start: always False: nobody has to start it.
+        has_newer: always False.
     """
 
     uploads = None
-    awaits_start = False
+    awaits_start = has_newer = False
 
     def __init__(
         self,

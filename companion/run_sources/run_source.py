@@ -28,6 +28,10 @@ class RunSource(Protocol):
     def awaits_start(self) -> bool:
         """Whether an operator has to start the next run."""
 
+    @property
+    def has_newer(self) -> bool:
+        """Whether a mission was accepted that will not be flown by the run that was started."""
+
     def missing(self, telemetry: Telemetry) -> str | None:
         """What the next run waits to hear of its vehicle, in words; None if nobody waits for it."""
 

@@ -99,6 +99,10 @@ class Hosted(Notes):
 
     # -- ground.operations.UploadService -------------------------------------------------------
 
+    @property
+    def has_waiting(self) -> bool:
+        return self.upload is not None and self.is_flying
+
     def poll(self, now_s: float, is_flying: bool) -> list[Any]:
         self.is_flying = is_flying
         return []
@@ -234,12 +238,23 @@ def test_a_stop_ends_it_without_a_run(hosted: Hosted) -> None:
     assert hosted.begun == []
 
 
+def test_a_start_beside_a_newer_upload_is_refused_before_the_take_off_too(hosted: Hosted) -> None:
+    while not hosted.begun:
+        hosted.tick()
+    assert hosted.ask(START) == ACCEPTED
+    hosted.upload = mission("F at(B)")
+    hosted.tick()
+    assert hosted.ask(START) == NOT_NOW
+    hosted.fly()
+    assert hosted.begun == ["F at(A)"]
+
+
 def test_an_upload_is_kept_for_the_next_start(hosted: Hosted) -> None:
     """The host is told that the mission that is active has started: that is the one of the run."""
     hosted.upload = mission("F at(B)")
     hosted.pass_time(1.0)
     assert hosted.upload is not None and hosted.told == [] and hosted.is_flying
-    assert hosted.ask(START) == ACCEPTED  # the one that was asked for
+    assert hosted.ask(START) == NOT_NOW  # this one is not what is about to be flown
     hosted.fly()
     hosted.pass_time(1.0)
     assert hosted.told == [MissionReady("synthetic")]
