@@ -16,7 +16,7 @@ from companion.ltl.conjuncts import conjuncts
 from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 from companion.mission.facts import Atom, Fact, at
-from companion.mission.model import Wait
+from companion.mission.steps import Wait
 from companion.planning.check import fault
 from companion.planning.compilation.classical import ClassicalProblem
 from companion.planning.compilation.decode import decode

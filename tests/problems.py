@@ -15,7 +15,7 @@ from companion.ltl.parser import parse
 from companion.ltl.translate import translate
 from companion.mission.facts import Atom, Fact, at
 from companion.mission.literals import parse_literals
-from companion.mission.model import Fly, Wait
+from companion.mission.steps import Fly, Wait
 from companion.planning.builtin.search import Search
 from companion.planning.domain import WAIT, Action, ConditionalEffect
 from companion.planning.lasso import Conjunct, Lasso, Letter, Problem

@@ -18,8 +18,8 @@ from companion.api.simulating import varied_world_of
 from companion.campaigns.kit import Kit
 from companion.mavlink import commands
 from companion.mavlink.commands import CommandSender, Parameters
+from companion.mission.events import Event
 from companion.mission.loader import load_mission
-from companion.mission.model import Event
 from companion.vehicle_profile import VehicleProfile
 
 LIMIT_S = 90.0

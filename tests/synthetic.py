@@ -15,21 +15,15 @@ from companion.errors import KeyPath
 from companion.geometry import Ned
 from companion.ltl.parser import parse
 from companion.mission.conditions import parse_condition
+from companion.mission.events import Event
 from companion.mission.facts import Fact
 from companion.mission.literals import parse_fact, parse_literals
-from companion.mission.model import (
-    Command,
-    Event,
-    Execution,
-    Fly,
-    LandAtSafePlace,
-    Limits,
-    Mission,
-    Otherwise,
-    Place,
-    Skill,
-)
+from companion.mission.model import Mission
+from companion.mission.otherwise import LandAtSafePlace, Otherwise
+from companion.mission.places import Limits, Place
 from companion.mission.signals import Signal
+from companion.mission.skills import Skill
+from companion.mission.steps import Command, Execution, Fly
 from companion.motion.grid import OccupancyGrid
 from companion.motion.region import Disc
 from companion.planning.planner import Planner

@@ -12,7 +12,8 @@ from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.acting.preparation import PreparedMission
 from companion.acting.symbols import Symbols
-from companion.mission.model import Mission, Place
+from companion.mission.model import Mission
+from companion.mission.places import Place
 from companion.motion.departure import Departure
 from companion.motion.marker_track import HEIGHT_M, LAND_FROM_M
 from companion.motion.position_error import MOST_M

@@ -21,7 +21,7 @@ from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
 from companion.geometry import FAR_M, is_in_polygon
 from companion.mission.first_place import as_begun_at_zero, begins_at_zero
-from companion.mission.model import Limits, Place
+from companion.mission.places import Limits, Place
 from companion.motion.position_error import EXACT_M, greatest_error_m
 from companion.outcomes import Refusal
 from companion.vehicle.port import Anchoring, FrameLocation, Mode, VehicleState

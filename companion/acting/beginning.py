@@ -15,7 +15,7 @@ from companion.errors import Aborted, CompanionError
 from companion.flight_events.frames import FrameLocated, HomeMeasured, HomeRecalled
 from companion.flight_events.skills import FunctionsAwaited
 from companion.geometry import horizontal_distance
-from companion.mission.model import Place
+from companion.mission.places import Place
 from companion.outcomes import Failed, Progress
 from companion.slices import InSlices
 from companion.vehicle.mission_frame import SETTLING_S

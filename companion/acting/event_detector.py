@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from companion.mission.model import Event
+from companion.mission.events import Event
 from companion.mission.signals import AnyCondition, Signal, Silence
 
 Change = tuple[str, bool]

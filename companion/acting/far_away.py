@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from companion.errors import Aborted
 from companion.geometry import FAR_M, GlobalOrigin, horizontal_distance
-from companion.mission.model import Place
+from companion.mission.places import Place
 from companion.vehicle.port import FrameLocation, VehicleState
 
 _ELSEWHERE = "is it the right mission for this vehicle? companion sim begins where the mission does"

@@ -15,7 +15,7 @@ from companion.acting.symbols import Symbols
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.skills import SymbolMoved
 from companion.geofence import KeptFence
-from companion.mission.model import Limits
+from companion.mission.places import Limits
 from companion.mission.signals import Signal
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit

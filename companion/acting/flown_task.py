@@ -29,7 +29,8 @@ from companion.flight_events.sortie import (
     ReturnBegun,
     ReturnFailed,
 )
-from companion.mission.model import Mission, Otherwise
+from companion.mission.model import Mission
+from companion.mission.otherwise import Otherwise
 from companion.mission.signals import Signal
 from companion.outcomes import Failed, Progress
 

@@ -21,7 +21,8 @@ from companion.acting.flight import Flight
 from companion.acting.journal import PlaceFound
 from companion.geometry import GlobalOrigin, Ned, NorthEast, horizontal_distance
 from companion.mission.found_places import FOUND, report_of
-from companion.mission.model import Mission, Place
+from companion.mission.model import Mission
+from companion.mission.places import Place
 from companion.mission.signals import REPORT, Signal
 from companion.outcomes import Refusal
 from companion.planning.planner import Planner

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from companion.geometry import enu_from_ned
-from companion.mission.model import Place
+from companion.mission.places import Place
 from companion.outcomes import Failed
 from companion.skills.authoring import KnownPlace, KnownVehicle
 from companion.skills.calls import Answer, CallRequest, Function

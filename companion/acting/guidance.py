@@ -18,7 +18,7 @@ from companion.acting.ground_guard import GroundGuard
 from companion.acting.wall_guard import WallGuard
 from companion.flight_events.event import FlightEvent
 from companion.geometry import Ned, distance, times
-from companion.mission.model import Limits
+from companion.mission.places import Limits
 from companion.motion.departure import Departure, at_rest
 from companion.motion.drag_estimate import DragEstimate
 from companion.motion.heading import turned

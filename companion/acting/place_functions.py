@@ -14,7 +14,7 @@ from companion.acting.function_port import known_place, known_vehicle
 from companion.errors import printable
 from companion.flight_events.skills import PlaceFunctionFailed
 from companion.geometry import Ned, enu_from_ned, ned_from_enu
-from companion.mission.model import Place
+from companion.mission.places import Place
 from companion.mission.python_call import PythonCall
 from companion.outcomes import Failed
 from companion.skills.authoring import WaypointEnu

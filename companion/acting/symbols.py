@@ -21,7 +21,7 @@ from itertools import islice
 from typing import Protocol
 
 from companion.geometry import Ned, distance
-from companion.mission.model import Place
+from companion.mission.places import Place
 from companion.motion.distance_maps import CELL_US
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.routes import CELLS_PER_TICK

@@ -18,7 +18,7 @@ from companion.acting.positions import tell_positions
 from companion.flight_events.facts import PlaceLost
 from companion.geometry import distance
 from companion.mission.facts import AT
-from companion.mission.model import Place
+from companion.mission.places import Place
 
 OUTSIDE_S = 1.0
 """Time outside of a place after which it is lost."""

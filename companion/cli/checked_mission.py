@@ -12,7 +12,8 @@ from companion.acting.preparation import anticipate_events
 from companion.geometry import horizontal_distance
 from companion.mission.files import files_of
 from companion.mission.loader import load_mission
-from companion.mission.model import LandAtSafePlace, Mission
+from companion.mission.model import Mission
+from companion.mission.otherwise import LandAtSafePlace
 from companion.mission.pddl_domain import DomainReader, with_domain
 from companion.planning.lasso import Solution
 from companion.planning.notices import not_heard, notices

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from lark import Token
 
-from companion.errors import FormulaError
+from companion.grammars import error_at
 from companion.ltl.formula import TEMPORAL, Formula, conjoin, implies, subformulas
 from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
 from companion.ltl.timed_formula import TimedFormula
@@ -45,18 +45,6 @@ class TimedAnswer:
 
 Parsed = Formula | TimedParts | TimedAnswer
 """What a part of a text stands for."""
-
-
-def span(first: Token, last: Token) -> tuple[int, int]:
-    """Offset and length of the text from one token to another."""
-    assert first.start_pos is not None and last.end_pos is not None
-    return first.start_pos, last.end_pos - first.start_pos
-
-
-def error_at(token: Token, what: str, advice: str) -> FormulaError:
-    """An error to which `parse` adds the text, which the builder does not know."""
-    offset, length = span(token, token)
-    return FormulaError(what, "", offset, length, advice)
 
 
 def within(bound: Token, goal: Parsed) -> TimedParts:
@@ -118,26 +106,27 @@ def whole(part: Parsed) -> Formula | TimedFormula:
     return TimedFormula(part.parts) if isinstance(part, TimedParts) else without_bounds(part)
 
 
-def misplaced(token: Token, before: str) -> tuple[str, str]:
+def misplaced(kind: str, bound: str, before: str) -> tuple[str, str]:
     """What is wrong with a bound that the grammar does not allow here, and what to write instead.
 
     Args:
-        token: the bound.
+        kind: the kind of its token, BOUND or LIMIT.
+        bound: the bound.
         before: the text up to it.
     """
-    if token.type == "BOUND" and before.rstrip().endswith(("(", ",")):
+    if kind == "BOUND" and before.rstrip().endswith(("(", ",")):
         return "a list has no brackets of its own here", "write e.g. patrolling(A, B)"
     name = re.search(r"(\w+)\s*$", before)
     if name is not None and name[1] in ("F_", "G_", "U_"):
-        return f"{name[1]}{token} is another notation", _WRITE["BOUND"]
+        return f"{name[1]}{bound} is another notation", _WRITE["BOUND"]
     if name is not None and name[1] not in {operator.value for operator in TEMPORAL}:
-        if token.type == "BOUND":
-            return f"{name[1]}{token} is no fact", "write the name that it has under events alone"
-        if not token.endswith(("s", "min")):
-            what = f"a formula is made of facts, {name[1]} {token} is a number compared"
+        if kind == "BOUND":
+            return f"{name[1]}{bound} is no fact", "write the name that it has under events alone"
+        if not bound.endswith(("s", "min")):
+            what = f"a formula is made of facts, {name[1]} {bound} is a number compared"
             hint = "make an event of it, e.g. low: {when: BATTERY_STATUS.battery_remaining < 30}"
             return what, hint
-    if token.type == "BOUND":
+    if kind == "BOUND":
         return "a time bound stands after F only", _WRITE["BOUND"]
     return "a limit in time follows revisit(...) only", f"{_WRITE['LIMIT']}, or F[<=60s] at(A)"
 

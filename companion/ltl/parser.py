@@ -13,22 +13,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from functools import cache
 
-from lark import Lark, Token, Transformer, v_args
-from lark.exceptions import UnexpectedCharacters, UnexpectedToken
+from lark import Token, Transformer, v_args
 
 from companion.errors import FormulaError
+from companion.grammars import END, Grammar, Misfit, error_at, span
 from companion.ltl import bound_parsing
-from companion.ltl.bound_parsing import Parsed, TimedAnswer, error_at, span, without_bounds
+from companion.ltl.bound_parsing import Parsed, TimedAnswer, without_bounds
 from companion.ltl.formula import Formula, Operator, disjoin
 from companion.ltl.patterns import AT, PATTERNS
 from companion.ltl.timed_formula import Line, TimedFormula, untimed
 
 
 @v_args(inline=True)
-class _FormulaBuilder(Transformer[Token, Parsed]):
+class _FormulaBuilder(Transformer[Token, Line]):
     """Makes formulas during parsing, with one method for each rule of grammar.lark."""
+
+    def start(self, part: Parsed) -> Line:
+        return bound_parsing.whole(part)
 
     def constant(self, name: Token) -> Formula:
         return Formula(Operator(name))
@@ -41,7 +43,7 @@ class _FormulaBuilder(Transformer[Token, Parsed]):
                 index, what = misfit
                 token = name if index is None else arguments[index]
                 raise error_at(token, what, f"write {pattern.signature}")
-            return _read(pattern.expansion(arguments))
+            return parse(pattern.expansion(arguments))
         for argument in arguments:
             if argument.type in (_FACT, "NUMBER"):
                 what = f"an argument of {name} cannot be {argument}"
@@ -89,34 +91,14 @@ def _fact(name: Token, arguments: Sequence[Token], closing: Token) -> Token:
     return Token(_FACT, text, start_pos=name.start_pos, end_pos=closing.end_pos)
 
 
-@cache
-def _parser() -> Lark:
-    # With the basic lexer, `U` is always an operator, even where only a proposition is possible.
-    builder = _FormulaBuilder()
-    return Lark.open(
-        "grammar.lark", rel_to=__file__, parser="lalr", lexer="basic", transformer=builder
-    )
-
-
-def _read(text: str) -> Parsed:
-    parsed: Parsed = _parser().parse(text)  # type: ignore[assignment]
-    return parsed
-
-
 MAX_CHARACTERS = 250_000
 MAX_ARGUMENTS = 10_000
 """These limits of a text save time and memory: each argument of a pattern is read several times."""
 
-
-def _check_length(text: str) -> None:
-    for count, limit, what in (
-        (len(text), MAX_CHARACTERS, "characters"),
-        (text.count(","), MAX_ARGUMENTS, "arguments"),
-    ):
-        if count > limit:
-            message = f"a formula has at most {limit:,} {what}, this one has {count:,}"
-            excerpt = f"{text[:40]} ..."
-            raise FormulaError(message, excerpt, 0, len(excerpt), "split it into several formulas")
+# With the basic lexer, `U` is always an operator, even where only a proposition is possible.
+_FORMULAS = Grammar(
+    "formula", "grammar.lark", __file__, _FormulaBuilder(), most=MAX_CHARACTERS, is_contextual=False
+)
 
 
 def parse(text: str) -> Formula:
@@ -141,15 +123,11 @@ def parse_line(text: str) -> Line:
     >>> str(parse_line("G (alarm -> F[<=1.5 min] at(A))"))
     'G(alarm -> F[<=90s] at(A))'
     """
-    _check_length(text)
-    try:
-        return bound_parsing.whole(_read(text))
-    except UnexpectedCharacters as error:
-        raise _meaningless(text, error.pos_in_stream or 0) from None
-    except UnexpectedToken as error:
-        raise _explained(error, text) from None
-    except FormulaError as error:
-        raise FormulaError(error.what, text, error.offset, error.length, error.advice) from None
+    _FORMULAS.refuse_more("arguments", text.count(","), MAX_ARGUMENTS, text)
+    line = _FORMULAS.read(text)
+    if isinstance(line, Misfit):
+        raise _explained(line, text) if line.kind else _meaningless(text, line.offset)
+    return line
 
 
 def occurrences(text: str) -> list[tuple[str, int, int]]:
@@ -166,9 +144,9 @@ def occurrences(text: str) -> list[tuple[str, int, int]]:
     """
     parse_line(text)
     found = []
-    tokens = [*_parser().lex(text), Token("$END", "")]
+    tokens = [*_FORMULAS.tokens(text), Token(END, "")]
     position = 0
-    while tokens[position].type != "$END":
+    while tokens[position].type != END:
         name = tokens[position]
         if name.type == "REVISIT" and tokens[position + 3].type == "_CLOSE":
             place = tokens[position + 2]
@@ -209,7 +187,7 @@ _EXPECTED = (
     ("NAME", "the name of an argument"),
     ("_COMMA", "a comma or )"),
     ("_CLOSE", "an operator (& | -> <-> U R W) or )"),
-    ("$END", "an operator (& | -> <-> U R W) or the end"),
+    (END, "an operator (& | -> <-> U R W) or the end"),
 )
 """The first of these terminals that the parser would accept tells what was expected."""
 
@@ -256,28 +234,28 @@ def _meaningless(text: str, offset: int) -> FormulaError:
     return FormulaError(f"{text[offset]!r} has no meaning in a formula", text, offset, 1, _NOTATION)
 
 
-def _explained(error: UnexpectedToken, text: str) -> FormulaError:
-    accepted = error.accepts or set()
+def _explained(misfit: Misfit, text: str) -> FormulaError:
+    offset, word = misfit.offset, misfit.word
+    accepted = misfit.expected
     hint = next((f"expected {words}" for terminal, words in _EXPECTED if terminal in accepted), "")
-    if error.token.type == "$END":
-        return FormulaError("the formula ends too early", text, len(text.rstrip()), 1, hint)
-    offset = error.token.start_pos or 0
+    if misfit.kind == END:
+        return FormulaError("the formula ends too early", text, offset, 1, hint)
     if foreign := _in_another_notation(text, offset):
         return foreign
-    if error.token.type in ("BOUND", "LIMIT"):
-        what, hint = bound_parsing.misplaced(error.token, text[:offset])
-        return FormulaError(what, text, offset, len(error.token), hint)
-    if error.token.type == "NUMBER":
+    if misfit.kind in ("BOUND", "LIMIT"):
+        what, hint = bound_parsing.misplaced(misfit.kind, word, text[:offset])
+        return FormulaError(what, text, offset, len(word), hint)
+    if misfit.kind == "NUMBER":
         return _meaningless(text, offset)
-    if re.search(rf"\b{AT}\s*$", text[:offset], re.IGNORECASE) and error.token.type == "NAME":
-        hint = f"write {_canonical(AT, [error.token])}"
+    if re.search(rf"\b{AT}\s*$", text[:offset], re.IGNORECASE) and misfit.kind == "NAME":
+        hint = f"write {_canonical(AT, [word])}"
     glued = re.search(r"\b[XFG]{2,}\s*$", text[:offset])
     if glued:
         operators = glued.group().strip()
         what = f"{operators!r} is read as a proposition"
         advice = f"did you mean {' '.join(operators)!r}?"
         return FormulaError(what, text, glued.start(), len(operators), advice)
-    return FormulaError(f"unexpected {str(error.token)!r}", text, offset, len(error.token), hint)
+    return FormulaError(f"unexpected {word!r}", text, offset, len(word), hint)
 
 
 def atom(text: str) -> Formula:

@@ -10,7 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from companion.errors import MissionError
-from companion.mission.model import Mission, Place
+from companion.mission.model import Mission
+from companion.mission.places import Place
 
 
 def above_ground(mission: Mission, ground_amsl_m: float | None) -> Mission:

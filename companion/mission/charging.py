@@ -8,9 +8,9 @@ from itertools import pairwise
 from companion.battery_profile import Points
 from companion.documents import Document
 from companion.errors import MissionError
-from companion.mission.model import Skill
 from companion.mission.schema import MissionFile
 from companion.mission.skill_schema import SkillEntry
+from companion.mission.skills import Skill
 from companion.mission.steps import Charge, Do, Execution, Fly, Land, LandOn
 
 

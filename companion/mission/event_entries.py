@@ -8,9 +8,10 @@ from functools import partial
 from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import MissionError
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Event, Skill
+from companion.mission.events import Event
 from companion.mission.schema import EventEntry, MissionFile
 from companion.mission.signals import AnyCondition, Silence
+from companion.mission.skills import Skill
 from companion.mission.task_lines import line_names
 
 

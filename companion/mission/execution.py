@@ -10,27 +10,23 @@ python(name, arguments), a function of an installed package    another skill wit
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from math import radians
 from typing import NamedTuple
 
 from companion.documents import did_you_mean
+from companion.documents.units import number_in_unit, unit_called
 from companion.errors import FormulaError
 from companion.mavlink.framing import dialect
 from companion.mavlink.payload_commands import AUTOPILOT, commands_for, why_not_sent
-from companion.mission.conditions import command_number
-from companion.mission.model import Charge, Command, Do, Execution, Fly, Land, LandOn, TakeOff, Wait
+from companion.mission.calls import WrittenArgument, WrittenCall, read_call
+from companion.mission.mavlink_names import command_number
 from companion.mission.payload_steps import Photo, PointGimbal
-from companion.mission.python_call import FORM as PYTHON
-from companion.mission.python_call import MAX_ARGUMENTS, PythonCall, parse_python
+from companion.mission.python_call import FORM as PYTHON_FORM
+from companion.mission.python_call import MAX_ARGUMENTS, PYTHON, PythonCall, python_call
+from companion.mission.steps import Charge, Command, Do, Execution, Fly, Land, LandOn, TakeOff, Wait
 from companion.skills.authoring import FLOAT32_MAX
-
-_CALL = re.compile(
-    r"""\s*(?P<verb>\w+)\s*\((?P<arguments>(?:[^()"']|"[^"]*"|'[^']*')*)\)\s*""", re.ASCII
-)
 
 
 class _Known(NamedTuple):
@@ -43,18 +39,6 @@ class _Known(NamedTuple):
 
     parameters: Collection[str]
     components: Mapping[str, int]
-
-
-@dataclass(frozen=True, slots=True)
-class _Argument:
-    """One argument, and the text that it is part of."""
-
-    word: str
-    offset: int
-    text: str
-
-    def error(self, what: str, hint: str) -> FormulaError:
-        return FormulaError(what, self.text, self.offset, max(1, len(self.word)), hint)
 
 
 def parse_execution(
@@ -75,66 +59,55 @@ def parse_execution(
         FormulaError: unknown primitive, parameter, component or command, a wrong number, or a
             command that no skill may send to the component (`mavlink/payload_commands.py`).
     """
-    match = _CALL.fullmatch(text)
-    forms = ", ".join(kind.form for kind in KINDS.values())
-    if match is None:
-        hint = f"write {KINDS[text.strip()].form}" if text.strip() in KINDS else f"write {forms}"
-        if text.count("(") > text.count(")"):
-            kind = KINDS.get(text.partition("(")[0].strip())
-            meant = f'"{kind.form}"' if kind is not None else forms
-            hint = f"its parenthesis is not closed; inside {{ }} and [ ] put quotes around {meant}"
-        elif text.count("(") > 1:
-            hint = f"write a list: [{text}]"
-        raise FormulaError("not something to execute", text, 0, len(text), hint)
-    verb = match["verb"]
-    arguments = list(_arguments(match))
-    if verb in skills:
-        return Do(verb, tuple(argument.word for argument in arguments))
-    kind = KINDS.get(verb)
+    call = read_call(text, "not something to execute", FORMS)
+    if call.name in skills:
+        return Do(str(call.name), call.words(f"{call.name}(argument, ...)"))
+    kind = KINDS.get(call.name)
     if kind is None:
-        ours = _ELSEWHERE.get(verb.lower(), "")
-        meant = f"Did you mean {ours}?" if ours else did_you_mean(verb, [*KINDS, *skills])
-        if verb.lower() in _NO_STEP:
-            meant = _NO_STEP[verb.lower()]
-        hint = f"{meant} Write {forms}".lstrip() if meant else f"write {forms}"
-        raise FormulaError(f"unknown primitive {verb}", text, match.start("verb"), len(verb), hint)
-    if not kind.fewest <= len(arguments) <= kind.most:
-        what = f"{verb} has {len(arguments)} arguments"
-        raise FormulaError(what, text, match.start("verb"), len(verb), f"write {kind.form}")
-    return kind.read(arguments, _Known(parameters, components))
+        raise _unknown(call, skills)
+    if not kind.fewest <= len(call.arguments) <= kind.most:
+        what = f"{call.name} has {len(call.arguments)} arguments"
+        raise call.error(call.name, what, f"write {kind.form}")
+    if call.name != PYTHON:
+        call.words(kind.form)
+    return kind.read(call, _Known(parameters, components))
 
 
-def _arguments(match: re.Match[str]) -> Iterator[_Argument]:
-    offset = match.start("arguments")
-    if not match["arguments"].strip():
-        return
-    for part in match["arguments"].split(","):
-        leading = len(part) - len(part.lstrip())
-        yield _Argument(part.strip(), offset + leading, match.string)
-        offset += len(part) + 1
+def _unknown(call: WrittenCall, skills: Collection[str]) -> FormulaError:
+    verb, forms = call.name.lower(), ", ".join(FORMS.values())
+    meant = _NO_STEP.get(verb) or did_you_mean(call.name, [*KINDS, *skills])
+    if verb in _ELSEWHERE:
+        meant = f"Did you mean {_ELSEWHERE[verb]}?"
+    hint = f"{meant} Write {forms}" if meant else f"write {forms}"
+    return call.error(call.name, f"unknown primitive {call.name}", hint)
 
 
-def _fly(arguments: list[_Argument], known: _Known) -> Fly:
-    return Fly(_parameter(arguments[0], known))
+def _fly(call: WrittenCall, known: _Known) -> Fly:
+    return Fly(_parameter(call, known))
 
 
-def _parameter(place: _Argument, known: _Known) -> str:
-    """The name of a parameter of the skill."""
-    parameters = known.parameters
-    if place.word not in parameters:
+def _land_on(call: WrittenCall, known: _Known) -> LandOn:
+    return LandOn(_parameter(call, known))
+
+
+def _parameter(call: WrittenCall, known: _Known) -> str:
+    """The only argument, which is the name of a parameter of the skill."""
+    place, parameters = call.arguments[0].value, known.parameters
+    if place not in parameters:
         listing = f"parameters are {', '.join(parameters)}." if parameters else "it has none."
         listing += " A plan says which place a parameter is."
-        hint = f"{listing} {did_you_mean(place.word, parameters)}".rstrip()
-        raise place.error(f"{place.word} is not a parameter of this skill", hint)
-    return place.word
+        hint = f"{listing} {did_you_mean(place, parameters)}".rstrip()
+        raise call.error(place, f"{place} is not a parameter of this skill", hint)
+    return str(place)
 
 
-def _command(arguments: list[_Argument], known: _Known) -> Command:
-    component, command, *numbers = arguments
-    addressee = _addressee(component, known)
-    number = command_number(command.word, command.text, command.offset)
+def _command(call: WrittenCall, known: _Known) -> Command:
+    component, command, *numbers = call.arguments
+    addressee = _addressee(component, call, known)
+    number = command_number(command.value, call.text)
     if why_not := why_not_sent(addressee, number):
-        raise command.error(
+        raise call.error(
+            command.value,
             why_not,
             f"to the autopilot skills send {', '.join(sorted(commands_for(addressee)))}"
             if addressee == AUTOPILOT
@@ -143,82 +116,96 @@ def _command(arguments: list[_Argument], known: _Known) -> Command:
     return Command(
         component=addressee,
         command=number,
-        name=command.word,
-        parameters=tuple(_number(argument) for argument in numbers),
+        name=str(command.value),
+        parameters=tuple(_number(argument, call) for argument in numbers),
     )
 
 
-def _photo(arguments: list[_Argument], known: _Known) -> Photo:
-    (camera,) = arguments
-    addressee = _addressee(camera, known)
+def _photo(call: WrittenCall, known: _Known) -> Photo:
+    (camera,) = call.arguments
+    addressee = _addressee(camera, call, known)
     if addressee == AUTOPILOT:
         hint = "a camera is a component of its own, usually 100; one that the autopilot triggers "
-        raise camera.error("the autopilot is no camera", hint + "is commanded by command()")
-    return Photo(addressee, camera.word)
+        hint += "is commanded by command()"
+        raise call.error(camera.value, "the autopilot is no camera", hint)
+    return Photo(addressee, str(camera.value))
 
 
-def _gimbal(arguments: list[_Argument], known: _Known) -> PointGimbal:
-    component, pitch, yaw = arguments
-    addressee, pitch_deg, yaw_deg = _addressee(component, known), _number(pitch), _number(yaw)
+def _gimbal(call: WrittenCall, known: _Known) -> PointGimbal:
+    component, pitch, yaw = call.arguments
+    addressee = _addressee(component, call, known)
+    pitch_deg, yaw_deg = _number(pitch, call, "deg"), _number(yaw, call, "deg")
     if not -90 <= pitch_deg <= 90:
-        raise pitch.error("a gimbal looks 90 degrees down to 90 up", "write e.g. -90 for down")
+        what = "a gimbal looks 90 degrees down to 90 up"
+        raise call.error(pitch.value, what, "write e.g. -90 for down")
     if not -180 <= yaw_deg <= 180:
-        raise yaw.error("a gimbal looks 180 degrees to the left or to the right", "write e.g. 90")
-    return PointGimbal(addressee, component.word, radians(pitch_deg), radians(yaw_deg))
+        what = "a gimbal looks 180 degrees to the left or to the right"
+        raise call.error(yaw.value, what, "write e.g. 90")
+    return PointGimbal(addressee, str(component.value), radians(pitch_deg), radians(yaw_deg))
 
 
-def _gripper(action: int, arguments: list[_Argument], known: _Known) -> Command:
+def _gripper(action: int, call: WrittenCall, known: _Known) -> Command:
     number, name = dialect.MAV_CMD_DO_GRIPPER, "MAV_CMD_DO_GRIPPER"
-    return Command(_addressee(arguments[0], known), number, name, (1.0, float(action)))
+    addressee = _addressee(call.arguments[0], call, known)
+    return Command(addressee, number, name, (1.0, float(action)))
 
 
-def _python(arguments: list[_Argument], known: _Known) -> PythonCall:
-    """Reads the whole step again, because its texts may contain commas."""
-    return parse_python(arguments[0].text, known.components)
-
-
-def _addressee(component: _Argument, known: _Known) -> int:
+def _addressee(argument: WrittenArgument, call: WrittenCall, known: _Known) -> int:
     """The component id of a name."""
-    components = known.components
-    if component.word not in components:
+    component, components = argument.value, known.components
+    if component not in components:
         hint = (
             f"components are {', '.join(components)}; add others there, {{NAME: ID}}. "
-            f"{did_you_mean(component.word, components)}"
+            f"{did_you_mean(component, components)}"
             if components
-            else f"add components: {{{component.word}: 100}}, with its MAVLink component id"
+            else f"add components: {{{component}: 100}}, with its MAVLink component id"
         ).rstrip()
-        raise component.error(f"unknown component {component.word}", hint)
-    return components[component.word]
+        raise call.error(component, f"unknown component {component}", hint)
+    return components[component]
 
 
-def _duration_s(argument: _Argument) -> float:
-    seconds = _number(argument)
+def _wait(call: WrittenCall, _: _Known) -> Wait:
+    (argument,) = call.arguments
+    seconds = _number(argument, call, "s")
     if seconds < 0:
-        raise argument.error("a time cannot be negative", "write seconds, 0 or more")
-    return seconds
+        what = "a time cannot be negative"
+        raise call.error(argument.value, what, "write seconds, 0 or more")
+    return Wait(seconds)
 
 
-def _charge(argument: _Argument) -> Charge:
-    return Charge(None if argument.word == AUTO else _percent(argument))
-
-
-def _percent(argument: _Argument) -> float:
-    percent = _number(argument)
+def _charge(call: WrittenCall, _: _Known) -> Charge:
+    (argument,) = call.arguments
+    if argument.value == AUTO:
+        return Charge(None)
+    percent = _number(argument, call, "%")
     if not 0 < percent <= 100:
-        raise argument.error("a battery has 0 to 100 percent", "write e.g. 90")
+        raise call.error(argument.value, "a battery has 0 to 100 percent", "write e.g. 90")
     if percent < 1:
-        raise argument.error(f"{percent:g} is a share", f"write percent: {100 * percent:g}")
-    return percent
+        what = f"{percent:g} is a share"
+        raise call.error(argument.value, what, f"write percent: {100 * percent:g}")
+    return Charge(percent)
 
 
-def _number(argument: _Argument) -> float:
-    try:
-        number = float(argument.word)
-    except ValueError:
-        number = math.nan
+def _number(argument: WrittenArgument, call: WrittenCall, unit: str = "") -> float:
+    """The number that an argument is.
+
+    Args:
+        unit: what it is a number of; it is not written.
+    """
+    token = argument.value
+    number = float(token) if token.type in ("INTEGER", "DECIMAL") else math.nan
     if not abs(number) <= FLOAT32_MAX:  # not a number compares as false
-        raise argument.error(f"{argument.word or 'nothing'} is not a number", "write e.g. 1.5")
+        hint = "write e.g. 1.5"
+        if token.type == "QUANTITY":
+            written = token.lstrip("+-.0123456789").strip()
+            digits = token.removesuffix(written).strip()
+            hint = number_in_unit(digits, written, unit_called(unit))
+        raise call.error(token, f"{token} is not a number", hint)
     return number
+
+
+def _python(call: WrittenCall, known: _Known) -> PythonCall:
+    return python_call(call, known.components)
 
 
 AUTO = "auto"
@@ -231,13 +218,13 @@ class StepKind(NamedTuple):
     Attributes:
         form: how the step is written.
         fewest, most: limits of the number of arguments.
-        read: makes the step from its arguments.
+        read: makes the step from its call.
     """
 
     form: str
     fewest: int
     most: int
-    read: Callable[[list[_Argument], _Known], Execution]
+    read: Callable[[WrittenCall, _Known], Execution]
 
 
 KINDS = {
@@ -249,16 +236,17 @@ KINDS = {
     "release": StepKind(
         "release(component)", 1, 1, partial(_gripper, dialect.GRIPPER_ACTION_RELEASE)
     ),
-    "wait": StepKind("wait(seconds)", 1, 1, lambda given, _: Wait(_duration_s(given[0]))),
+    "wait": StepKind("wait(seconds)", 1, 1, _wait),
     "land": StepKind("land()", 0, 0, lambda *_: Land()),
-    "land_on": StepKind(
-        "land_on(parameter)", 1, 1, lambda given, known: LandOn(_parameter(given[0], known))
-    ),
-    "charge": StepKind("charge(percent or auto)", 1, 1, lambda given, _: _charge(given[0])),
+    "land_on": StepKind("land_on(parameter)", 1, 1, _land_on),
+    "charge": StepKind("charge(percent or auto)", 1, 1, _charge),
     "take_off": StepKind("take_off()", 0, 0, lambda *_: TakeOff()),
-    "python": StepKind(PYTHON, 1, MAX_ARGUMENTS, _python),
+    PYTHON: StepKind(PYTHON_FORM, 1, MAX_ARGUMENTS, _python),
 }
 """All kinds of steps, by name."""
+
+FORMS = {name: kind.form for name, kind in KINDS.items()}
+"""How each kind of step is written, by name."""
 
 _ELSEWHERE = {
     **dict.fromkeys(("goto", "go", "go_to", "move", "fly_to", "waypoint"), "fly"),

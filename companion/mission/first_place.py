@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from companion.mission.model import Place
+from companion.mission.places import Place
 
 
 def begins_at_zero(home: Place) -> bool:

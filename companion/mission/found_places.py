@@ -18,9 +18,11 @@ from collections.abc import Iterator, Mapping
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
+from companion.mission.events import Event
 from companion.mission.facts import AT, Fact
-from companion.mission.model import Event, Place, PointOfInterest, Skill
+from companion.mission.places import Place, PointOfInterest
 from companion.mission.signals import Condition
+from companion.mission.skills import Skill
 
 FOUND = 1.0
 """The value of the signal once a report has been accepted."""

@@ -6,8 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from companion.documents import Document, did_you_mean
 from companion.errors import KeyPath, Keys, Location, MissionError
-from companion.mission.model import Mission, Place, Skill
+from companion.mission.model import Mission
+from companion.mission.places import Place
 from companion.mission.python_call import Argument, Named, PythonCall
+from companion.mission.skills import Skill
 from companion.skills.authoring import FunctionKind
 from companion.skills.calls import Function
 from companion.skills.catalogue import GIVEN, Catalogue, Installed

@@ -14,8 +14,10 @@ from companion.errors import MissionError
 from companion.mavlink.payload_commands import AUTOPILOT
 from companion.mission.facts import AT
 from companion.mission.markers import LandingMarker
-from companion.mission.model import Do, Fly, Land, LandOn, Place, Skill
+from companion.mission.places import Place
 from companion.mission.schema import MissionFile
+from companion.mission.skills import Skill
+from companion.mission.steps import Do, Fly, Land, LandOn
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle_profile import VehicleProfile
 

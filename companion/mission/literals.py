@@ -11,7 +11,7 @@ from companion.ltl.conjuncts import conjuncts
 from companion.ltl.formula import Formula, Operator
 from companion.ltl.parser import parse
 from companion.mission.facts import Atom
-from companion.mission.model import ConditionalEffectTemplate, Literal
+from companion.mission.skills import ConditionalEffectTemplate, Literal
 
 
 def parse_literals(text: str) -> tuple[Literal, ...]:
@@ -56,7 +56,7 @@ def parse_fact(text: str) -> Atom:
         FormulaError: it is anything else, such as half a fact, which a YAML list splits at its
             comma.
     """
-    if text.count("(") > text.count(")"):
+    if is_begun(text):
         raise FormulaError(
             f"{text} is half a fact",
             text,
@@ -70,6 +70,15 @@ def parse_fact(text: str) -> Atom:
             hint = "leave it out: what is not listed does not hold"
         raise FormulaError("not a fact", text, 0, len(text), hint)
     return Atom.parse(formula.atom)
+
+
+def is_begun(text: str) -> bool:
+    """Whether a parenthesis of a text is not closed, as when a YAML list splits it at its comma.
+
+    >>> is_begun("trans_ok(A"), is_begun("B)"), is_begun("at(A)")
+    (True, False, False)
+    """
+    return text.count("(") > text.count(")")
 
 
 def _literal(part: Formula, text: str) -> Literal:

@@ -31,16 +31,18 @@ from companion.documents import (
 from companion.errors import MissionError
 from companion.mission.charging import refuse_charge_in_the_air
 from companion.mission.event_entries import check_restored
+from companion.mission.events import Event
 from companion.mission.found_places import check_found
 from companion.mission.installed_calls import check_installed
 from companion.mission.landing_sites import check_landings, with_markers
 from companion.mission.looking import check_looking
-from companion.mission.model import Event, Mission, Skill
+from companion.mission.model import Mission
 from companion.mission.other_files import refuse_other_files
 from companion.mission.parts import MissionParts, read_parts
 from companion.mission.pddl_domain import DomainReader, Predicates, with_domain
 from companion.mission.safe_places import read_otherwise
 from companion.mission.schema import MissionFile
+from companion.mission.skills import Skill
 from companion.mission.stand_ins import STAND_INS
 from companion.mission.task_lines import lines_at, priorities_of, read_ready
 from companion.mission.tree import read_tree

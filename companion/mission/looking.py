@@ -10,10 +10,11 @@ from companion.errors import MissionError
 from companion.geometry import horizontal_distance
 from companion.mission.coordinates import Coordinates
 from companion.mission.facts import AT
-from companion.mission.model import Place, PointOfInterest, Skill
+from companion.mission.places import Place, PointOfInterest
 from companion.mission.refinement import flies, looks_while_holding, turns
 from companion.mission.schema import MissionFile
 from companion.mission.skill_schema import SkillEntry
+from companion.mission.skills import Skill
 from companion.mission.world_schema import LookAtEntry
 from companion.motion.heading import FACING_M
 

@@ -17,7 +17,7 @@ from itertools import combinations
 from companion.documents import Document
 from companion.errors import MissionError
 from companion.mission.facts import AT
-from companion.mission.model import Literal, Skill
+from companion.mission.skills import Literal, Skill
 
 
 def check_one_place(

@@ -18,16 +18,18 @@ from companion.ltl.timed_formula import Line
 from companion.mission.battery import MissionBattery, read_battery
 from companion.mission.coordinates import Coordinates, begins_at, coordinates_of
 from companion.mission.event_entries import read_events
+from companion.mission.events import Event
 from companion.mission.facts import AT, Fact
 from companion.mission.facts import at as at_place
-from companion.mission.literals import parse_fact
-from companion.mission.model import Event, Place, Skill
+from companion.mission.literals import is_begun, parse_fact
 from companion.mission.names import check_names
 from companion.mission.one_place import check_one_place
 from companion.mission.pddl_domain import Predicates
+from companion.mission.places import Place
 from companion.mission.schema import MissionFile
 from companion.mission.sites import check_places
-from companion.mission.skills import build_skills
+from companion.mission.skill_entries import build_skills
+from companion.mission.skills import Skill
 from companion.mission.space import Space, check_corners, read_places, read_space
 from companion.mission.task_lines import read_task
 from companion.mission.vocabulary import Vocabulary
@@ -144,7 +146,7 @@ def _initially(
         if not (is_split and text.count(")") > text.count("(")):  # else half a fact
             part = partial(_listed_fact, index, file, document, vocabulary)
             facts.append(reading.read(part, "initially", index))
-        is_split = text.count("(") > text.count(")")
+        is_split = is_begun(text)
     if reading.is_whole("initially"):
         where_it_is = partial(_refuse_nowhere, file, document)
         reading.read(partial(where_it_is, [fact for fact in facts if fact]), "initially")

@@ -8,17 +8,21 @@ installed_calls.py checks that the function is installed and accepts them.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
+from lark import Token
+
 from companion.documents import did_you_mean
 from companion.errors import FormulaError, KeyPath, Location, MissionError
+from companion.mission.calls import WrittenCall, read_call
 from companion.skills.authoring import FunctionKind
 from companion.skills.calls import Call, Function, Value
 
+PYTHON = "python"
 FORM = "python(name, arguments)"
+_TRUTHS = {"true": True, "True": True, "false": False, "False": False}
 MAX_ARGUMENTS = 50
 
 
@@ -77,91 +81,74 @@ def _value(argument: Argument) -> Value:
     return argument.word if isinstance(argument, Named) else argument
 
 
-_CALL = re.compile(r"\s*python\s*\((?P<arguments>.*)\)\s*", re.ASCII | re.DOTALL)
-_ARGUMENT = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_]\w*)\s*=\s*)?"
-    r"""(?P<value>"[^"]*"|'[^']*'|[^\s,()"'=]+)\s*(?:,|$)""",
-    re.ASCII,
-)
-_FUNCTION = re.compile(r"[A-Za-z_]\w*(?:[.-]\w+)*", re.ASCII)
-_WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
-_INTEGER = re.compile(r"[-+]?\d{1,15}", re.ASCII)
+def parse_python(text: str, kind: FunctionKind) -> PythonCall:
+    """Reads the text of a call, as `python_call` does.
 
-
-def parse_python(
-    text: str, components: Mapping[str, int] | None = None, kind: FunctionKind = FunctionKind.SKILL
-) -> PythonCall:
-    """Reads a call; the meaning of its names is checked elsewhere.
-
-    >>> parse_python("python(weigh, r, limit_kg=2.5)").call.text
+    >>> parse_python("python(weigh, r, limit_kg=2.5)", FunctionKind.SKILL).call.text
     'python(weigh, r, limit_kg=2.5)'
-
-    Args:
-        text: the step.
-        components: name -> MAVLink component id.
-        kind: the purpose of the function.
 
     Raises:
         FormulaError: it is no such call.
     """
-    match = _CALL.fullmatch(text)
-    if match is None:
-        raise FormulaError("not a call of a function", text, 0, len(text), f"write {FORM}")
-    (function, name, at), *given = _arguments(match) or [("", None, match.start("arguments"))]
-    if name is not None or not _FUNCTION.fullmatch(function):
-        what = f"{function or 'nothing'} is not the name of a function"
-        raise FormulaError(what, text, at, max(1, len(function)), f"write {FORM}")
+    otherwise, forms = "not a call of a function", {PYTHON: FORM}
+    call = read_call(text, otherwise, forms)
+    if call.name != PYTHON:
+        raise FormulaError(otherwise, text, 0, len(text), f"write {FORM}")
+    return python_call(call, {}, kind)
+
+
+def python_call(
+    call: WrittenCall, components: Mapping[str, int], kind: FunctionKind = FunctionKind.SKILL
+) -> PythonCall:
+    """The call of a function; the meaning of its names is checked elsewhere.
+
+    Args:
+        call: the step, as it is written.
+        components: name -> MAVLink component id.
+        kind: the purpose of the function.
+
+    Raises:
+        FormulaError: it names no function, or has arguments that Python would not accept.
+    """
+    if not call.arguments:
+        raise call.error(call.name, "nothing is not the name of a function", f"write {FORM}")
+    function, *given = call.arguments
+    if function.name is not None or function.value.type not in ("NAME", "DOTTED"):
+        what = f"{function.value} is not the name of a function"
+        raise call.error(function.value, what, f"write {FORM}")
     arguments: list[Argument] = []
     keywords: dict[str, Argument] = {}
-    for word, name, at in given:
-        argument = _argument(word, text, at)
+    for argument in given:
+        value, name = _argument(argument.value, call), argument.name
         if name is None and keywords:
             hint = "arguments by name come last, as in Python"
-            raise FormulaError(f"{word} has no name", text, at, len(word), hint)
+            raise call.error(argument.value, f"{argument.value} has no name", hint)
         if name is None:
-            arguments.append(argument)
+            arguments.append(value)
         elif name in keywords:
-            raise FormulaError(f"{name} is given twice", text, at, len(word), "remove one of them")
+            raise call.error(name, f"{name} is given twice", "remove one of them")
         else:
-            keywords[name] = argument
-    named = tuple(keywords.items())
+            keywords[str(name)] = value
     return PythonCall(
-        Function(kind, function), tuple(arguments), named, tuple((components or {}).items())
+        Function(kind, str(function.value)),
+        tuple(arguments),
+        tuple(keywords.items()),
+        tuple(components.items()),
     )
 
 
-def _arguments(match: re.Match[str]) -> list[tuple[str, str | None, int]]:
-    """The arguments as written, each with its name and offset."""
-    text, at, end = match.string, match.start("arguments"), match.end("arguments")
-    found: list[tuple[str, str | None, int]] = []
-    while text[at:end].strip():
-        argument = _ARGUMENT.match(text, at, end)
-        if argument is None:
-            hint = "write names, numbers, true, false, or texts in quotes, with commas between"
-            at += len(text[at:end]) - len(text[at:end].lstrip())
-            raise FormulaError("not an argument", text, at, 1, hint)
-        found.append((argument["value"], argument["name"], argument.start("value")))
-        at = argument.end()
-    return found
-
-
-def _argument(word: str, text: str, at: int) -> Argument:
-    if word[0] in "\"'":
-        return word[1:-1]
-    if word in ("true", "false", "True", "False"):
-        return word in ("true", "True")
-    if _INTEGER.fullmatch(word):
-        return int(word)
-    if _WORD.fullmatch(word):
-        return Named(word)
-    try:
-        number = float(word)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        hint = "write a name, a number such as 1.5, true, false, or a text in quotes"
-        raise FormulaError(f"{word} is not an argument", text, at, len(word), hint)
-    return number
+def _argument(word: Token, call: WrittenCall) -> Argument:
+    match word.type:
+        case "TEXT":
+            return str(word[1:-1])
+        case "NAME":
+            return _TRUTHS.get(word, Named(str(word)))
+        case "INTEGER":
+            return int(word)
+        case "DECIMAL" if math.isfinite(float(word)):
+            return float(word)
+    hint = "write a name, a number such as 1.5, true, false, or a text in quotes"
+    raise call.error(word, f"{word} is not an argument", hint)
 
 
 def check_names(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from companion.mission.model import Command, Do, Fly, Skill, Wait
 from companion.mission.payload_steps import Photo, PointGimbal
 from companion.mission.python_call import PythonCall
 from companion.mission.signals import Signal
+from companion.mission.skills import Skill
+from companion.mission.steps import Command, Do, Fly, Wait
 
 
 def flies(skill: Skill, skills: Mapping[str, Skill]) -> bool:

@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
 from companion.mission.landing_sites import MANY
-from companion.mission.model import LandAtSafePlace, Otherwise, Place
+from companion.mission.otherwise import LandAtSafePlace, Otherwise
+from companion.mission.places import Place
 from companion.mission.schema import MissionFile
 from companion.motion.grid import OccupancyGrid
 from companion.vehicle_profile import VehicleProfile

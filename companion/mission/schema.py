@@ -20,7 +20,7 @@ from companion.drawn_maps import DrawnModel, MapEntry
 from companion.mission.battery_schema import BatteryEntry
 from companion.mission.keys import DAY_S, Name, Text, given
 from companion.mission.line_entry import TaskKey
-from companion.mission.model import PATIENCE_S
+from companion.mission.otherwise import PATIENCE_S
 from companion.mission.skill_schema import SkillEntry
 from companion.mission.world_schema import LandAtEntry, LimitsEntry, PlaceEntry
 from companion.vehicle_files import VehicleEntry, VehicleKey

@@ -11,7 +11,7 @@ from companion.documents import Document, DocumentReading
 from companion.errors import MissionError
 from companion.geometry import Ned, NorthEast, enu_from_ned, is_in_polygon
 from companion.mission.coordinates import Coordinates
-from companion.mission.model import Limits, Place
+from companion.mission.places import Limits, Place
 from companion.motion.grid import OccupancyGrid, distances_to_edge
 from companion.motion.polygons import cells_of
 from companion.vehicle_profile import VehicleProfile

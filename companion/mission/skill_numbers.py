@@ -8,10 +8,10 @@ from functools import cache
 
 from companion.documents import Document, did_you_mean
 from companion.errors import MissionError
-from companion.mission.facts import spelled
-from companion.mission.model import Do, Skill
 from companion.mission.python_call import PythonCall, check_names
 from companion.mission.schema import MissionFile
+from companion.mission.skills import Skill
+from companion.mission.steps import Do
 
 MAX_INSTANCES = 50_000  # actions of all skills; 220 places give `move` about that many
 MAX_CONDITIONAL = 50_000  # conditional effects of all actions together
@@ -82,12 +82,12 @@ def _check_calls(
             check_names(step, name, known, where)
         if not isinstance(step, Do):
             continue
-        wanted = [parameter for parameter, _ in skills[step.skill].parameters]
-        if len(wanted) != len(step.arguments):
+        called = skills[step.skill]
+        if len(called.parameters) != len(step.arguments):
             raise MissionError(
                 f"{step.skill} is called with {len(step.arguments)} arguments",
                 where,
-                f"write {spelled(step.skill, tuple(wanted))}",
+                f"write {called.signature}",
             )
         for argument in step.arguments:
             if argument not in known:

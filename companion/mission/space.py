@@ -18,7 +18,7 @@ from companion.errors import MissionError
 from companion.geometry import Ned, NorthEast, is_in_polygon, wrap_angle
 from companion.maps import read_map
 from companion.mission.coordinates import Coordinates
-from companion.mission.model import Limits, Place
+from companion.mission.places import Limits, Place
 from companion.mission.python_call import PythonCall, check_names, parse_python
 from companion.mission.schema import MissionFile
 from companion.mission.sites import check_band, check_reach
@@ -175,7 +175,7 @@ def _asked(
 ) -> PythonCall:
     """A function that is asked about a place."""
     with document.locating("places", *keys):
-        call = parse_python(text, kind=kind)
+        call = parse_python(text, kind)
     check_names(call, keys[0], [*file.places, *file.objects], document.where("places", *keys))
     return call
 

@@ -1,4 +1,4 @@
-"""The steps of skills as values: primitives, and calls of other skills. `model.py` re-exports them.
+"""The steps of skills as values: primitives, and calls of other skills.
 
 Steps that use payloads are in payload_steps.py, calls of functions in python_call.py.
 """

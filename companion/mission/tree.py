@@ -26,12 +26,13 @@ from typing import NamedTuple
 
 from companion.documents import Document, did_you_mean
 from companion.errors import Keys, MissionError
+from companion.mission.calls import read_call
 from companion.mission.execution import parse_execution
-from companion.mission.facts import ANYWHERE, HERE, Atom, Fact
-from companion.mission.literals import parse_literals
-from companion.mission.model import Skill, Wait
+from companion.mission.facts import ANYWHERE, HERE, Fact, spelled
+from companion.mission.literals import is_begun, parse_literals
 from companion.mission.refinement import flies
-from companion.mission.skills import WAIT
+from companion.mission.skills import WAIT, Skill
+from companion.mission.steps import Wait
 from companion.mission.tree_nodes import (
     Act,
     Check,
@@ -246,7 +247,7 @@ class _WrittenTreeReader:
     # -- texts ---------------------------------------------------------------------------------
 
     def _text(self, text: str, keys: Keys) -> Tree:
-        if text.count("(") > text.count(")"):
+        if is_begun(text):
             hint = 'inside [ ] put quotes around an action with a comma: "move(A, B)"'
             raise MissionError(f"{text} is half an action", self.document.where(*keys), hint)
         name = text.partition("(")[0].strip()
@@ -277,19 +278,28 @@ class _WrittenTreeReader:
         return Check(text, frozenset(facts[True]), frozenset(facts[False]))
 
     def _act(self, text: str, keys: Keys) -> Act:
-        atom = Atom.parse(text.replace(" ", "").replace(",", ", "))
-        skill = self.skills[atom.predicate]
-        wanted = ", ".join(parameter for parameter, _ in skill.parameters)
+        name, arguments = self._call(text, keys)
+        skill = self.skills[name]
         if not skill.is_planned:
-            raise self._error(f"{atom.predicate} only refines other skills", keys)
-        if len(atom.arguments) != len(skill.parameters):
-            raise self._error(f"{text} has not the arguments of {atom.predicate}({wanted})", keys)
+            raise self._error(f"{name} only refines other skills", keys)
+        if len(arguments) != len(skill.parameters):
+            what = f"{text} has not the arguments of {skill.signature}"
+            raise self._error(what, keys)
         origin = skill.origin if flies(skill, self.skills) else None
-        for argument, (parameter, name) in zip(atom.arguments, skill.parameters, strict=True):
+        for argument, (parameter, members) in zip(arguments, skill.parameters, strict=True):
             is_departure = parameter == origin and argument in (HERE, ANYWHERE)
-            if argument not in self.sets[name] and not is_departure:
-                raise self._wrong_argument(argument, parameter, name, parameter == origin, keys)
-        return Act(str(atom))
+            if argument not in self.sets[members] and not is_departure:
+                raise self._wrong_argument(argument, parameter, members, parameter == origin, keys)
+        return Act(spelled(name, arguments))
+
+    def _call(self, text: str, keys: Keys) -> tuple[str, tuple[str, ...]]:
+        """The name of a skill, and its arguments; a skill without any is a name alone."""
+        if text.strip() in self.skills:
+            return text.strip(), ()
+        forms = {name: skill.signature for name, skill in self.skills.items()}
+        with self.document.locating(*keys):
+            call = read_call(text, "not an action", forms)
+            return str(call.name), call.words(forms[call.name])
 
     def _wrong_argument(
         self, argument: str, parameter: str, set_name: str, is_origin: bool, keys: Keys

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from companion.mission.facts import ANYWHERE, AT, HERE, Atom, Fact, at, spelled
-from companion.mission.model import Fly, PointOfInterest, Wait
+from companion.mission.places import PointOfInterest
 from companion.mission.signals import Condition
-from companion.mission.steps import Primitive
+from companion.mission.steps import Fly, Primitive, Wait
 from companion.planning.charger import Charger
 
 REST_S = 1.0

@@ -23,7 +23,8 @@ from dataclasses import dataclass, replace
 
 from companion.errors import NoPlanError
 from companion.mission.facts import AT, Fact, at
-from companion.mission.model import Mission, Place
+from companion.mission.model import Mission
+from companion.mission.places import Place
 from companion.planning.domain import Action
 from companion.planning.instances import departures, instantiate
 from companion.planning.lasso import Conjunct, Problem

@@ -23,9 +23,12 @@ from functools import cached_property
 from typing import Protocol
 
 from companion.mission.facts import HERE, Fact, spelled
-from companion.mission.model import Do, Fly, LandOn, Literal, Mission, PointOfInterest, Skill
+from companion.mission.model import Mission
+from companion.mission.places import PointOfInterest
 from companion.mission.python_call import PythonCall
 from companion.mission.refinement import flies
+from companion.mission.skills import Literal, Skill
+from companion.mission.steps import Do, Fly, LandOn
 from companion.planning.domain import (
     UNIT_MS,
     WAIT,

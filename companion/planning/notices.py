@@ -14,7 +14,8 @@ from companion.ltl.restriction import restricted
 from companion.ltl.timed_formula import TimedFormula
 from companion.mission.facts import Fact
 from companion.mission.first_place import as_begun_at_zero, begins_at_zero
-from companion.mission.model import LandAtSafePlace, Mission
+from companion.mission.model import Mission
+from companion.mission.otherwise import LandAtSafePlace
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect, destination

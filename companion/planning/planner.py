@@ -20,7 +20,8 @@ from companion.arguments import check_kind
 from companion.errors import CompanionError, RequestError
 from companion.ltl.monitor import Runs
 from companion.mission.facts import HERE, Fact
-from companion.mission.model import Fly, Mission
+from companion.mission.model import Mission
+from companion.mission.steps import Fly
 from companion.mission.tree_nodes import Tree, actions
 from companion.planning.bound_clocks import NO_CLOCKS, begun
 from companion.planning.builtin.masked_actions import KnownActions

@@ -26,8 +26,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Set
 from dataclasses import replace
 
+from companion.mission.events import Event
 from companion.mission.facts import AT, HERE, Fact, at
-from companion.mission.model import Event
 from companion.planning import task_changes as changes
 from companion.planning.bound_clocks import NOTHING_OVER, ClocksRun
 from companion.planning.domain import Action

@@ -12,7 +12,10 @@ from dataclasses import dataclass, field
 from companion.flight_events.plans import PlannedAction, PlannedLasso
 from companion.geometry import GlobalOrigin, NorthEast, enu_from_ned
 from companion.mission.facts import AT
-from companion.mission.model import Do, Fly, Mission, Place, Skill, Wait
+from companion.mission.model import Mission
+from companion.mission.places import Place
+from companion.mission.skills import Skill
+from companion.mission.steps import Do, Fly, Wait
 from companion.plans.route_plan import Height, LatLon
 
 

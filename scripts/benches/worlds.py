@@ -12,7 +12,8 @@ from benches import MISSION
 from companion.ltl.parser import parse
 from companion.mission.facts import HERE
 from companion.mission.loader import load_mission
-from companion.mission.model import Mission, Place
+from companion.mission.model import Mission
+from companion.mission.places import Place
 from companion.motion.grid import OccupancyGrid
 from companion.motion.region import Disc
 from companion.planning.instances import FlightTime

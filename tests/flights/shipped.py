@@ -29,7 +29,8 @@ from companion.ltl.semantics import holds
 from companion.ltl.timed_formula import untimed
 from companion.mission.facts import Fact
 from companion.mission.loader import load_mission
-from companion.mission.model import Fly, Mission
+from companion.mission.model import Mission
+from companion.mission.steps import Fly
 from companion.planning.domain import Action
 from companion.planning.instances import departures, instantiate
 from companion.planning.lasso import Letter

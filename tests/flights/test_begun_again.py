@@ -15,7 +15,8 @@ from synthetic import mission
 from companion.flight_events.frames import HomeMeasured, HomeRecalled
 from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.geometry import Ned, horizontal_distance
-from companion.mission.model import Mission, Place
+from companion.mission.model import Mission
+from companion.mission.places import Place
 from companion.motion.region import Disc
 from companion.vehicle.flight_memory import FlightMemory
 from companion.vehicle.laid_frames import LaidFrames

@@ -25,7 +25,8 @@ from companion.flight_events.sortie import (
     TaskSatisfied,
 )
 from companion.mavlink.framing import dialect
-from companion.mission.model import Mission, Otherwise
+from companion.mission.model import Mission
+from companion.mission.otherwise import Otherwise
 from sitl.world.faults import ANSWERS, Answer
 from sitl.world.scenario import read_scenario
 

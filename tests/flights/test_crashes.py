@@ -12,7 +12,7 @@ from synthetic import command, mission
 from companion.api.simulating import SimulationResult, simulate, world_of
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, VehicleCrashed
 from companion.mavlink.framing import dialect
-from companion.mission.model import Otherwise
+from companion.mission.otherwise import Otherwise
 from sitl.world.scenario import Scenario, read_scenario
 
 DISARMED, FELL = "the vehicle was disarmed", "the vehicle fell"

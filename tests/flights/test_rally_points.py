@@ -28,7 +28,8 @@ from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.geometry import GlobalOrigin, Ned, horizontal_distance
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
-from companion.mission.model import Mission, Otherwise
+from companion.mission.model import Mission
+from companion.mission.otherwise import Otherwise
 from companion.vehicle.flight_memory import FlightMemory
 from sitl.autopilot.return_destination import SafePoint
 from sitl.world.scenario import PX4_HOME

@@ -39,7 +39,8 @@ from companion.flight_events.word import ConjunctViolated
 from companion.geometry import distance, is_in_polygon
 from companion.mavlink.framing import dialect
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Mission, Otherwise
+from companion.mission.model import Mission
+from companion.mission.otherwise import Otherwise
 from companion.planning.task_state import TaskState
 from companion.run_sources.only_run import OnlyRun
 from companion.vehicle.port import hold_at

@@ -25,7 +25,8 @@ from companion.flight_events.sortie import Phase
 from companion.flight_events.tree import NodesChanged
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.mission.model import Charge, Land, Mission, TakeOff
+from companion.mission.model import Mission
+from companion.mission.steps import Charge, Land, TakeOff
 from companion.run_sources.only_run import OnlyRun
 from companion.tick import TICK_S
 

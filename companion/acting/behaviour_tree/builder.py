@@ -57,18 +57,10 @@ from companion.acting.behaviour_tree.photo import TakePhoto
 from companion.acting.behaviour_tree.tries import RetrySteps
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import Assumptions
-from companion.mission.model import (
-    Charge,
-    Command,
-    Fly,
-    Land,
-    LandOn,
-    PointOfInterest,
-    TakeOff,
-    Wait,
-)
 from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.places import PointOfInterest
 from companion.mission.python_call import PythonCall
+from companion.mission.steps import Charge, Command, Fly, Land, LandOn, TakeOff, Wait
 from companion.planning.domain import Refinement, Step
 from companion.planning.lasso import Lasso
 

@@ -21,8 +21,8 @@ from companion.acting.function_port import known_place, known_vehicle
 from companion.errors import printable
 from companion.flight_events.skills import SkillProgressed
 from companion.flight_events.tree import LeafType
-from companion.mission.model import Command
 from companion.mission.python_call import PythonCall
+from companion.mission.steps import Command
 from companion.outcomes import Failed, Progress
 from companion.skills.calls import CallRequest, CommandAsked, Progressed, Returned
 

@@ -10,8 +10,8 @@ from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.flight_events.tree import LeafType
 from companion.geometry import horizontal_distance
-from companion.mission.model import PointOfInterest
 from companion.mission.payload_steps import PointGimbal
+from companion.mission.places import PointOfInterest
 from companion.motion.heading import towards
 from companion.outcomes import Failed, Progress
 from companion.vehicle.gimbal_port import Aim

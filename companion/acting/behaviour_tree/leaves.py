@@ -20,7 +20,7 @@ from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.tree import LeafType
-from companion.mission.model import Command
+from companion.mission.steps import Command
 from companion.planning.domain import is_one_flight
 from companion.slices import InSlices
 

@@ -9,7 +9,7 @@ from py_trees.common import Status
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
 from companion.flight_events.tree import LeafType
-from companion.mission.model import PointOfInterest
+from companion.mission.places import PointOfInterest
 from companion.motion.heading import HEADING_TOLERANCE_RAD, error_rad, towards
 
 TURN_TIMEOUT_S = 15.0

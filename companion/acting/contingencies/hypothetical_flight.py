@@ -42,8 +42,10 @@ from companion.acting.replanning.optional_lines import drop
 from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.replanner import PlanFailure, Replanner
 from companion.acting.safe_places import SafePlaces, flight_to
+from companion.mission.events import Event
 from companion.mission.facts import HERE
-from companion.mission.model import Event, Land, LandOn, Otherwise, TakeOff
+from companion.mission.otherwise import Otherwise
+from companion.mission.steps import Land, LandOn, TakeOff
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action, Refinement, Step
 from companion.planning.energy.model import EnergyModel

@@ -35,7 +35,7 @@ from companion.flight_events.fence import (
 )
 from companion.geofence import FenceArea, FencePolygon, KeptFence, StoredFence
 from companion.geometry import NorthEast
-from companion.mission.model import Limits, Place
+from companion.mission.places import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Failed
 from companion.vehicle.store_port import AutopilotFence

@@ -33,7 +33,9 @@ from companion.flight_events.rally import (
     RallyWritten,
 )
 from companion.geometry import horizontal_distance
-from companion.mission.model import LandAtSafePlace, Mission, Place
+from companion.mission.model import Mission
+from companion.mission.otherwise import LandAtSafePlace
+from companion.mission.places import Place
 from companion.outcomes import Failed
 from companion.rally_points import RallyPoint, StoredRally
 from companion.vehicle.store_port import AutopilotRally

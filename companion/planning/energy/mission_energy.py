@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from companion.geometry import Ned
 from companion.mission.facts import HERE
-from companion.mission.model import Mission, Skill
+from companion.mission.model import Mission
+from companion.mission.skills import Skill
 from companion.motion.departure import Departure, at_rest
 from companion.motion.profile import SpeedLimits
 from companion.planning.charger import UNITS_PER_WH, Charger

@@ -23,7 +23,7 @@ from companion.errors import CompanionError, LinkError
 from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
 from companion.geometry import GlobalOrigin
-from companion.mission.model import Limits, Place
+from companion.mission.places import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.motion.region import Disc
 from companion.outcomes import Failed, Refusal

@@ -21,7 +21,8 @@ from companion.acting.journal import (
 from companion.flight_events.skills import SkillCompleted, SkillFailed
 from companion.flight_events.sortie import Phase
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Command, Mission, Wait
+from companion.mission.model import Mission
+from companion.mission.steps import Command, Wait
 from companion.outcomes import Failed, Outcome, Progress
 from companion.planning.task_changes import ActionInterrupted, TaskMoment
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from companion.acting.event_detector import EventDetector
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Event
+from companion.mission.events import Event
 from companion.mission.signals import COMMAND, Signal
 
 LEVEL = Signal("BATTERY_STATUS", "", "battery_remaining")

@@ -35,7 +35,8 @@ from companion.flight_events.plans import (
 )
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.geometry import distance
-from companion.mission.model import Event, Mission
+from companion.mission.events import Event
+from companion.mission.model import Mission
 from companion.motion.grid import OccupancyGrid
 from companion.motion.routes import RouteMap
 from companion.outcomes import Failed, Progress

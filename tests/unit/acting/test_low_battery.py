@@ -18,7 +18,9 @@ from companion.flight_events.sortie import (
     ReturnFailed,
 )
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Event, LandAtSafePlace, Mission
+from companion.mission.events import Event
+from companion.mission.model import Mission
+from companion.mission.otherwise import LandAtSafePlace
 from companion.mission.steps import Charge
 from companion.tick import TICK_S
 from companion.vehicle.port import Mode, Takeover

@@ -18,8 +18,10 @@ from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillFailed
 from companion.flight_events.sortie import Phase, TaskSatisfied
 from companion.mission.conditions import parse_condition
-from companion.mission.model import Event, Land, Mission, TakeOff, Wait
+from companion.mission.events import Event
+from companion.mission.model import Mission
 from companion.mission.signals import COMMAND, Signal
+from companion.mission.steps import Land, TakeOff, Wait
 from companion.outcomes import Failed
 
 ASKED = event("asked")

@@ -26,16 +26,10 @@ from companion.flight_events.sortie import (
 )
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
-from companion.mission.model import (
-    Execution,
-    Land,
-    LandAtSafePlace,
-    Mission,
-    Otherwise,
-    Skill,
-    TakeOff,
-    Wait,
-)
+from companion.mission.model import Mission
+from companion.mission.otherwise import LandAtSafePlace, Otherwise
+from companion.mission.skills import Skill
+from companion.mission.steps import Execution, Land, TakeOff, Wait
 from companion.mission.tree_nodes import Act, Steps
 from companion.motion.grid import OccupancyGrid
 from companion.outcomes import Failed

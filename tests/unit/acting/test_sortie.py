@@ -24,7 +24,8 @@ from companion.flight_events.sortie import (
     TaskSatisfied,
     WeakFailsafeAccepted,
 )
-from companion.mission.model import Land, Otherwise, TakeOff
+from companion.mission.otherwise import Otherwise
+from companion.mission.steps import Land, TakeOff
 from companion.outcomes import Failed, Refusal
 from companion.vehicle.port import Goal, Mode
 

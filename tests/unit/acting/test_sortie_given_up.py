@@ -20,7 +20,7 @@ from companion.flight_events.sortie import (
     VehicleCrashed,
 )
 from companion.geometry import distance
-from companion.mission.model import Otherwise
+from companion.mission.otherwise import Otherwise
 from companion.outcomes import Failed, Progress
 from companion.planning.effort import Effort
 from companion.vehicle.port import Goal, Mode, Takeover

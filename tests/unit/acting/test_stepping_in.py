@@ -23,7 +23,7 @@ from companion.flight_events.sortie import (
     ReturnFailed,
     RunFailed,
 )
-from companion.mission.model import Limits
+from companion.mission.places import Limits
 from companion.outcomes import Refusal
 from companion.tick import TICK_S
 from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, Takeover, VehicleState

@@ -14,7 +14,7 @@ from synthetic import POSITIONS, mission
 from companion.acting.symbols import INSIDE_M, REFUSED_S, SAME_M, SAMPLES, Symbols, Value, around
 from companion.flight_events.skills import PlaceReached, SymbolMoved
 from companion.geometry import Ned, distance, horizontal_distance
-from companion.mission.model import Place
+from companion.mission.places import Place
 from companion.motion.grid import OccupancyGrid
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits

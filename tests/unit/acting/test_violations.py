@@ -16,7 +16,8 @@ from companion.flight_events.plans import (
 )
 from companion.flight_events.skills import SkillCompleted
 from companion.flight_events.word import ConjunctViolated, PositionLeft
-from companion.mission.model import Execution, Land, Skill, TakeOff, Wait
+from companion.mission.skills import Skill
+from companion.mission.steps import Execution, Land, TakeOff, Wait
 
 LOW = event("low")
 

@@ -24,7 +24,7 @@ from companion.flight_events.event import Stamped
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import TaskSatisfied
-from companion.mission.model import Otherwise
+from companion.mission.otherwise import Otherwise
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 MISSION: dict[str, Any] = {

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
 
 from companion.errors import FormulaError
-from companion.mission.conditions import COMMANDS, parse_condition
+from companion.mission.conditions import parse_condition
+from companion.mission.mavlink_names import COMMANDS
 from companion.mission.signals import Condition, Signal
 
 
@@ -46,23 +47,29 @@ def test_condition(text: str, condition: Condition) -> None:
         ("BATTERY_STATUS.§voltages > 0", "is not one number", "current_battery"),
         ("BATTERY_STATUS[§one].id > 0", "has no instances", "write BATTERY_STATUS.id"),
         ("§NAMED_VALUE_INT.value > 0", "comes in instances", "NAMED_VALUE_INT[target].value"),
-        ("§NAMED_VALUE_INT[].value > 0", "comes in instances", "by its name"),
+        ("NAMED_VALUE_INT[§].value > 0", "not a condition", "NAMED_VALUE_INT[target].value"),
         ("NAMED_VALUE_INT[§elevenchars].value > 0", "cannot be a name", "10 ASCII characters"),
         ("NAMED_VALUE_INT[target].§name > 0", "is not one number", "value"),
         ("COMMAND.§MAV_CMD_USER_9", "unknown command", "Did you mean MAV_CMD_USER_"),
         ("COMMAND[§x].MAV_CMD_USER_1", "a command has no instance", "write COMMAND"),
         ("§NAMED_VALUE_INT[gas] > 0", "not a condition", "write NAMED_VALUE_INT[gas].value"),
-        ("§NAMED_VALUE_FLOAT [gas]", "not a condition", "write NAMED_VALUE_FLOAT [gas].value"),
-        ("§BATTERY_STATUS > 0", "not a condition", "MESSAGE[name].field > NUMBER"),
+        ("§NAMED_VALUE_FLOAT [gas]", "not a condition", "write NAMED_VALUE_FLOAT[gas].value"),
+        ("BATTERY_STATUS §> 0", "not a condition", "MESSAGE[name].field > NUMBER"),
         ("VFR_HUD.alt§", "is compared with nothing", "> 0"),
-        ("VFR_HUD.alt §> nan", "not a condition", "NUMBER"),
+        ("VFR_HUD.alt > §nan", "not a condition", "NUMBER"),
+        ("VFR_HUD.alt > §True", "not a condition", "> 0 for true"),
+        ("VFR_HUD.alt §= 3", "not a condition", "write =="),
+        ("VFR_HUD.alt > 1 §or VFR_HUD.alt < 0", "not a condition", "make an event of each"),
+        ("VFR_HUD.climb > §", "not a condition", "NUMBER"),
+        ("NAMED_VALUE_INT[target.value > 0§", "not a condition", "MESSAGE[name].field"),
         ("VFR_HUD.alt > 1 §& 2", "not a condition", "make an event of each"),
         ("VFR_HUD.airspeed > 30 §km/h", "not a condition", "write metres per second: 8.33"),
         ("GLOBAL_POSITION_INT.vx > 5 §m/s", "not a condition", "centimetres per second: 500"),
         ("EVENT[persons] > 3 §times", "not a condition", "the number alone, without times"),
         ("§", "not a condition", "NUMBER"),
         ("§EVENT.persons > 0", "unknown MAVLink message EVENT", "written EVENT[persons]"),
-        ("§EVENT[two words] > 0", "not a condition", "EVENT[name] > NUMBER"),
+        ("EVENT[§two words] > 0", "cannot be the name of a report", "EVENT[name] > NUMBER"),
+        ("§EVENT[persons].value > 0", "unknown MAVLink message EVENT", "written EVENT[persons]"),
         ("COMMAND.MAV_CMD_USER_1 §is silent", "a command is silent but for a moment", "remove it"),
     ],
 )

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, enu_from_ned
 from companion.mission.loader import load_mission
-from companion.mission.model import Mission, PointOfInterest
+from companion.mission.model import Mission
+from companion.mission.places import PointOfInterest
 
 HOME = GlobalOrigin(47.397742, 8.545594, 488.0)
 SKILLS: dict[str, Any] = {

@@ -11,19 +11,11 @@ import pytest
 from companion.errors import Location, MissionError
 from companion.ltl.parser import parse
 from companion.mission.facts import Atom
-from companion.mission.model import (
-    Charge,
-    Command,
-    Do,
-    Fly,
-    Land,
-    Literal,
-    Mission,
-    Otherwise,
-    TakeOff,
-    Wait,
-)
+from companion.mission.model import Mission
+from companion.mission.otherwise import Otherwise
 from companion.mission.signals import Condition, Signal
+from companion.mission.skills import Literal
+from companion.mission.steps import Charge, Command, Do, Fly, Land, TakeOff, Wait
 
 Load = Callable[[str | bytes], Mission]
 

@@ -17,11 +17,8 @@ from hypothesis import strategies as st
 
 from companion.errors import FormulaError, Location, MissionError
 from companion.mission.loader import load_mission
-from companion.mission.model import (
-    LandAtSafePlace,
-    Mission,
-    Otherwise,
-)
+from companion.mission.model import Mission
+from companion.mission.otherwise import LandAtSafePlace, Otherwise
 from companion.mission.skill_numbers import MAX_INSTANCES, MAX_STEPS
 from companion.vehicle_profile import VehicleProfile
 

@@ -10,7 +10,7 @@ from moves import MOVE
 
 from companion.errors import MissionError
 from companion.mission.loader import load_mission
-from companion.mission.model import PointOfInterest
+from companion.mission.places import PointOfInterest
 from companion.planning.instances import instantiate
 
 

@@ -14,8 +14,10 @@ from companion.documents.document import TextDocument
 from companion.errors import Location, MissionError
 from companion.mission.facts import at
 from companion.mission.literals import parse_effect, parse_literals
-from companion.mission.model import Mission, Skill, Wait
+from companion.mission.model import Mission
 from companion.mission.one_place import check_one_place
+from companion.mission.skills import Skill
+from companion.mission.steps import Wait
 
 Load = Callable[[str], Mission]
 MOVED = "at(to) & !at(from)"

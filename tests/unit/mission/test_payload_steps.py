@@ -9,8 +9,10 @@ import pytest
 
 from companion.errors import MissionError
 from companion.mission.loader import load_mission
-from companion.mission.model import Command, PointOfInterest, Skill
 from companion.mission.payload_steps import Photo, PointGimbal
+from companion.mission.places import PointOfInterest
+from companion.mission.skills import Skill
+from companion.mission.steps import Command
 
 GRIPPER = 211
 

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from companion.errors import Location, MissionError
 from companion.ltl.parser import parse
 from companion.mission.loader import load_mission
-from companion.mission.model import Fly, Mission
+from companion.mission.model import Mission
+from companion.mission.steps import Fly
 from companion.planning.instances import instantiate
 from companion.planning.planner import Planner
 

@@ -20,6 +20,7 @@ from companion.skills.catalogue import Catalogue, Installed, Parameter
 
 WEIGHING = Path(__file__).parents[3] / "docs" / "examples" / "scale_skill" / "weighing.yaml"
 POSITIONAL = "POSITIONAL_OR_KEYWORD"
+SKILL = FunctionKind.SKILL
 
 
 def parameter(name: str, annotation: str = "", default: str | None = None) -> Parameter:
@@ -53,7 +54,9 @@ def weighing(execute: str = "", installed: Catalogue | None = INSTALLED, **place
 
 
 def test_arguments_are_names_numbers_truths_and_texts() -> None:
-    step = parse_python("""python( say.it, r, -2, 2.5, true, "a, (b)", 'c', loud=false, to = x )""")
+    step = parse_python(
+        """python( say.it, r, -2, 2.5, true, "a, (b)", 'c', loud=false, to = x )""", SKILL
+    )
     given = (Named("r"), -2, 2.5, True, "a, (b)", "c")
     named = (("loud", False), ("to", Named("x")))
     assert step == PythonCall(Function(FunctionKind.SKILL, "say.it"), given, named)
@@ -78,7 +81,7 @@ def test_arguments_are_names_numbers_truths_and_texts() -> None:
 )
 def test_what_is_no_call_is_refused(text: str, what: str) -> None:
     with pytest.raises(FormulaError) as refused:
-        parse_python(text)
+        parse_python(text, SKILL)
     assert what in str(refused.value)
 
 

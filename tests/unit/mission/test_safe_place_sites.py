@@ -8,7 +8,7 @@ import pytest
 
 from companion.errors import MissionError
 from companion.mission.loader import load_mission
-from companion.mission.model import LandAtSafePlace
+from companion.mission.otherwise import LandAtSafePlace
 from companion.planning.notices import notices
 from companion.planning.planner import Planner
 

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from synthetic import command, facts_of, mission, move, skill
 
 from companion.mission.facts import HERE, Fact
-from companion.mission.model import Command, Fly, Mission, Wait
+from companion.mission.model import Mission
+from companion.mission.steps import Command, Fly, Wait
 from companion.planning.domain import WAIT, Action
 from companion.planning.instances import departures, instantiate
 

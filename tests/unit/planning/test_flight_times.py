@@ -14,7 +14,7 @@ from synthetic import POSITIONS, mission
 from companion.errors import MissionError
 from companion.ltl.parser import parse_line
 from companion.mission.loader import load_mission
-from companion.mission.model import Place
+from companion.mission.places import Place
 from companion.motion.departure import Departure, at_rest
 from companion.motion.region import Disc
 from companion.motion.trajectory import Trajectory

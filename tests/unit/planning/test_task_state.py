@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from synthetic import command, event, facts_of, mission
 
 from companion.ltl.automaton import successors
-from companion.mission.model import Event, Mission
+from companion.mission.events import Event
+from companion.mission.model import Mission
 from companion.planning.domain import WAIT, Action
 from companion.planning.instances import departures
 from companion.planning.planner import Planner

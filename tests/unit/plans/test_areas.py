@@ -16,7 +16,8 @@ from plan_files import HOME, TAKE_OFF, at, circle, imported, plan, polygon, squa
 from companion import load_mission
 from companion.errors import MissionError
 from companion.geometry import GlobalOrigin, NorthEast, is_in_polygon
-from companion.mission.model import Limits, Otherwise
+from companion.mission.otherwise import Otherwise
+from companion.mission.places import Limits
 from companion.plans.areas import circle as polygon_of
 from companion.plans.areas import common
 from companion.plans.draft import FENCE_MARGIN_M

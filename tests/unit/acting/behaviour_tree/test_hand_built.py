@@ -23,7 +23,7 @@ from companion.flight_events.skills import (
 from companion.flight_events.sortie import Phase, TaskSatisfied
 from companion.flight_events.word import ConjunctViolated, PositionLeft
 from companion.geometry import distance
-from companion.mission.model import Fly
+from companion.mission.steps import Fly
 from companion.mission.tree_nodes import (
     Act,
     Check,

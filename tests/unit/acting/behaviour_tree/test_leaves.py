@@ -25,7 +25,7 @@ from companion.acting.replanning.assumptions import Assumptions
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
-from companion.mission.model import Command
+from companion.mission.steps import Command
 from companion.motion.grid import OccupancyGrid
 from companion.outcomes import Failed, Progress
 from companion.planning.domain import WAIT, Action

@@ -21,7 +21,10 @@ from companion.acting.behaviour_tree.leaves import Rest
 from companion.acting.behaviour_tree.look_at import TURN_TIMEOUT_S, LookAt
 from companion.acting.behaviour_tree.move import ARRIVAL_TIMEOUT_S, MoveCommand
 from companion.flight_events.skills import SkillFailed
-from companion.mission.model import Do, Land, Mission, PointOfInterest, Skill, TakeOff, Wait
+from companion.mission.model import Mission
+from companion.mission.places import PointOfInterest
+from companion.mission.skills import Skill
+from companion.mission.steps import Do, Land, TakeOff, Wait
 from companion.motion.heading import HEADING_TOLERANCE_RAD, error_rad
 from companion.tick import TICK_S
 from companion.vehicle_profile import VehicleProfile

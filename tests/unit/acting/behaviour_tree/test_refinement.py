@@ -19,17 +19,9 @@ from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn, Missi
 from companion.flight_events.plans import LapCompleted, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.sortie import Phase, VehicleAirborne, VehicleLanded
-from companion.mission.model import (
-    Charge,
-    Command,
-    Do,
-    Fly,
-    Land,
-    Mission,
-    Skill,
-    TakeOff,
-    Wait,
-)
+from companion.mission.model import Mission
+from companion.mission.skills import Skill
+from companion.mission.steps import Charge, Command, Do, Fly, Land, TakeOff, Wait
 from companion.outcomes import Failed, Progress
 from companion.planning.instances import instantiate
 from companion.planning.lasso import Lasso

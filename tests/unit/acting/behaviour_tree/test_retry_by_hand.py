@@ -14,7 +14,8 @@ from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed, SymbolMoved
 from companion.flight_events.sortie import Phase, VehicleAirborne, VehicleLanded
 from companion.flight_events.word import PositionLeft
-from companion.mission.model import Charge, Command, Fly, Land, Skill, TakeOff
+from companion.mission.skills import Skill
+from companion.mission.steps import Charge, Command, Fly, Land, TakeOff
 from companion.mission.tree_nodes import (
     Act,
     Check,

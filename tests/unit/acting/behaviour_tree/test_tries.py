@@ -17,8 +17,8 @@ from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.skills import SkillCompleted, SkillFailed, SymbolMoved
 from companion.flight_events.sortie import VehicleAirborne, VehicleLanded
-from companion.mission.model import Charge, Command, Do, Fly, Land, Skill, TakeOff, Wait
-from companion.mission.steps import Execution
+from companion.mission.skills import Skill
+from companion.mission.steps import Charge, Command, Do, Execution, Fly, Land, TakeOff, Wait
 from companion.outcomes import Failed, Progress
 from companion.vehicle.port import Goal
 

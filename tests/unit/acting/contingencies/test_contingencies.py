@@ -29,9 +29,11 @@ from companion.acting.contingencies.listing import Contingencies
 from companion.acting.contingencies.table import ContingencyTable
 from companion.errors import CompanionError, NoPlanError
 from companion.mission.conditions import parse_condition
+from companion.mission.events import Event
 from companion.mission.literals import parse_fact
 from companion.mission.loader import load_mission
-from companion.mission.model import Event, Mission, Otherwise
+from companion.mission.model import Mission
+from companion.mission.otherwise import Otherwise
 from companion.planning.planner import Planner
 
 MISSIONS = Path(__file__).parents[4] / "missions"

@@ -20,7 +20,7 @@ from companion.flight_events.rally import (
     RallyWritten,
 )
 from companion.flight_events.sortie import Phase
-from companion.mission.model import LandAtSafePlace, Otherwise
+from companion.mission.otherwise import LandAtSafePlace, Otherwise
 from companion.outcomes import Failed, Progress
 from companion.rally_points import RallyPoint, StoredRally
 

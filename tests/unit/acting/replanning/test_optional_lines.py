@@ -24,8 +24,11 @@ from companion.flight_events.skills import PlaceReached
 from companion.flight_events.word import ConjunctViolated
 from companion.ltl.formula import Formula
 from companion.ltl.semantics import holds
+from companion.mission.events import Event
 from companion.mission.facts import Fact
-from companion.mission.model import Command, Event, Mission, Otherwise
+from companion.mission.model import Mission
+from companion.mission.otherwise import Otherwise
+from companion.mission.steps import Command
 from companion.outcomes import Failed
 from companion.planning.engine_port import EngineJob
 from companion.planning.lasso import Lasso, Letter, Problem

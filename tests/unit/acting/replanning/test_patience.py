@@ -13,8 +13,11 @@ from companion.acting.executive_states import ExecutiveState, TaskStatus
 from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.mission.conditions import parse_condition
-from companion.mission.model import PATIENCE_S, Event, Mission, Skill
+from companion.mission.events import Event
+from companion.mission.model import Mission
+from companion.mission.otherwise import PATIENCE_S
 from companion.mission.signals import Signal
+from companion.mission.skills import Skill
 from companion.motion.grid import OccupancyGrid
 from companion.outcomes import Failed
 from companion.tick import TICK_S

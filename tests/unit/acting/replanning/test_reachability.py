@@ -16,7 +16,7 @@ from companion.acting.safe_places import flight_to
 from companion.flight_events.facts import BeliefWithdrawn, PlacesConnected, PlacesCutOff
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SkillFailed, SymbolMoved
-from companion.mission.model import Fly
+from companion.mission.steps import Fly
 from companion.motion.grid import OccupancyGrid
 from companion.outcomes import Failed
 from companion.tick import TICK_S

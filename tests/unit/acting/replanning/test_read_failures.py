@@ -15,7 +15,7 @@ from companion.acting.executive_states import TaskStatus
 from companion.flight_events.facts import BeliefRestored
 from companion.flight_events.plans import LapCompleted
 from companion.flight_events.skills import PlaceReached, SkillFailed
-from companion.mission.model import Skill
+from companion.mission.skills import Skill
 from companion.outcomes import Failed
 
 LOOK = replace(command("look", "at(A)", "seen"), retry_after_s=1.0)
