@@ -144,7 +144,7 @@ SKILLS: Table = {
     "two steps": Mistake("fly(to)", "fly(to), wait(2)", "    exec", "[fly(to), wait(2)]"),
     "what does not hold": Mistake("[at(Home)]", "[at(Home), '!at(A)']", "initially", "leave it"),
     "half a fact": Mistake("[at(Home)]", "[at(Home), x(A, B)]", "initially", "put quotes around"),
-    "a wait with its unit": Mistake("photo(camera)", "wait(5s)", "    exec", "write e.g. 1.5"),
+    "a wait with its unit": Mistake("photo(camera)", "wait(5s)", "    exec", "number alone: 5"),
     "no execute": Mistake(
         "    execute: photo(camera)", "    #", "  shoot:", "execute: What the vehicle does"
     ),

@@ -105,6 +105,8 @@ def _explained(misfit: Misfit, text: str, otherwise: str, forms: Mapping[str, st
         return FormulaError(otherwise, text, 0, len(text), hint)
     if END in misfit.expected:
         hint = f"a call ends at its parenthesis; write several as a list: [{before.strip()}, ...]"
+        if misfit.word == ",":
+            hint = f"write a list: [{text.strip()}]"
         return FormulaError(otherwise, text, offset, length, hint)
     hint = "write names, numbers, true, false, or texts in quotes, with commas between"
     if misfit.kind == "":

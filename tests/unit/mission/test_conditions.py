@@ -60,7 +60,7 @@ def test_condition(text: str, condition: Condition) -> None:
         ("VFR_HUD.alt > §True", "not a condition", "> 0 for true"),
         ("VFR_HUD.alt §= 3", "not a condition", "write =="),
         ("VFR_HUD.alt > 1 §or VFR_HUD.alt < 0", "not a condition", "make an event of each"),
-        ("VFR_HUD.climb > §", "not a condition", "NUMBER"),
+        ("VFR_HUD.climb >§", "not a condition", "NUMBER"),
         ("NAMED_VALUE_INT[target.value > 0§", "not a condition", "MESSAGE[name].field"),
         ("VFR_HUD.alt > 1 §& 2", "not a condition", "make an event of each"),
         ("VFR_HUD.airspeed > 30 §km/h", "not a condition", "write metres per second: 8.33"),
