@@ -21,7 +21,6 @@ from companion.errors import CompanionError, RequestError
 from companion.ltl.monitor import Runs
 from companion.mission.facts import HERE, Fact
 from companion.mission.model import Mission
-from companion.mission.steps import Fly
 from companion.mission.tree_nodes import Tree, actions
 from companion.planning.bound_clocks import NO_CLOCKS, begun
 from companion.planning.builtin.masked_actions import KnownActions
@@ -154,7 +153,7 @@ class Planner:
 
         It is a move of the mission if one flies there, otherwise the action `reach`.
         """
-        move = next((a for a in self.departures(place) if a.execute == (Fly(place),)), None)
+        move = next((a for a in self.departures(place) if a.execute == reach(place).execute), None)
         if move is not None:
             return replace(move, requires=frozenset(), forbids=frozenset(), assumes=frozenset())
         return reach(place) if math.isfinite(self.flight_time(HERE, place)) else None
