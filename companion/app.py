@@ -42,6 +42,7 @@ class Companion:
 
     Attributes:
         failure: why the last run failed.
+        now_s: when the last step began.
         wire: decodes and packs messages.
         telemetry: what was last heard from the autopilot.
     """
@@ -55,6 +56,7 @@ class Companion:
         memory: FlightMemory | None = None,
     ) -> None:
         self.failure: CompanionError | None = None
+        self.now_s = 0.0
         self.wire, self.telemetry = Wire(), Telemetry(memory.frames if memory else None)
         self._component = Component(self, runs.uploads, page)
         self._runs = runs
@@ -67,7 +69,7 @@ class Companion:
             memory=memory or FlightMemory(),
         )
         self._is_stopping = self._has_hung_up = False
-        self._adjusted, self._now_s = -1, 0.0
+        self._adjusted = -1
         self._listen()
         self._begin_next()
 
@@ -125,7 +127,7 @@ class Companion:
         Or an extra step between two ticks, which flies a plan that is made in it at once. Reports
         come from other programs on board (`vehicle/detections.py`).
         """
-        self._now_s = now_s
+        self.now_s = now_s
         self._begin_next()
         if self._has_hung_up:
             self._has_hung_up = False
@@ -179,7 +181,7 @@ class Companion:
                 return None
             return Refusal(f"{self._run.mission.name} is {phase.value}")
         speed_max_mps = self._component.parameters[SPEED_MAX]
-        return self._runs.start(self.telemetry, self._now_s, speed_max_mps)
+        return self._runs.start(self.telemetry, self.now_s, speed_max_mps)
 
     def pause(self) -> Refusal | None:
         """Holds in the air and freezes the task."""
@@ -203,7 +205,7 @@ class Companion:
         """Begins the next run, if nothing is flown and it can begin."""
         if self._run is not None or self._is_stopping:
             return
-        match self._runs.next(self.telemetry, self._now_s):
+        match self._runs.next(self.telemetry, self.now_s):
             case PreparedRun() as prepared:
                 self._begin(prepared)
             case CompanionError() as failure:
@@ -211,7 +213,7 @@ class Companion:
 
     def _begin(self, prepared: PreparedRun) -> None:
         self.failure, self._adjusted = None, -1
-        start_s = self._now_s
+        start_s = self.now_s
         if (journalled := prepared.journalled) is not None:
             start_s = max(start_s, journalled.goes_on_s)
             if (settings := journalled.settings) is not None:
@@ -224,17 +226,17 @@ class Companion:
         """Reads messages while nothing is flown."""
         for message in messages:
             is_theirs = source(message) == (self.wire.system, AUTOPILOT)
-            if is_theirs and self.telemetry.is_news(self._now_s, message):
-                self.telemetry.take(self._now_s, message)
+            if is_theirs and self.telemetry.is_news(self.now_s, message):
+                self.telemetry.take(self.now_s, message)
 
     def _say(self, event: FlightEvent) -> None:
         """Reports an event outside of the flight; in the flight's record if there is one."""
-        stamped = Stamped(round(self._now_s, 3), event)
+        stamped = Stamped(round(self.now_s, 3), event)
         if self._run is not None:
             self._run.flight.add_report(stamped)
             return
         self._runs.tell(stamped)
-        self._component.tell(self._now_s, event)
+        self._component.tell(self.now_s, event)
 
     def _follow_parameters(self) -> None:
         """Applies the companion's parameters to the run."""

@@ -24,9 +24,9 @@ from drawn import EXPLORES, number
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
-from companion import driving
-from companion.api.simulating import lockstep, world_of
+from companion import app, driving
 from companion.cli import main
+from companion.flights.simulated_world import lockstep, world_of
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
@@ -64,6 +64,7 @@ FLOWN = frozenset({"surveillance_run"})
 SIMULATOR = frozenset(
     {
         "companion.api.simulating",
+        "companion.flights.simulated_world",
         "sitl.flight.physics",
         "sitl.harness",
         "sitl.simulation",
@@ -138,7 +139,7 @@ def surveillance_run(surveillance: Mission, tmp_path_factory: pytest.TempPathFac
     run = RunFolder(
         tmp_path_factory.mktemp("runs") / "run", surveillance, 1_700_000_000.0, lambda report: None
     )
-    lockstep(OnlyRun(surveillance, run), world_of(surveillance)).fly()
+    lockstep(app.Companion(OnlyRun(surveillance, run)), world_of(surveillance)).fly()
     run.close()
     return run.folder
 

@@ -14,8 +14,8 @@ import pytest
 
 from companion.acting.behaviour_tree import builder
 from companion.acting.event_detector import EventDetector
-from companion.api.simulating import varied_world_of
 from companion.campaigns.kit import Kit
+from companion.flights.simulated_world import varied_world_of
 from companion.mavlink import commands
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mission.events import Event

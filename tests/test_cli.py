@@ -21,6 +21,7 @@ from ports import free_instance
 from companion.acting.preparation import PreparedMission, prepare
 from companion.cli.flying import run
 from companion.errors import LinkError
+from companion.flights.monitor_page import PageOptions
 from sitl.link.server import Server
 
 MISSIONS = Path(__file__).parents[1] / "missions"
@@ -390,7 +391,7 @@ def test_a_mission_is_prepared_before_the_link_is_opened(
         raise LinkError("nothing is flown here")
 
     monkeypatch.setattr("companion.run_sources.only_run.prepare", prepare_first)
-    monkeypatch.setattr("companion.vehicle.link.Link", no_link)
+    monkeypatch.setattr("companion.flights.options.Link", no_link)
     with pytest.raises(LinkError):
-        run(SURVEILLANCE, log_dir=tmp_path, monitor="off")
+        run(SURVEILLANCE, log_dir=tmp_path, monitor=PageOptions(is_on=False))
     assert done == ["prepared", "link"]

@@ -13,8 +13,8 @@ import pytest
 from commands import Companion
 from ports import free_instance, own_ports
 
-from companion.cli.real_time import OFFBOARD_PORT
 from companion.cli.shipped import names
+from companion.vehicle.endpoints import OFFBOARD_PORT
 
 
 @pytest.fixture

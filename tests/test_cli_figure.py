@@ -13,9 +13,9 @@ from commands import Companion
 
 from companion import load_mission, simulate
 from companion.api.figures import backdrop_of_run, trail_of_run
-from companion.cli.recording import open_run
-from companion.cli.resuming import CutOffRun
 from companion.cli.terminal import Terminal
+from companion.flights.cut_off_runs import CutOffRun
+from companion.flights.run_folders import RunFolders
 from companion.record.backdrop import backdrop_of
 
 MISSIONS = Path(__file__).parents[1] / "missions"
@@ -57,7 +57,8 @@ def test_a_run_that_was_gone_on_with_is_drawn_from_its_beginning_on(
     journalled: Any = SimpleNamespace(goes_on_s=50.0, positions=3, begun=SimpleNamespace(start_s=0))
     with closing(Terminal()) as terminal:
         cut_off = CutOffRun(run, mission, journalled)
-        open_run(mission, run.parent, lambda _: None, terminal, True, cut_off).close()
+        folders = RunFolders(run.parent, terminal, keeps_journal=True)
+        folders.open(mission, cut_off).close()
     whole = tmp_path / "whole.png"
     assert companion("figure", run, "-o", whole).code == 0
     assert (run / "flight.png").read_bytes() == whole.read_bytes()

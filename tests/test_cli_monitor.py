@@ -23,10 +23,10 @@ from notes import Notes
 from synthetic import mission
 
 from companion.app import Companion
-from companion.cli.monitoring import Page, monitored
 from companion.cli.terminal import Terminal
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import TaskSatisfied
+from companion.flights.monitor_page import Page, PageOptions, monitored
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mavlink.parameters import INT32, decode, encode
 from companion.run_sources.only_run import OnlyRun
@@ -114,7 +114,7 @@ def is_gone(address: str) -> bool:
 
 @pytest.fixture
 def page() -> Iterator[Page]:
-    page = Page("127.0.0.1", 0, Terminal().say)
+    page = Page(PageOptions(port=0), Terminal().say)
     yield page
     page.close()
 
@@ -155,7 +155,7 @@ def test_a_page_that_cannot_be_served_is_off_and_the_reason_is_told() -> None:
         with contextlib.suppress(OSError):  # somebody else has it, which is as good
             taken.bind(("127.0.0.1", 65535))
             taken.listen()
-        flight = Flight(Page("127.0.0.1", 65535, Terminal().say))
+        flight = Flight(Page(PageOptions(port=65535), Terminal().say))
         flight.run(1.0)
         heard = flight.switch(True)
     assert value_of(heard) == 0.0
@@ -191,7 +191,7 @@ def test_without_a_page_it_stays_off() -> None:
 
 @pytest.mark.parametrize("is_on", [False, True])
 def test_it_begins_as_the_command_says(is_on: bool, capfd: pytest.CaptureFixture[str]) -> None:
-    with monitored("127.0.0.1:0" if is_on else "off", Terminal().say) as page:
+    with monitored(PageOptions(port=0, is_on=is_on), Terminal().say) as page:
         flight = Flight(page)
         flight.run(1.0)
         assert flight.monitor == is_on

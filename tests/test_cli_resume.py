@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from commands import Companion
 
-from companion.record import journal_file
+from companion.flights import cut_off_runs
 from companion.record.events import JOURNAL_FILE
 
 HOP = Path(__file__).parent / "data" / "hop.yaml"
@@ -19,7 +19,7 @@ def test_another_mission_than_the_one_that_was_cut_off_is_a_wrong_request(
 ) -> None:
     begun = SimpleNamespace(mission="first", path="first.yaml", digest="of another mission")
     cut_off = SimpleNamespace(begun=begun)
-    monkeypatch.setattr(journal_file, "read_journal", lambda *_: cut_off)
+    monkeypatch.setattr(cut_off_runs, "read_journal", lambda *_: cut_off)
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / JOURNAL_FILE).touch()
     (tmp_path / "latest").write_text("run")

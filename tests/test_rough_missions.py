@@ -8,7 +8,7 @@ import pytest
 import rough_missions
 from ruamel.yaml import YAML
 
-from companion.api.simulating import varied_world_of
+from companion.flights.simulated_world import varied_world_of
 from companion.mission.loader import load_mission
 
 SHIPPED = [p for p in sorted(rough_missions.MISSIONS.glob("*.yaml")) if ".sim" not in p.suffixes]

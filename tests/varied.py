@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
-from companion.api.simulating import varied_world_of
 from companion.campaigns.campaign import Campaign, random_rows
 from companion.campaigns.kit import Kit
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.processes import RowEngine, accepted
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import WorkerRefused, fly_row
+from companion.flights.simulated_world import varied_world_of
 from companion.mission.loader import load_mission
 
 MISSION = Path(__file__).parents[1] / "missions" / "return_home.yaml"

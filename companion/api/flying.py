@@ -3,32 +3,25 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 
 from companion.acting.flight_limit import FlightLimit
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.acting.sortie_terms import SortieTerms
 from companion.api.flight_arguments import check_flight_arguments
-from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
+from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion
 from companion.arguments import named
-from companion.clock import ScaledClock
-from companion.driving import fly
-from companion.errors import CompanionError
+from companion.flight_events.event import Stamped
+from companion.flights.only_flight import only_flight
+from companion.flights.options import FlightOptions, LinkOptions
+from companion.flights.over_link import fly_over_link
+from companion.flights.stopping import stopped_by
 from companion.mission.model import Mission
 from companion.record.flight_memory_files import flight_memory_in
-from companion.run_sources.only_run import OnlyRun
-from companion.skills.runner import FunctionRunner
-from companion.vehicle.endpoints import parse_url
-from companion.vehicle.flight_memory import FlightMemory
-from companion.vehicle.link import Link
-from companion.vehicle.report_port import reports_at
-
-OFFBOARD_URL = "udpin://0.0.0.0:14540"
-"""The port to which PX4 sends its offboard link."""
+from companion.vehicle.endpoints import OFFBOARD_URL, parse_url
 
 
 def run(
@@ -78,22 +71,17 @@ def run(
     """
     check_flight_arguments(mission, folder, on_event, laps, limit_s, timeout_s, connect, events)
     arming = _arming(accepts_weak_failsafes, autopilot_fence, rally_points)
-    terms, memory = SortieTerms(arming, FlightLimit(laps, limit_s)), _remembered_beside(folder)
+    options = FlightOptions(SortieTerms(arming, FlightLimit(laps, limit_s)))
+    link = LinkOptions(parse_url(connect), events=events, timeout_s=timeout_s)
+    run_folder = Path(folder) if folder is not None else None
+    memory = flight_memory_in(run_folder.parent) if run_folder is not None else None
     with (
-        closing(Link(parse_url(connect))) as link,
-        reports_at(events) as reports,
-        recording(mission, folder, on_event) as recorder,
-        closing(FunctionRunner(Path(folder) if folder is not None else None)) as functions,
+        recording(mission, run_folder, on_event) as recorder,
+        only_flight(mission, recorder, options, folder=run_folder, memory=memory) as companion,
     ):
-        only = OnlyRun(mission, recorder, functions=functions)
-        companion = Companion(only, terms, memory=memory)
-        with _stopped_by_interrupt(companion):
-            fly(companion, link, ScaledClock(1.0), timeout_s, reports=reports)
-    return _result(mission, recorder, companion.failure, folder)
-
-
-def _remembered_beside(folder: Path | str | None) -> FlightMemory | None:
-    return flight_memory_in(Path(folder).parent) if folder is not None else None
+        fly_over_link(companion, link, PythonProgram())
+    trajectory = FlownTrajectory.of(recorder.positions)
+    return FlightResult(mission, tuple(recorder.events), trajectory, companion.failure, run_folder)
 
 
 def _arming(accepts_weak_failsafes: bool, autopilot_fence: str, rally_points: str) -> ArmingTerms:
@@ -104,33 +92,17 @@ def _arming(accepts_weak_failsafes: bool, autopilot_fence: str, rally_points: st
     )
 
 
-def _result(
-    mission: Mission, recorder: Recording, failure: CompanionError | None, folder: Path | str | None
-) -> FlightResult:
-    """The result, once the flight has ended."""
-    return FlightResult(
-        mission=mission,
-        events=tuple(recorder.events),
-        trajectory=FlownTrajectory.of(recorder.positions),
-        failure=failure,
-        folder=Path(folder) if folder is not None else None,
-    )
+class PythonProgram:
+    """The `FrontEnd` of somebody's own program: it shows nothing, and Ctrl-C ends the flight."""
 
+    def say(self, line: str, is_error: bool = False) -> None:
+        """Shows nothing."""
 
-@contextmanager
-def _stopped_by_interrupt(companion: Companion) -> Iterator[None]:
-    """While this context lasts, Ctrl-C asks the companion once to end."""
+    def tell(self, stamped: Stamped) -> None:
+        """Shows nothing; the program gets its events by `on_event`."""
 
-    def stop(number: int, _: FrameType | None) -> None:
-        signal.signal(number, before)
-        companion.stop()
-
-    try:
-        before = signal.signal(signal.SIGINT, stop)
-    except ValueError:  # this is not the main thread
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
+    @contextmanager
+    def attending(self, companion: Companion) -> Iterator[Callable[[], None]]:
+        """While the context lasts, Ctrl-C ends the flight."""
+        with stopped_by([signal.SIGINT], companion, on_stop=lambda: None):
+            yield lambda: None

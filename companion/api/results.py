@@ -143,13 +143,13 @@ class Recording:
 
 @contextmanager
 def recording(
-    mission: Mission, folder: Path | str | None, on_event: OnEvent | None
+    mission: Mission, folder: Path | None, on_event: OnEvent | None
 ) -> Iterator[Recording]:
     """A recording, which also writes a run folder if one is given."""
     if folder is None:
         yield Recording(on_event=on_event)
         return
-    files = RunFolder(Path(folder), mission, time(), lambda stamped: None)
+    files = RunFolder(folder, mission, time(), lambda stamped: None)
     try:
         yield Recording(files, on_event)
     finally:

@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING, Any
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap
 
-from companion.api.simulating import world_alone
 from companion.campaigns.kit import Kit
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.table import write_whole
+from companion.flights.simulated_world import world_alone
 
 if TYPE_CHECKING:
-    from companion.api.simulating import VariedScenario
+    from companion.flights.simulated_world import VariedScenario
 
 FAILURES, WORST = "failures", "worst"
 BLOCK_DEPTH = 2

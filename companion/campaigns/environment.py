@@ -18,8 +18,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from companion.api.results import Recording
-from companion.api.simulating import lockstep, world_of
+from companion.app import Companion
 from companion.flight_events.event import Stamped
+from companion.flights.simulated_world import lockstep, world_of
 from companion.mission.installed_calls import functions_of
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
@@ -96,7 +97,7 @@ def _package_line(entry: EntryPoint) -> tuple[str, str]:
 def fingerprint() -> str:
     """The hash of the short flight on this machine."""
     mission, recorder = load_mission(SHORT), Hashing()
-    flight = lockstep(OnlyRun(mission, recorder), world_of(mission, GUSTY), seed=17)
+    flight = lockstep(Companion(OnlyRun(mission, recorder)), world_of(mission, GUSTY), seed=17)
     for _ in range(FINGERPRINT_TICKS):
         flight.tick()
     return recorder.hash.hexdigest()[:16]

@@ -10,7 +10,7 @@ from companion.campaigns.outcomes import FlownRow
 from companion.campaigns.statistics import rank_correlation
 
 if TYPE_CHECKING:
-    from companion.api.simulating import Factor
+    from companion.flights.simulated_world import Factor
 
 QUARTERS = 4
 

@@ -14,7 +14,7 @@ from companion.mission.model import Mission
 if TYPE_CHECKING:
     from collections.abc import Set
 
-    from companion.api.simulating import Scenario
+    from companion.flights.simulated_world import Scenario
 
 AROUND_PLACE_M = 0.5
 """What must be free around a place, in addition to the vehicle's radius."""

@@ -11,7 +11,6 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from companion.api.simulating import varied_world_of
 from companion.campaigns.campaign import Campaign
 from companion.campaigns.cases import Case, simplifiable, write_cases
 from companion.campaigns.kit import Kit
@@ -20,6 +19,7 @@ from companion.campaigns.outcomes import FlownRow
 from companion.campaigns.processes import LocalProcesses, RowEngine
 from companion.campaigns.rows import Row
 from companion.campaigns.search import FailureSearch
+from companion.flights.simulated_world import varied_world_of
 
 MINIMISED_FOLDER = "minimised"
 MOST_CASES = 8

@@ -20,7 +20,7 @@ from companion.mission.digest import digest
 from companion.mission.model import Mission
 
 if TYPE_CHECKING:
-    from companion.api.simulating import Factor, VariedScenario
+    from companion.flights.simulated_world import Factor, VariedScenario
 
 FORMAT = "1"
 """Version of the table's and rows.jsonl's format."""

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from companion.acting.authority import loss_of_link
-from companion.api.simulating import flight_of, verdict
+from companion.api.simulating import flight_of
 from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome, rounded
 from companion.campaigns.rows import Row
 from companion.campaigns.tracks import simplified
@@ -25,6 +25,7 @@ from companion.errors import CompanionError, LinkError
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
 from companion.flight_events.word import ConjunctViolated
+from companion.flights.simulated_world import verdict
 from companion.mission.model import Mission
 from companion.mission.steps import Charge, Land, LandOn
 from companion.motion.polygons import are_inside, distance_to_edges
@@ -33,7 +34,7 @@ from companion.record.events import record_of
 
 if TYPE_CHECKING:
     from companion.api.results import Recording
-    from companion.api.simulating import LockstepFlight, World
+    from companion.flights.simulated_world import LockstepFlight, World
 
 SET_DOWN_M = 2.0
 """An obstacle that appears nearer to the vehicle than this leaves it no chance."""

@@ -17,7 +17,7 @@ from companion.campaigns.rows import Row, Value
 from companion.campaigns.search import RowFlyer
 
 if TYPE_CHECKING:
-    from companion.api.simulating import Factor
+    from companion.flights.simulated_world import Factor
 
 BISECTIONS = 5
 Steps = Generator[Row, FlownRow, FlownRow]

@@ -14,8 +14,8 @@ from companion.errors import MissionError
 from companion.mission.model import Mission
 
 if TYPE_CHECKING:
-    from companion.api.simulating import Scenario
     from companion.campaigns.kit import Kit
+    from companion.flights.simulated_world import Scenario
     from companion.motion.grid import OccupancyGrid
 
 MARGIN_M = 1.0

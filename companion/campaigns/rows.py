@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from numpy.random import PCG64, Generator, SeedSequence
 
 if TYPE_CHECKING:
-    from companion.api.simulating import Factor
+    from companion.flights.simulated_world import Factor
 
 Value = bool | int | float | str
 SEEDS = 2**31 - 2

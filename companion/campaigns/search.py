@@ -27,7 +27,7 @@ from companion.campaigns.outcomes import FlownRow
 from companion.campaigns.rows import Row, row_at
 
 if TYPE_CHECKING:
-    from companion.api.simulating import Factor
+    from companion.flights.simulated_world import Factor
 
 GENERATION = 16
 SIGMA = 0.2

@@ -185,8 +185,8 @@ def command_line(name: str, mission: Path, scenario: Path | None, **options: obj
 
 def kit_of(mission: Path, scenario: Path | None, limit_s: float) -> Kit:
     """The kit of a mission file and its scenario."""
-    from companion.api.simulating import scenario_beside, varied_world_of, world_in_words
     from companion.campaigns.kit import Kit
+    from companion.flights.simulated_world import scenario_beside, varied_world_of, world_in_words
 
     loaded, limit_s = load(mission), float(f"{limit_s:g}")  # rounded as in the table's header
     world = world_in_words(loaded, scenario or scenario_beside(loaded))

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from companion.cli.arguments import DEFAULT_LOG_DIR, Instance, LogDir
-from companion.cli.monitoring import DEFAULT_ADDRESS
-from companion.cli.real_time import OFFBOARD_PORT
+from companion.cli.monitoring import DEFAULT_PAGE
 from companion.cli.shipped import DISTRIBUTION, folder, names
 from companion.cli.simulated_flight import GROUND_STATION_PORT
+from companion.vehicle.endpoints import OFFBOARD_PORT
 
 if TYPE_CHECKING:
     from companion.mavlink.framing import Message
@@ -93,7 +93,7 @@ def _findings(connect: str | None, instance: int, log_dir: Path) -> Iterator[Mac
     yield _port(OFFBOARD_PORT + instance, "for `companion run`", _TAKEN)
     yield _port(SIMULATOR_PORT + instance, "for a simulator, PX4's or ours")
     yield _port(GROUND_STATION_PORT, "for a ground station such as QGroundControl")
-    yield _port(int(DEFAULT_ADDRESS.rpartition(":")[2]), "for the monitor page, else the next one")
+    yield _port(DEFAULT_PAGE.port, "for the monitor page, else the next one")
     yield _browser()
     yield _vehicle(connect) if connect else MachineFinding("vehicle", NOT_ASKED)
 

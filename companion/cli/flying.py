@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -36,11 +36,11 @@ from companion.cli.engine_options import (
     engine_of,
 )
 from companion.cli.log_lines import Verbose
-from companion.cli.monitoring import DEFAULT_ADDRESS, Monitor
-from companion.cli.real_time import OFFBOARD_PORT
+from companion.cli.monitoring import DEFAULT_PAGE, Monitor
 from companion.cli.shipped import completions, mission_file
-from companion.cli.vehicle_flights import VehicleFlights
+from companion.cli.terminal import Terminal
 from companion.planning.objective import Encoding
+from companion.vehicle.endpoints import OFFBOARD_URL, parse_url
 
 if TYPE_CHECKING:
     from companion.mission.model import Mission
@@ -66,7 +66,7 @@ Wait = Annotated[
 
 def run(
     mission: OptionalMission = None,
-    connect: LinkUrl = f"udpin://0.0.0.0:{OFFBOARD_PORT}",
+    connect: LinkUrl = OFFBOARD_URL,
     accept_weak_failsafes: WeakFailsafes = False,
     autopilot_fence: AutopilotFence = UploadPolicy.UPLOAD,
     rally_points: RallyPoints = UploadPolicy.UPLOAD,
@@ -99,35 +99,43 @@ def run(
     """
     from companion.acting.flight_limit import FlightLimit
     from companion.acting.sortie_terms import SortieTerms
-    from companion.vehicle.endpoints import parse_url
-    from companion.vehicle.link import Link
+    from companion.flights.options import FlightOptions, LinkOptions
+    from companion.flights.vehicle_flights import VehicleFlights
 
-    if contingencies and (mission is None or resume):
-        reason = "needs MISSION, and no --resume: a vehicle in the air would wait for the table"
-        raise typer.BadParameter(reason, param_hint="--contingencies")
-    loaded = load(mission, contingencies) if mission else None
-    _notice_unheard(loaded, events)
+    loaded = _loaded(mission, contingencies, resume, events)
     endpoint = parse_url(connect)
     arming = ArmingTerms(accept_weak_failsafes, autopilot_fence, rally_points)
-    with signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing:
+    terms = SortieTerms(arming, FlightLimit(laps, limit_s), resumes=resume)
+    planner = engine_of(engine, encoding, engine_timeout, None, loaded)
+    with (
+        closing(Terminal()) as terminal,
+        signing_of(signing_key, f"run-{endpoint.name}", unsigned_vehicle) as signing,
+    ):
         flights = VehicleFlights(
-            partial(Link, endpoint, signing),
-            events=events,
-            log_dir=log_dir,
-            address=monitor or DEFAULT_ADDRESS,
-            engine=engine_of(engine, encoding, engine_timeout, None, loaded),
-            terms=SortieTerms(arming, limit=FlightLimit(laps, limit_s), resumes=resume),
+            FlightOptions(terms, planner),
+            LinkOptions(endpoint, signing, events, timeout),
+            log_dir=log_dir.expanduser(),
+            page=monitor or DEFAULT_PAGE,
+            front_end=terminal,
         )
         if loaded is None or wait:
             flights.host(loaded)
-        else:
-            flights.fly_once(loaded, timeout)
+        elif (failure := flights.fly_once(loaded)) is not None:
+            raise failure
 
 
-def _notice_unheard(mission: Mission | None, events: str | None) -> None:
-    """Prints which reports, `EVENT[name]`, a mission needs if none can be received."""
+def _loaded(
+    file: Path | None, contingencies: bool, resume: bool, events: str | None
+) -> Mission | None:
+    """The mission; prints which reports, `EVENT[name]`, it needs if none can be received."""
     from companion.planning.notices import not_heard
 
-    if mission is not None and events is None:
-        for notice in not_heard(mission):
-            typer.echo(f"notice     {notice}")
+    if contingencies and (file is None or resume):
+        reason = "needs MISSION, and no --resume: a vehicle in the air would wait for the table"
+        raise typer.BadParameter(reason, param_hint="--contingencies")
+    if file is None:
+        return None
+    mission = load(file, contingencies)
+    for notice in not_heard(mission) if events is None else ():
+        typer.echo(f"notice     {notice}")
+    return mission

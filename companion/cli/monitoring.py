@@ -1,10 +1,8 @@
-"""The page on which a run is watched: during the run, and afterwards (replay)."""
+"""The page on which a run is watched: the option of commands that fly, and replay."""
 
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -12,98 +10,38 @@ import typer
 
 from companion.cli.log_files import look_at, write_run
 from companion.errors import CompanionError
-from companion.monitor.child import Child, listen, url
+from companion.flights.monitor_page import PageOptions
+from companion.monitor.child import listen, url
 
-DEFAULT_ADDRESS = "127.0.0.1:8080"
+DEFAULT_PAGE = PageOptions()
 
 
-def _checked(address: str | None) -> str | None:
-    """Refuses an invalid address before anything is recorded."""
-    if address not in (None, "off"):
-        _host_and_port(address)
-    return address
+def page_options(address: str) -> PageOptions:
+    """The page of an option's value: HOST:PORT, or off.
+
+    >>> page_options("[::1]:80")
+    PageOptions(host='::1', port=80, is_on=True)
+
+    Raises:
+        BadParameter: it is neither of these.
+    """
+    if address == "off":
+        return PageOptions(is_on=False)
+    host, colon, port = address.rpartition(":")
+    if not colon or not host or not port.isdecimal() or int(port) > 65535:
+        raise typer.BadParameter(f"{address} is neither HOST:PORT nor off", param_hint="--monitor")
+    return PageOptions(host.strip("[]"), int(port))
 
 
 Monitor = Annotated[
-    str | None,
+    PageOptions | None,
     typer.Option(
-        callback=_checked,
+        parser=page_options,
         metavar="HOST:PORT|off",
         help="Address of the monitor page, or off: no page.",
-        show_default=f"{DEFAULT_ADDRESS}, off at --speed max",
+        show_default=f"{DEFAULT_PAGE.host}:{DEFAULT_PAGE.port}, off at --speed max",
     ),
 ]
-
-
-class Page:
-    """The page of this program's runs, served or not; a `ground.operations.MonitorPage`.
-
-    A page that cannot be served is reported and stops no flight.
-
-    Args:
-        host: where it is served; it does not move afterwards.
-        port: likewise; the next free one if it is in use.
-        say: prints a line, on standard error if it is an error.
-    """
-
-    def __init__(self, host: str, port: int, say: Callable[[str, bool], None]) -> None:
-        self._address = (host, port)
-        self._say = say
-        self._child: Child | None = None
-        self._folder: Path | None = None
-
-    @property
-    def is_served(self) -> bool:
-        """Whether the page is served; it may end by itself."""
-        return self._child is not None and self._child.is_running
-
-    def switch(self, is_on: bool) -> str:
-        """Starts or ends serving, if possible; prints and returns a line for people."""
-        try:
-            text = self._serve() if is_on else self._end()
-        except CompanionError as error:
-            text = f"none: {error}"
-        self._say(f"monitor    {text}", self.is_served != is_on)
-        return f"monitor page {text}"
-
-    def show(self, folder: Path) -> None:
-        """Shows the run in a folder from now on."""
-        self._folder = folder
-        if self._child is not None:
-            self._child.show(folder)
-
-    def close(self) -> None:
-        """Ends the page with the program; browsers can still read the end."""
-        if self._child is not None:
-            self._child.close()
-
-    def _serve(self) -> str:
-        listener = listen(*self._address)
-        address = url(listener)
-        self._address = listener.getsockname()[:2]
-        self._child = Child(listener)
-        if self._folder is not None:
-            self._child.show(self._folder)
-        return address
-
-    def _end(self) -> str:
-        if self._child is not None:
-            self._child.kill()
-            self._child = None
-        return "off"
-
-
-@contextmanager
-def monitored(address: str, say: Callable[[str, bool], None]) -> Iterator[Page]:
-    """The page of the runs in this context, served from the start unless the address is `off`."""
-    is_off = address == "off"
-    page = Page(*_host_and_port(DEFAULT_ADDRESS if is_off else address), say)
-    try:
-        if not is_off:
-            page.switch(True)
-        yield page
-    finally:
-        page.close()
 
 
 def replay(
@@ -150,10 +88,3 @@ def monitor(listener: Annotated[int, typer.Argument(help="An open socket's numbe
         follow(socket.socket(fileno=listener))
     except (ImportError, OSError, CompanionError) as error:
         raise CompanionError(f"monitor    ended, the flight goes on: {error}") from error
-
-
-def _host_and_port(address: str) -> tuple[str, int]:
-    host, colon, port = address.rpartition(":")
-    if not colon or not host or not port.isdecimal() or int(port) > 65535:
-        raise typer.BadParameter(f"{address} is neither HOST:PORT nor off", param_hint="--monitor")
-    return (host.strip("[]"), int(port))

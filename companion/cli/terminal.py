@@ -1,6 +1,7 @@
-"""What a flight prints, and the signals of the terminal from which it was started.
+"""What a flight prints, and the signals that reach it.
 
-Nothing that happens to a terminal affects the flight:
+The first Ctrl-C (or SIGTERM) holds, lands and ends the flight; the second one exits at once.
+Nothing else that happens to a terminal affects the flight:
 
 1. A line is written only if that needs no waiting. A stopped terminal (Ctrl-S), or a pager that
    does not read, delays the lines, which wait here, but not the flight.
@@ -19,11 +20,18 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from types import FrameType
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
+from companion.cli.times import minutes
 from companion.errors import printable
+from companion.flights.stopping import stopped_by
+from companion.watchdog import Watchdog
+
+if TYPE_CHECKING:
+    from companion.app import Companion
+    from companion.flight_events.event import Stamped
 
 LINES_KEPT = 1000
 """Most lines that wait for a terminal that does not read; older ones are dropped."""
@@ -37,7 +45,7 @@ _SUSPENDING = (signal.SIGTSTP, signal.SIGTTOU, signal.SIGTTIN)
 
 
 class Terminal:
-    """Standard output and standard error, for lines that must not delay a flight.
+    """Standard output and standard error, for lines that must not delay a flight; a `FrontEnd`.
 
     Lines may also come from a signal handler, or from a thread that draws a figure.
     """
@@ -51,6 +59,24 @@ class Terminal:
         """Prints a line now, or when the terminal accepts it; control characters are escaped."""
         self._waiting.append((sys.stderr if is_error else sys.stdout, printable(line)))
         self._write()
+
+    def tell(self, stamped: Stamped) -> None:
+        """Prints an event of a run."""
+        self.say(f" {minutes(stamped.time_s)}  {stamped.event.text}")
+
+    @contextmanager
+    def attending(self, companion: Companion) -> Iterator[Callable[[], None]]:
+        """While the context lasts, signals end the flight, and a service manager hears of it."""
+
+        def promise() -> None:
+            self.say("stopping: hold, land, exit; once more to exit at once", is_error=True)
+
+        with (
+            closing(Watchdog(os.environ)) as watchdog,
+            stopped_by([signal.SIGINT, signal.SIGTERM], companion, promise),
+            undisturbed(companion.hang_up),
+        ):
+            yield lambda: watchdog.beat(time.monotonic())
 
     def close(self) -> None:
         """Prints the waiting lines; drops those that cannot be printed."""

@@ -27,7 +27,6 @@ from companion.acting.journal import Journal, NoJournal
 from companion.flight_events.event import Stamped
 from companion.flight_events.hosting import RecordingFailed
 from companion.flight_events.plans import PlanMade, PlanReplaced
-from companion.flight_events.sortie import RunEnded
 from companion.flight_events.writing import json_of, line_of
 from companion.geometry import Ned
 from companion.mavlink.framing import dialect, message_id, split_frames
@@ -65,7 +64,6 @@ class RunFolder:
     Attributes:
         journal: the journal of the run.
         trail: the vehicle's positions, by plan, and its charge.
-        has_ended: whether the end of the run was reported.
     """
 
     def __init__(
@@ -87,7 +85,6 @@ class RunFolder:
         self._draw = draw
         self._tell = tell
         self.trail = Trail()
-        self.has_ended = False
         self._is_failing = False
         self._packets = bytearray()
         self._flushed_s = 0.0
@@ -116,7 +113,6 @@ class RunFolder:
         """Appends a line to events.jsonl; a plan is also written to a file."""
         if stamped.event in self._told:
             return  # the cut-off run has recorded it already
-        self.has_ended |= isinstance(stamped.event, RunEnded)
         self.trail.take(stamped)
         if stamped.event.is_told:
             self._tell(stamped)

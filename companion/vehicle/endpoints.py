@@ -82,6 +82,10 @@ class SerialPort:
 
 Endpoint = UdpPort | UdpPeer | TcpServer | SerialPort
 
+OFFBOARD_PORT = 14540
+"""The UDP port to which PX4 sends its offboard link."""
+OFFBOARD_URL = str(UdpPort("0.0.0.0", OFFBOARD_PORT))
+
 
 def parse_url(url: str) -> Endpoint:
     """The endpoint of a URL such as udpin://0.0.0.0:14540 or serial:///dev/ttyTHS1:921600.

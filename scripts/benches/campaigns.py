@@ -10,12 +10,12 @@ from time import perf_counter
 import psutil
 
 from benches import ROOT, Row
-from companion.api.simulating import varied_world_of
 from companion.campaigns.campaign import random_rows
 from companion.campaigns.dask_cluster import DaskCluster
 from companion.campaigns.kit import Kit
 from companion.campaigns.processes import LocalProcesses, RowEngine
 from companion.campaigns.rows import Row as Flight
+from companion.flights.simulated_world import varied_world_of
 from companion.mission.loader import load_mission
 
 MISSIONS = ROOT / "missions"

@@ -20,8 +20,10 @@ from scipy import ndimage
 
 from benches import MISSION, ROOT, Row, timed
 from companion.acting.journal import Journal, NoJournal
-from companion.api.simulating import flight_of, lockstep, world_of
+from companion.api.simulating import flight_of
+from companion.app import Companion
 from companion.flight_events.event import Stamped
+from companion.flights.simulated_world import lockstep, world_of
 from companion.geometry import Ned
 from companion.mavlink.framing import MavlinkCodec, Message, dialect, split_frames
 from companion.mavlink.signing import Signing, SigningKey
@@ -203,7 +205,7 @@ def flying(runs: int) -> Iterator[Row]:
         peer_figure=physics_speed(steps),
     )
     seen = Flight()
-    lockstep(OnlyRun(mission, seen), world_of(mission)).fly()
+    lockstep(Companion(OnlyRun(mission, seen)), world_of(mission)).fly()
     frames = [frame for datagram in seen.datagrams for frame in split_frames(datagram)]
     yield from mavlink([f for f in frames if f[6] == AUTOPILOT], runs)
     yield from signed([f for f in frames if f[6] == AUTOPILOT], runs)

@@ -12,7 +12,9 @@ from benches import Row
 from benches.answering import MOVE
 from benches.missions import Tracking, timed_steps
 from companion.acting.flight_limit import FlightLimit
-from companion.api.simulating import lockstep
+from companion.acting.sortie_terms import SortieTerms
+from companion.app import Companion
+from companion.flights.simulated_world import lockstep
 from companion.mission.loader import load_mission
 from companion.run_sources.only_run import OnlyRun
 from sitl.world.scenario import read_scenario
@@ -29,7 +31,8 @@ def flights(runs: int) -> Iterator[Row]:
     mission = load_mission(_patrol(sites))
     world = read_scenario(_world(duration_s), default_map=mission.grid)
     seen = Tracking()
-    flight = lockstep(OnlyRun(mission, seen), world, limit=FlightLimit(duration_s=duration_s))
+    terms = SortieTerms(limit=FlightLimit(duration_s=duration_s))
+    flight = lockstep(Companion(OnlyRun(mission, seen), terms), world)
     seen.simulation, ticks_s = flight.simulation, timed_steps(flight.companion)
     gc.collect()
     gc.freeze()  # as before any flight by the clock

@@ -9,13 +9,15 @@ from benches import Row
 from benches.missions import Tracking
 from benches.shipped import shipped
 from companion.acting.flight_limit import FlightLimit
-from companion.api.simulating import lockstep, world_of
+from companion.acting.sortie_terms import SortieTerms
+from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached, RouteBlocked
+from companion.flights.simulated_world import lockstep, world_of
 from companion.run_sources.only_run import OnlyRun
 
 MISSIONS = ("surveillance", "hall_of_20")
-FLOWN = FlightLimit(duration_s=60.0)
+FLOWN = SortieTerms(limit=FlightLimit(duration_s=60.0))
 ERRORS = {
     "GPS noise of 0.25 m": "\nhappens:\n  - {at_s: 0.1, gps: {noise_m: 0.25}}\n",
     "as a PX4": "\nairframe: px4_sih\nwander: {}\n",
@@ -60,7 +62,8 @@ def flights(runs: int) -> Iterator[Row]:
         text = text.replace("map: maps/", f"map: {each.scenario.parent}/maps/")
         for name, errors in ERRORS.items():
             seen = Wandering()
-            flight = lockstep(OnlyRun(mission, seen), world_of(mission, text + errors), limit=FLOWN)
+            companion = Companion(OnlyRun(mission, seen), FLOWN)
+            flight = lockstep(companion, world_of(mission, text + errors))
             seen.simulation = flight.simulation
             flight.fly()
             row = f"{each.name}, {name}"

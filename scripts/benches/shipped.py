@@ -7,7 +7,8 @@ from pathlib import Path
 
 from benches import ROOT
 from companion import load_mission
-from companion.api.simulating import lockstep, world_of
+from companion.app import Companion
+from companion.flights.simulated_world import lockstep, world_of
 from companion.mission.model import Mission
 from companion.mission_run import Recorder
 from companion.run_sources.only_run import OnlyRun
@@ -35,7 +36,7 @@ class Shipped:
 
     def flight(self, mission: Mission, recorder: Recorder) -> LockstepFlight:
         """The flight with seed 0, before its first tick."""
-        return lockstep(OnlyRun(mission, recorder), world_of(mission, self.scenario))
+        return lockstep(Companion(OnlyRun(mission, recorder)), world_of(mission, self.scenario))
 
 
 def shipped() -> list[Shipped]:

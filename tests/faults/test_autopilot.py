@@ -10,10 +10,10 @@ from campaign import actions, begin, shipped, sweep, undisturbed, world
 from lockstep import Lockstep
 from synthetic import mission
 
-from companion.api.simulating import world_of
 from companion.errors import Aborted
 from companion.flight_events.skills import SkillCompleted
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, RunFailed, TaskSatisfied
+from companion.flights.simulated_world import world_of
 from companion.geometry import Ned, distance
 from companion.mavlink.framing import dialect
 from companion.tick import TICK_S

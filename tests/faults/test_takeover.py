@@ -11,9 +11,9 @@ import pytest
 from campaign import shipped, sweep, world
 from lockstep import Cut, Lockstep
 
-from companion.api.simulating import world_of
 from companion.errors import Aborted
 from companion.flight_events.sortie import Phase, PhaseEntered, RunEnded, RunFailed, VehicleLanded
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import MavlinkCodec
 from companion.mavlink.px4_modes import mode_name
 

@@ -19,10 +19,10 @@ from companion.acting.contingencies.answers import GoesOn, LandsAt, PlansAnew
 from companion.acting.contingencies.changes import BeliefLost, EventTurns, SiteLost
 from companion.acting.contingencies.table import Contingency, ContingencyTable
 from companion.api.contingency_answers import contingencies
-from companion.api.simulating import world_of
 from companion.flight_events.plans import LapCompleted, PlannedLasso, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.sortie import Phase, PhaseEntered, ReturnBegun, TaskSatisfied
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.facts import HERE
 from companion.mission.loader import load_mission

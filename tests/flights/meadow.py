@@ -8,8 +8,8 @@ from lockstep import VEHICLE, Lockstep
 from moves import MOVE
 
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
-from companion.api.simulating import world_of
 from companion.flight_events.sortie import Phase, PhaseEntered
+from companion.flights.simulated_world import world_of
 from companion.geometry import Ned
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission

@@ -27,7 +27,6 @@ from meadow import (
 )
 
 from companion.acting.preflight.arming_terms import UploadPolicy
-from companion.api.simulating import world_of
 from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
 from companion.flight_events.sortie import (
     AutopilotSaid,
@@ -37,6 +36,7 @@ from companion.flight_events.sortie import (
     PhaseEntered,
     SetpointRefused,
 )
+from companion.flights.simulated_world import world_of
 from companion.geofence import FencePolygon
 from companion.geometry import GlobalOrigin, is_in_polygon
 from companion.mavlink.framing import dialect

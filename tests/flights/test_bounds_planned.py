@@ -9,11 +9,11 @@ from typing import Any
 from lockstep import COMPANION, Lockstep
 from meadow import DATA
 
-from companion.api.simulating import world_of
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.word import ConjunctViolated
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.record.audit import ConjunctOutcome, audit

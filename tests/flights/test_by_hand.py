@@ -10,7 +10,6 @@ import meadow
 import pytest
 from lockstep import COMPANION, Lockstep
 
-from companion.api.simulating import world_of
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import NoPlanFound
 from companion.flight_events.reading import read_line
@@ -24,6 +23,7 @@ from companion.flight_events.sortie import (
     SetpointRefused,
 )
 from companion.flight_events.word import PositionLeft
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from sitl.world.scenario import read_scenario

@@ -15,7 +15,6 @@ from offered import TEMPLATE, install_template, installed_in
 from shipped import MISSIONS
 from varied import DEADLY, RUNS, ThisProcess, fly_but_die, short_kit, table_by, tell_process
 
-from companion.api.simulating import varied_world_of, world_of
 from companion.app import Companion
 from companion.campaigns import measuring, worker
 from companion.campaigns.kit import Kit
@@ -25,6 +24,7 @@ from companion.campaigns.row_file import NAME
 from companion.campaigns.rows import Row
 from companion.campaigns.worker import WorkerRefused, fly_row
 from companion.errors import CompanionError
+from companion.flights.simulated_world import varied_world_of, world_of
 from companion.mission.loader import load_mission
 from sitl.simulation import Simulation
 from sitl.world import varied_scenario

@@ -9,8 +9,9 @@ import pytest
 from lockstep import Lockstep, World
 from synthetic import command, mission
 
-from companion.api.simulating import SimulationResult, simulate, world_of
+from companion.api.simulating import SimulationResult, simulate
 from companion.flight_events.sortie import Phase, PhaseEntered, RunFailed, VehicleCrashed
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.otherwise import Otherwise
 from sitl.world.scenario import Scenario, read_scenario

@@ -12,7 +12,6 @@ from lockstep import Lockstep
 from two_docks import PADS, RESERVE, between_docks, lowest, text, two_docks
 
 from companion.acting.behaviour_tree import landing
-from companion.api.simulating import world_of
 from companion.flight_events.charge import ChargeMeasured, ChargePlanned
 from companion.flight_events.energy import EnergyUsed, ReserveUsed
 from companion.flight_events.facts import BeliefWithdrawn
@@ -26,6 +25,7 @@ from companion.flight_events.sortie import (
     PhaseEntered,
     VehicleLanded,
 )
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission

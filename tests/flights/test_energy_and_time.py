@@ -10,13 +10,13 @@ from test_energy_factor import says
 from two_docks import PADS, RESERVE, between_docks, lowest, text, two_docks
 
 from companion.acting.behaviour_tree import landing
-from companion.api.simulating import world_of
 from companion.flight_events.energy import EnergyUsed
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import ChargeCutShort, VehicleLanded
 from companion.flight_events.word import ConjunctViolated
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 

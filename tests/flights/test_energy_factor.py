@@ -10,11 +10,11 @@ from lockstep import Lockstep
 from two_docks import RESERVE, between_docks, lowest, text, two_docks
 
 from companion.acting.replanning.replanner import Replanner
-from companion.api.simulating import world_of
 from companion.flight_events.energy import EnergyUsed, GaugeJumped
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import PauseEnded, VehicleLanded
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 

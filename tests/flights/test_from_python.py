@@ -15,10 +15,11 @@ from moves import MOVE
 from ports import free_instance, own_ports
 
 from companion import FlightResult, LinkError, audit, load_mission, run
-from companion.errors import RequestError
+from companion.errors import CompanionError
 from companion.flight_events.event import Stamped
+from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached
-from companion.flight_events.sortie import StoppedAsAsked
+from companion.flight_events.sortie import RunFailed, StoppedAsAsked
 
 pytestmark = pytest.mark.sockets
 
@@ -76,9 +77,15 @@ def test_ctrl_c_lands_and_returns(vehicle: str) -> None:
     assert signal.getsignal(signal.SIGINT) is before
 
 
-def test_no_vehicle_is_an_error() -> None:
-    with pytest.raises(LinkError, match="no vehicle on"):
-        run(load_mission(MISSION), f"udpin://127.0.0.1:{14540 + free_instance()}", timeout_s=0.2)
+def test_no_vehicle_is_an_error_and_the_end_of_the_record(tmp_path: Path) -> None:
+    told: list[Stamped] = []
+    url = f"udpin://127.0.0.1:{14540 + free_instance()}"
+    with pytest.raises(LinkError, match="no vehicle on") as error:
+        run(load_mission(MISSION), url, folder=tmp_path, on_event=told.append, timeout_s=0.2)
+    last = (tmp_path / "events.jsonl").read_text(encoding="utf-8").splitlines()[-1]
+    assert read_line(last) == told[-1]
+    assert told[-1].event == RunFailed(str(error.value), 4)
+    assert 0.2 <= told[-1].time_s < 30.0
 
 
 @pytest.mark.parametrize(
@@ -88,9 +95,10 @@ def test_no_vehicle_is_an_error() -> None:
         ({"rally_points": "all"}, "no rally_points 'all'"),
         ({"laps": 0}, "0 laps is no limit"),
         ({"limit_s": -1.0}, "-1 s is no limit"),
+        ({"events": "/run/events"}, "cannot hear reports on /run/events"),
     ],
 )
 def test_a_wrong_argument_opens_nothing(wrong: dict[str, Any], said: str, tmp_path: Path) -> None:
-    with pytest.raises(RequestError, match=said):
+    with pytest.raises(CompanionError, match=said):
         run(load_mission(MISSION), folder=tmp_path / "run", **wrong)
     assert not (tmp_path / "run").exists()

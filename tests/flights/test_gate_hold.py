@@ -8,9 +8,9 @@ import pytest
 from lockstep import Lockstep
 from meadow import mission
 
-from companion.api.simulating import world_of
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import SetpointRefused
+from companion.flights.simulated_world import world_of
 from companion.geometry import horizontal_distance
 from companion.vehicle.offboard import MavlinkVehicle
 from companion.vehicle.port import Setpoint

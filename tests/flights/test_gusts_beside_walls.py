@@ -7,8 +7,8 @@ from lockstep import Lockstep
 from shipped import MISSIONS
 from test_leaning import low, windy
 
-from companion.api.simulating import world_of
 from companion.flight_events.skills import ClearanceChanged
+from companion.flights.simulated_world import world_of
 from companion.mission.loader import load_mission
 from sitl.flight.estimate import Wander
 

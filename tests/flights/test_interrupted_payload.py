@@ -13,9 +13,9 @@ import meadow
 import pytest
 from lockstep import COMPANION, Cut, Lockstep
 
-from companion.api.simulating import world_of
 from companion.flight_events.skills import OutcomeUnknown, PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission

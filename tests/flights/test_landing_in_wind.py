@@ -9,8 +9,8 @@ from shipped import MISSIONS
 from test_leaning import low, windy
 
 from companion.acting.landing_wait import LandingWait
-from companion.api.simulating import world_of
 from companion.flight_events.sortie import ControlTakenBack, Phase, PhaseEntered
+from companion.flights.simulated_world import world_of
 from companion.mission.loader import load_mission
 from companion.outcomes import Progress
 from sitl.flight.estimate import Wander

@@ -6,9 +6,9 @@ import pytest
 from lockstep import Lockstep
 from meadow import DATA
 
-from companion.api.simulating import world_of
 from companion.flight_events.skills import ClearanceChanged, LowPlacesFlown
 from companion.flight_events.sortie import Phase, PhaseEntered
+from companion.flights.simulated_world import world_of
 from companion.mission.loader import load_mission
 
 LIMITS = {"speed_mps": 4, "up_m": [0.5, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}

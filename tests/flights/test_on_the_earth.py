@@ -15,7 +15,6 @@ from lockstep import Air, Deaf, Lockstep, clear
 from moves import MOVE
 
 from companion.acting.frame_watch import LOST_S
-from companion.api.simulating import world_of
 from companion.flight_events.frames import FrameDoubted, FrameLocated, FrameTrusted, OriginMoved
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
@@ -23,6 +22,7 @@ from companion.flight_events.sortie import (
     PhaseEntered,
     SetpointRefused,
 )
+from companion.flights.simulated_world import world_of
 from companion.geometry import GlobalOrigin, Ned, horizontal_distance, is_in_polygon
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.loader import load_mission

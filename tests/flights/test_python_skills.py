@@ -18,7 +18,6 @@ from ruamel.yaml import YAML
 from scripted_functions import ScriptedFunctions
 
 from companion import load_mission, simulate
-from companion.api.simulating import world_of
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import (
@@ -31,6 +30,7 @@ from companion.flight_events.skills import (
     SymbolMoved,
 )
 from companion.flight_events.sortie import ControlYielded, Phase, RunFailed, TaskSatisfied
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.outcomes import Failed
 from companion.skills.calls import Answer, Progressed, Returned

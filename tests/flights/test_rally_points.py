@@ -14,7 +14,6 @@ from lockstep import VEHICLE, Deaf, Lockstep, Lossy
 from moves import MOVE
 
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
-from companion.api.simulating import world_of
 from companion.flight_events.rally import (
     RallyKept,
     RallyMissing,
@@ -25,6 +24,7 @@ from companion.flight_events.rally import (
 )
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered
+from companion.flights.simulated_world import world_of
 from companion.geometry import GlobalOrigin, Ned, horizontal_distance
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission

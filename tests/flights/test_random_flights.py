@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 from random_flights import random_flight
 
-from companion.api.simulating import world_of
 from companion.campaigns.measuring import fly
 from companion.campaigns.outcomes import RowOutcome
 from companion.campaigns.rows import Row
+from companion.flights.simulated_world import world_of
 from companion.mission.loader import load_mission
 
 LIMIT_S = 240.0

@@ -13,12 +13,12 @@ import pytest
 from lockstep import COMPANION, Lockstep
 from random_flights import random_flight
 
-from companion.api.simulating import world_of
 from companion.errors import Aborted
 from companion.flight_events.event import Stamped
 from companion.flight_events.skills import SkillCompleted
 from companion.flight_events.sortie import ControlYielded, FlightFoundAgain, Phase, PhaseEntered
 from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.record.audit import audit

@@ -12,7 +12,6 @@ from typing import Any
 import pytest
 from lockstep import Lockstep
 
-from companion.api.simulating import world_of
 from companion.errors import NoPlanError
 from companion.flight_events.sortie import (
     ControlTakenBack,
@@ -20,6 +19,7 @@ from companion.flight_events.sortie import (
     ReturnBegun,
     ReturnFailed,
 )
+from companion.flights.simulated_world import world_of
 from companion.geometry import horizontal_distance
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission

@@ -9,10 +9,10 @@ import meadow
 import pytest
 from lockstep import COMPANION, VEHICLE, Air, Deaf, Lockstep, clear
 
-from companion.api.simulating import world_of
 from companion.flight_events.plans import PlanReplaced
 from companion.flight_events.skills import SpeedLimitedBySight
 from companion.flight_events.sortie import Phase, PhaseEntered, SetpointRefused
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.motion.speed_in_sight import fastest_mps

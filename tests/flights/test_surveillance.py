@@ -25,7 +25,6 @@ from notes import Notes
 from pymavlink import mavutil
 
 from companion.acting.journal import NoJournal
-from companion.api.simulating import lockstep
 from companion.app import Companion
 from companion.errors import LinkTimeout
 from companion.flight_events.event import Stamped
@@ -35,6 +34,7 @@ from companion.flight_events.plans import LapCompleted, PlanMade, PlanReplaced
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.sortie import Phase, PhaseEntered, TaskSatisfied
+from companion.flights.simulated_world import lockstep
 from companion.geometry import Ned, horizontal_distance, is_in_polygon
 from companion.mission.model import Mission
 from companion.record.run_folder import RunFolder
@@ -112,7 +112,7 @@ class Witness:
 def fly(mission: Mission, hall: World, seed: int, path: Path) -> Flown:
     folder = RunFolder(path, mission, START_UNIX_S, lambda stamped: None)
     witness = Witness(folder)
-    flight = lockstep(OnlyRun(mission, witness), hall, seed=seed)
+    flight = lockstep(Companion(OnlyRun(mission, witness)), hall, seed=seed)
     flown = witness.flown = Flown(path, flight.simulation)
     flight.fly()
     folder.close()

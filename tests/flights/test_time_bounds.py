@@ -9,12 +9,12 @@ import pytest
 from lockstep import COMPANION, Lockstep
 from meadow import DATA
 
-from companion.api.simulating import world_of
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import LineTakenUp, NoPlanFound
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.flight_events.word import ConjunctViolated, PositionLeft
+from companion.flights.simulated_world import world_of
 from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.record.audit import Audit, ConjunctOutcome, audit

@@ -11,10 +11,11 @@ import pytest
 from happened import Happened
 
 from companion.acting.journal import NoJournal
-from companion.api.simulating import lockstep, world_of
+from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import EngineFailed, PlanReplaced
 from companion.flight_events.sortie import TaskSatisfied
+from companion.flights.simulated_world import lockstep, world_of
 from companion.geometry import Ned
 from companion.mission.loader import load_mission
 from companion.outcomes import Failed
@@ -48,9 +49,8 @@ class Flown(Happened):
     def __init__(self, engine: Engine) -> None:
         self.reports: list[Stamped] = []
         mission = load_mission(MISSION)
-        lockstep(
-            OnlyRun(mission, self, engine=engine), world_of(mission), keeps_packets=False
-        ).fly()
+        companion = Companion(OnlyRun(mission, self, engine=engine))
+        lockstep(companion, world_of(mission), keeps_packets=False).fly()
 
     def report(self, stamped: Stamped) -> None:
         self.reports.append(stamped)

@@ -18,11 +18,12 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from companion.api.simulating import lockstep, world_of
+from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import PlanMade, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
+from companion.flights.simulated_world import lockstep, world_of
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission
 from companion.record.backdrop import backdrop_of
@@ -65,7 +66,7 @@ def flown(section_v: Mission, tmp_path_factory: pytest.TempPathFactory) -> Flown
     reports: list[Stamped] = []
     path = tmp_path_factory.mktemp("figure7")
     folder = RunFolder(path, section_v, 0.0, reports.append)
-    lockstep(OnlyRun(section_v, folder), world_of(section_v)).fly()
+    lockstep(Companion(OnlyRun(section_v, folder)), world_of(section_v)).fly()
     folder.close()
     return Flown(path, folder.trail, reports)
 

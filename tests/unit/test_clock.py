@@ -60,9 +60,9 @@ def test_a_stalled_machine_slows_it_down() -> None:
 
 
 STAMPS = {
-    "companion/api/results.py": "the same as recording.py, for programs",
-    "companion/cli/recording.py": "the name of a run folder, and the time of its record",
-    "companion/cli/resuming.py": "how long a companion was away",
+    "companion/api/results.py": "the same as run_folders.py, for programs",
+    "companion/flights/cut_off_runs.py": "how long a companion was away",
+    "companion/flights/run_folders.py": "the name of a run folder, and the time of its record",
     "companion/mavlink/key_file.py": "what signatures begin with",
     "companion/record/clocks.py": "how other logs are laid beside a run",
     "companion/record/journal_file.py": "the same, written down",

@@ -9,7 +9,7 @@ import pytest
 from notes import Notes
 from synthetic import mission
 
-from companion.cli.hosting import SortieHost
+from companion.flights.sortie_host import SortieHost
 from companion.run_sources.hosted_runs import HostedRuns
 from companion.run_sources.only_run import OnlyRun
 from companion.skills.runner import FunctionRunner
@@ -24,7 +24,7 @@ def test_a_start_while_a_run_that_was_cut_off_waits_begins_no_second_one(
     above_sea = replace(flown.places["A"], amsl_m=490.0)
     flown = replace(flown, places={**flown.places, "A": above_sea})
     never: Any = pytest.fail
-    host = SortieHost(never, never, never, uploads=None, functions=FunctionRunner())
+    host = SortieHost(never, never, None, FunctionRunner())
     monkeypatch.setattr(host, "prepare", pytest.fail)
     runs, telemetry = HostedRuns(host, flown, OnlyRun(flown, Notes())), Telemetry()
     assert runs.next(telemetry, 0.0) is None and not runs.awaits_start

@@ -18,12 +18,12 @@ from companion import (
     load_mission,
     simulate,
 )
-from companion.api.simulating import scenario_beside, verdict, world_in_words, world_of
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import Stamped
 from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import TaskSatisfied
+from companion.flights.simulated_world import scenario_beside, verdict, world_in_words, world_of
 from companion.mission.otherwise import Otherwise
 
 MISSIONS = Path(__file__).parents[3] / "missions"

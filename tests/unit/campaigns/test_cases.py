@@ -8,10 +8,10 @@ from pathlib import Path
 
 from varied import MISSION, SEED, short_kit
 
-from companion.api.simulating import varied_world_of
 from companion.campaigns.cases import simplifiable, write_cases, write_worst
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row, random_row
+from companion.flights.simulated_world import varied_world_of
 
 
 def test_the_file_of_a_row_is_its_world(tmp_path: Path) -> None:

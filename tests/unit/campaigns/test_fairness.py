@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from varied import short_kit
 
-from companion.api.simulating import varied_world_of
 from companion.campaigns.fairness import unfair
 from companion.campaigns.rows import Value
+from companion.flights.simulated_world import varied_world_of
 from sitl.world.obstacles import Obstacle
 
 

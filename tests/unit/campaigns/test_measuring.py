@@ -7,10 +7,10 @@ from functools import cache
 import pytest
 from varied import MISSION
 
-from companion.api.simulating import world_of
 from companion.campaigns.measuring import fly
 from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.rows import Row
+from companion.flights.simulated_world import world_of
 from companion.mission.loader import load_mission
 
 CUT = 8.0

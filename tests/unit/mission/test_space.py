@@ -11,11 +11,11 @@ import pytest
 from moves import MOVE
 
 from companion import NoPlanError, Planner, load_mission, simulate
-from companion.api.simulating import world_alone, world_of
 from companion.drawn_maps import MAX_OPEN_CELLS, RIM_M
 from companion.errors import MissionError
 from companion.flight_events.skills import RouteBlocked
 from companion.flight_events.sortie import ReturnedAsAsked, SetpointRefused
+from companion.flights.simulated_world import world_alone, world_of
 from companion.geometry import is_in_polygon
 from companion.mission.model import Mission
 from companion.motion.region import Area, Disc

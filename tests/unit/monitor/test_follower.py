@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from pymavlink import mavutil
 
-from companion.api.simulating import lockstep, world_of
+from companion.app import Companion
 from companion.errors import MissionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.fence import FenceKept
@@ -23,6 +23,7 @@ from companion.flight_events.reading import read_line
 from companion.flight_events.sortie import RunEnded
 from companion.flight_events.word import PositionLeft
 from companion.flight_events.writing import line_of
+from companion.flights.simulated_world import lockstep, world_of
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.monitor.follower import Follower
@@ -203,7 +204,7 @@ def test_the_map_comes_with_its_distance_field(whole: Follower, surveillance: Mi
 def test_cells_that_were_seen_are_those_of_the_companions_own_map(tmp_path: Path) -> None:
     mission = load_mission(MISSIONS / "inspection.yaml")
     folder = RunFolder(tmp_path / "run", mission, 1.7e9, lambda stamped: None)
-    flight = lockstep(OnlyRun(mission, folder), world_of(mission))
+    flight = lockstep(Companion(OnlyRun(mission, folder)), world_of(mission))
     flight.fly()
     folder.close()
     occupied = mission.grid.occupied.copy()

@@ -10,7 +10,7 @@ import pytest
 from lockstep import Lockstep
 from synthetic import mission
 
-from companion.api.simulating import world_of
+from companion.flights.simulated_world import world_of
 from companion.ground.texts import ERROR, StatusTextQueue
 from companion.mavlink.statustext import CHUNK_BYTES
 from companion.record.clocks import ClockFile, read_clocks

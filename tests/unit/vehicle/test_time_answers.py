@@ -9,9 +9,9 @@ from autopilot import Autopilot
 from notes import Notes
 from synthetic import mission
 
-from companion.api.simulating import lockstep, world_of
 from companion.app import Companion
-from companion.cli.hosting import SortieHost
+from companion.flights.simulated_world import lockstep, world_of
+from companion.flights.sortie_host import SortieHost
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.run_sources.hosted_runs import HostedRuns
 from companion.run_sources.only_run import OnlyRun
@@ -99,7 +99,7 @@ def test_what_was_answered_is_recorded_once(wire: Wire) -> None:
 
 def test_a_companion_that_flies_nothing_answers_too() -> None:
     never: Any = pytest.fail
-    host = SortieHost(never, never, never, uploads=None, functions=FunctionRunner())
+    host = SortieHost(never, never, None, FunctionRunner())
     companion = Companion(HostedRuns(host))
     heard = [HEARTBEAT, question(77)]
     sent: list[Any] = [m for d in companion.step(2.0, heard) for m in EAR.parse(d)]
@@ -155,7 +155,8 @@ def test_the_autopilot_begins_anew_with_another_clock() -> None:
 def test_in_lockstep_the_autopilot_knows_our_clock(zero_s: float | None) -> None:
     """It counts from the same moment, so that it is behind by what our clock showed then."""
     asked = mission("F at(A)")
-    flight = lockstep(OnlyRun(asked, Notes()), world_of(asked, {"version": 1, "lidar": {}}))
+    companion = Companion(OnlyRun(asked, Notes()))
+    flight = lockstep(companion, world_of(asked, {"version": 1, "lidar": {}}))
     flight.companion.wire.time.zero_s = zero_s
     while flight.now_s < 12.0:
         flight.tick()

@@ -1,22 +1,23 @@
-"""Finds the run that was cut off, which `run --resume` continues."""
+"""Finds the run that was cut off, to be resumed."""
 
 from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from companion.cli.arguments import load
+from companion.acting.journal import JournalledFlight
 from companion.errors import RequestError
-
-if TYPE_CHECKING:
-    from companion.acting.journal import JournalledFlight
-    from companion.mission.model import Mission
-    from companion.vehicle.link import Link
+from companion.flights.options import LinkOptions
+from companion.mission.digest import digest
+from companion.mission.loader import load_mission
+from companion.mission.model import Mission
+from companion.record.events import JOURNAL_FILE
+from companion.record.journal_file import read_journal
+from companion.vehicle.boot_clock import told_boot_s
+from companion.vehicle.link import CALL_S
 
 LATEST = "latest"
 """A file beside the run folders with the name of the newest one of `companion run`. Names contain
@@ -55,11 +56,6 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
     Raises:
         CompanionError: it was a run of another mission, or its journal is damaged.
     """
-    from companion.mission.digest import digest
-    from companion.record.events import JOURNAL_FILE
-    from companion.record.journal_file import read_journal
-
-    log_dir = log_dir.expanduser()
     latest = log_dir / LATEST
     if not latest.exists():
         return None
@@ -70,7 +66,7 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
     if journalled is None:
         return None
     begun = journalled.begun
-    mission = asked or load(Path(begun.path))
+    mission = asked or load_mission(Path(begun.path))
     if digest(mission) != begun.digest:
         raise RequestError(
             f"{folder} was cut off while it flew {begun.mission}, which is not {mission.path}"
@@ -85,22 +81,19 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
     return CutOffRun(folder, mission, journalled)
 
 
-def found_by_its_clock(cut_off: CutOffRun, link_of: Callable[[], Link]) -> CutOffRun:
+def found_by_its_clock(cut_off: CutOffRun, options: LinkOptions) -> CutOffRun:
     """The same run, with the time since the cut by the autopilot's clock, if that is heard.
 
     After a loss of power, the wall clock of a companion computer without a clock battery is wrong.
 
     Args:
         cut_off: with the time by the wall clock.
-        link_of: opens the link to the vehicle.
+        options: the link to the vehicle.
     """
-    from companion.vehicle.boot_clock import told_boot_s
-    from companion.vehicle.link import CALL_S
-
     if (seen := cut_off.journalled.seen) is None:
         return cut_off
     until_s = time.monotonic() + HEARD_S
-    with closing(link_of()) as link:
+    with closing(options.open()) as link:
         while (left_s := until_s - time.monotonic()) > 0.0:
             link.send([])  # some autopilots send nothing until they receive something
             link.wait(min(left_s, CALL_S))

@@ -1,4 +1,4 @@
-"""What the command line's host does beside the loop: preparing a mission, in a thread."""
+"""What the host of sorties does beside the loop: preparing a mission, in a thread."""
 
 from __future__ import annotations
 
@@ -9,21 +9,18 @@ import pytest
 from scripted_functions import ScriptedFunctions
 from synthetic import mission
 
-from companion.cli.hosting import SortieHost
 from companion.errors import CompanionError
+from companion.flights.sortie_host import SortieHost
 
-PREPARE = "companion.cli.hosting.prepare"
+PREPARE = "companion.flights.sortie_host.prepare"
 ENGINE: Any = object()
+NOTHING: Any = None  # no run begins
 FUNCTIONS: Any = ScriptedFunctions()
-
-
-def no_folder(_: Any) -> Any:
-    raise AssertionError("no run begins")
 
 
 @pytest.fixture
 def host() -> SortieHost:
-    return SortieHost(no_folder, no_folder, no_folder, None, FUNCTIONS, ENGINE)
+    return SortieHost(NOTHING, NOTHING, None, FUNCTIONS, ENGINE)
 
 
 def test_a_mission_is_prepared_in_another_thread(

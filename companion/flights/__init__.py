@@ -1,0 +1,1 @@
+"""Opens what a flight needs, flies it and closes everything, for commands and for Python."""
