@@ -20,6 +20,7 @@ from companion.flight_events.plans import PlannedAction, PlannedLasso
 from companion.flight_events.writing import json_of
 from companion.ltl.automaton import BuchiAutomaton
 from companion.ltl.formula import Formula, atoms
+from companion.ltl.literals import Literals, literals
 from companion.ltl.time_bounds import TimeBound
 from companion.mission.facts import Fact
 from companion.planning.domain import WAIT, Action
@@ -52,6 +53,11 @@ class Conjunct:
     def facts(self) -> frozenset[Fact]:
         """The facts that the formula mentions."""
         return frozenset(map(Fact.parse, atoms(self.formula)))
+
+    @cached_property
+    def literals(self) -> Literals:
+        """The propositions that the formula demands to be true, and to be false."""
+        return literals(self.formula)
 
 
 @dataclass(frozen=True)

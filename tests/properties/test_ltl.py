@@ -22,6 +22,7 @@ from companion.ltl.formula import (
     negate,
     negation_normal_form,
 )
+from companion.ltl.literals import literals
 from companion.ltl.parser import parse
 from companion.ltl.semantics import Letter, holds
 from companion.ltl.simplify import simplified
@@ -103,6 +104,21 @@ def test_two_ways_to_the_semantics_agree(formula: Formula, words: list[Word]) ->
     satisfied = satisfying(formula, sample)
     for i, (prefix, loop) in enumerate(sample.words):
         assert bool(satisfied >> i & 1) is holds(formula, prefix, loop)
+
+
+@given(FORMULAS, WORDS, st.lists(LETTERS, min_size=6, max_size=6))
+def test_more_of_what_is_only_wanted_and_less_of_what_is_only_unwanted_does_no_harm(
+    formula: Formula, word: Word, changes: list[Letter]
+) -> None:
+    prefix, loop = word
+    positive, negative = literals(formula)
+    changed = [
+        (letter - (change & (negative - positive))) | (change & (positive - negative))
+        for letter, change in zip([*prefix, *loop], changes, strict=False)
+    ]
+    if holds(formula, prefix, loop):
+        assert holds(formula, changed[: len(prefix)], changed[len(prefix) :])
+    assert positive | negative <= atoms(formula)
 
 
 @given(FORMULAS, WORDS)

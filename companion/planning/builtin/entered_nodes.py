@@ -6,6 +6,8 @@ import itertools
 from collections.abc import Callable, Sequence
 
 from companion.planning.builtin.transition_system import Successors
+from companion.planning.domain import WAIT, duration_ms
+from companion.planning.lasso import Problem
 
 Node = tuple[int, tuple[int, ...], int]
 """Facts, states of the automata, and the marks met on the way in."""
@@ -91,3 +93,17 @@ def is_no_less(one: Takes, other: Takes) -> bool:
     (True, False)
     """
     return one is not None and other is not None and one[0] >= other[0] and one[1] >= other[1]
+
+
+def takes_of(problem: Problem) -> list[Takes]:
+    """What each action of a problem takes besides its cost; empty if only costs matter."""
+    energy, has_clocks = problem.energy, bool(problem.clocks_ms)
+    if energy is None and not has_clocks:
+        return []
+    rest = 0 if energy is None else energy.rest
+    return [
+        None
+        if energy is not None and action.charger is not None
+        else (has_clocks * duration_ms(action), rest if action is WAIT else action.drain)
+        for action in problem.actions
+    ]

@@ -68,14 +68,14 @@ class ActionGroup:
     Attributes:
         requires, forbids: facts (bits) that must hold, and that must not.
         numbers, costs: those of its actions.
-        adds, deletes: facts (bits) that one of them may add or delete, without conditional adds.
+        adds: facts (bits) that one of them adds, without conditional adds.
+        may_add, deletes: facts (bits) that one of them may add or delete.
         conditional: effects with a condition.
         reads: facts (bits) in its condition and in those of its effects.
-        changes: facts (bits) that one of its actions may add or delete.
     """
 
-    __slots__ = ("_adds", "actions", "adds", "changes", "conditional", "costs", "deletes",
-                 "forbids", "numbers", "reads", "requires")  # fmt: skip
+    __slots__ = ("_adds", "actions", "adds", "conditional", "costs", "deletes",
+                 "forbids", "may_add", "numbers", "reads", "requires")  # fmt: skip
 
     def __init__(self, actions: Sequence[MaskedAction]) -> None:
         first = actions[0]
@@ -87,10 +87,10 @@ class ActionGroup:
         self._adds = [action.adds for action in actions]
         self.adds: int = reduce(or_, self._adds)
         self.deletes: int = reduce(or_, (e.deletes for e in self.conditional), first.deletes)
-        self.reads, self.changes = self.requires | self.forbids, self.adds | self.deletes
+        self.reads, self.may_add = self.requires | self.forbids, self.adds
         for condition, adds, _ in self.conditional:
             self.reads |= condition.requires | condition.forbids
-            self.changes |= adds
+            self.may_add |= adds
 
     @property
     def rests_ms(self) -> list[int]:

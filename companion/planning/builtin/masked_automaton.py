@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from companion.ltl.automaton import BuchiAutomaton
+from companion.ltl.literals import Literals
 from companion.ltl.restriction import Restriction
 from companion.planning.builtin.fact_bits import FactBits
 from companion.planning.lasso import Conjunct
@@ -54,6 +55,13 @@ class RestrictedConjunct:
     def automaton(self) -> BuchiAutomaton:
         """The restricted automaton."""
         return self.restriction.automaton
+
+    @property
+    def literals(self) -> Literals:
+        """What the formula demands of the propositions that the restricted automaton reads."""
+        positive, negative = self.conjunct.literals
+        read = frozenset(self.automaton.propositions)
+        return Literals(positive & read, negative & read)
 
 
 class MaskedAutomaton:

@@ -22,7 +22,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property, partial, reduce
 from operator import or_
 from typing import TYPE_CHECKING
@@ -32,13 +32,13 @@ from scipy.sparse import csr_array
 
 from companion.errors import SearchLimit
 from companion.mission.facts import Fact, at
-from companion.planning.builtin.entered_nodes import EnteredNodes, Node, Takes, is_no_less
+from companion.planning.builtin.entered_nodes import EnteredNodes, Node, is_no_less, takes_of
 from companion.planning.builtin.forgotten_facts import forgotten_facts, unread_facts
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.masked_automaton import MaskedAutomaton, RestrictedConjunct
 from companion.planning.builtin.restrictions import Restrictions
 from companion.planning.builtin.transition_system import TransitionSystem
-from companion.planning.domain import WAIT, duration_ms
+from companion.planning.domain import WAIT
 from companion.planning.effort import BEFORE_FLIGHT, PRODUCT_EDGE_US
 from companion.planning.lasso import Problem
 from companion.slices import spent
@@ -102,7 +102,7 @@ class Product:
         self._problem, self._bits, self._max_edges = problem, known.bits, max_edges
         self.system = TransitionSystem(problem.actions, problem.facts, known)
         self._restrictions = restrictions
-        self._takes = _takes(problem)
+        self._takes = takes_of(problem)
         self._parts: list[RestrictedConjunct] = []  # whose automata are read
         self.automata: list[MaskedAutomaton] = []
         self.waiting_since_ms: list[int] = []
@@ -113,7 +113,7 @@ class Product:
         readers = Counter(p for part in parts for p in part.automaton.propositions)
         if problem.energy is not None:
             readers.update(map(at, problem.energy.floors))
-        self.system.drop_idle(self._bits.mask(readers), self._better_than_rest())
+        self.system.drop_idle(*self._demanded(parts), self._better_than_rest())
         self.system.leave_out(unread_facts(self.system, readers, self._bits))
         if not with_implied:
             letters = partial(self.system.reachable, MAX_LETTERS)
@@ -249,6 +249,17 @@ class Product:
                 graph.add_edge(node, end, action=name, cost_ms=cost_ms)
         return graph
 
+    def _demanded(self, parts: Sequence[RestrictedConjunct]) -> tuple[int, int]:
+        """The facts (bits) that may be demanded to be true, and those to be false.
+
+        On a battery, where the vehicle is may matter either way, because of the floors.
+        """
+        energy = self._problem.energy
+        places = set[str]() if energy is None else set(map(at, energy.floors))
+        positive = places.union(*(part.literals.positive for part in parts))
+        negative = places.union(*(part.literals.negative for part in parts))
+        return self._bits.mask(positive), self._bits.mask(negative)
+
     def _better_than_rest(self) -> frozenset[int]:
         """The actions that charge, or take less time or energy than a rest, where that matters."""
         rests = (n for n, action in enumerate(self._problem.actions) if action is WAIT)
@@ -316,20 +327,6 @@ class Product:
             (tuple([z for z, _ in moves]), reduce(or_, [marks for _, marks in moves], 0))
             for moves in itertools.product(*each)
         ]
-
-
-def _takes(problem: Problem) -> list[Takes]:
-    """What each action takes besides its cost, where that matters: time and energy."""
-    energy, has_clocks = problem.energy, bool(problem.clocks_ms)
-    if energy is None and not has_clocks:
-        return []
-    rest = 0 if energy is None else energy.rest
-    return [
-        None
-        if energy is not None and action.charger is not None
-        else (has_clocks * duration_ms(action), rest if action is WAIT else action.drain)
-        for action in problem.actions
-    ]
 
 
 def dijkstra_steps(nodes: int, edges: int) -> int:

@@ -71,13 +71,15 @@ class TransitionSystem:
             facts &= ~group.reads
         return facts
 
-    def drop_idle(self, read: int, kept: frozenset[int] = frozenset()) -> None:
-        """Drops actions that change none of the `read` facts and enable no action that does.
+    def drop_idle(self, wanted: int, unwanted: int, kept: frozenset[int] = frozenset()) -> None:
+        """Drops actions that do nothing for the task, and enable no action that does.
 
-        If the problem has a rest, that can replace them at no extra cost.
+        Such an action makes no wanted fact true and no unwanted fact false. If the problem has a
+        rest, that can replace it at no extra cost.
 
         Args:
-            read: the facts (bits) that matter.
+            wanted: the facts (bits) that may be demanded to be true.
+            unwanted: the facts (bits) that may be demanded to be false.
             kept: numbers of actions that stay, together with those that make them possible.
         """
         rest_ms = min((ms for group in self._possible for ms in group.rests_ms), default=None)
@@ -86,10 +88,18 @@ class TransitionSystem:
         idle, needed = set(self._possible), self._possible
         while needed:
             spent(_GROUP_US * len(idle))
-            needed = [g for g in idle if g.changes & read or not kept.isdisjoint(g.numbers)]
+            needed = [
+                group
+                for group in idle
+                if group.may_add & wanted
+                or group.deletes & unwanted
+                or not kept.isdisjoint(group.numbers)
+            ]
             idle.difference_update(needed)
             for group in needed:
-                read |= group.reads
+                of_effects = group.reads if group.conditional else 0  # an effect may be bad or good
+                wanted |= group.requires | of_effects
+                unwanted |= group.forbids | of_effects
         if gone := {g for g in idle if not g.rests_ms and min(g.costs) >= rest_ms}:
             self._possible = [group for group in self._possible if group not in gone]
             self._always, self._by_fact = _indexed(self._possible)

@@ -181,3 +181,23 @@ def test_what_is_made_of_photos_that_no_line_asks_for_is_not_in_the_states() -> 
     asked = problem(["H", *trees], legs, "G F at(t0) & G F at(t1)", [*shots(trees), *sent, *lamps])
     assert best(asked).is_optimal
     assert Search(asked.actions).product(asked, IN_FLIGHT).nodes < 10 * len(trees)
+
+
+@pytest.mark.parametrize("task", ["G F at(t0)", "F G at(H)", "G F shot(t0) & G (lit -> F at(t1))"])
+def test_what_takes_away_only_what_lines_want_is_not_done(task: str) -> None:
+    """Photos that a line demands, and that could be sent, stay: each is in no more states."""
+    trees = [f"t{i}" for i in range(4)]
+    legs = random_legs(random.Random(4), ["H", *trees])
+    sent = [action(f"send({p})", f"at(H) & shot({p})", f"!shot({p})") for p in trees]
+    asked = problem(["H", *trees], legs, f"{seen(trees)} & {task}", [*shots(trees), *sent])
+    kept = problem(["H", *trees], legs, f"{seen(trees)} & {task}", shots(trees))
+    found, without = (Search(each.actions).product(each, IN_FLIGHT) for each in (asked, kept))
+    assert (found.nodes, len(found.ends)) == (without.nodes, len(without.ends))
+    assert best(asked).lasso == best(kept).lasso
+
+
+def test_what_a_line_wants_away_is_taken_away() -> None:
+    legs = random_legs(random.Random(4), "HA")
+    sent = action("send(A)", "at(H) & shot(A)", "!shot(A)")
+    asked = problem("HA", legs, "G F shot(A) & G F !shot(A)", [*shots("A"), sent])
+    assert sent in best(asked).lasso.loop
