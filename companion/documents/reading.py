@@ -8,7 +8,7 @@ checks that need it are skipped, because they would report the same mistake in o
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import ParamSpec, TypeVar
 
 from companion.documents.diagnostics import NO_NAME
 from companion.errors import FormulaError, Keys, Location, MissionError
@@ -16,6 +16,7 @@ from companion.errors import FormulaError, Keys, Location, MissionError
 MOST = 10
 """Most mistakes that are reported at once."""
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 
@@ -23,7 +24,7 @@ class DocumentReading:
     """Reads the parts of a file, and reports the mistakes of all.
 
     >>> reading = DocumentReading(unread=[("limits", "speed_mps")])
-    >>> reading.read(lambda: 1, "places"), reading.read(lambda: 2, "limits")
+    >>> reading.read(("places",), int, "1"), reading.read(("limits",), int, "2")
     (1, None)
     >>> reading.knows("limits"), reading.is_whole("limits")
     (True, False)
@@ -38,21 +39,28 @@ class DocumentReading:
         self._found = list(found)
         self._unread = set(unread)
 
-    def read(self, part: Callable[[], T], *keys: str | int) -> T | None:
+    def read(self, keys: Keys, part: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
         """The result of reading a part; None if it has a mistake, or if something in it is unread.
 
         Args:
-            part: reads it.
-            keys: the keys of the part, if others depend on it.
+            keys: the keys of the part.
+            part: reads it, from the arguments that follow.
         """
-        if keys and not self.is_whole(*keys):
+        if not self.is_whole(*keys):
             return None
         try:
-            return part()
+            return part(*args, **kwargs)
         except MissionError as error:
             self._found += error.each
-            if keys:
-                self._unread.add(keys)
+            self._unread.add(keys)
+            return None
+
+    def check(self, check: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
+        """The result of a check of which nothing else depends; None if it finds a mistake."""
+        try:
+            return check(*args, **kwargs)
+        except MissionError as error:
+            self._found += error.each
             return None
 
     def knows(self, *keys: str | int) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from functools import partial
 
 from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import MissionError
@@ -26,7 +25,7 @@ def read_events(
     events = {}
     for name, entry in file.events.items():
         when, until = (
-            reading.read(partial(_condition, text, keys, document), *keys)
+            reading.read(keys, _condition, text, keys, document)
             for text, keys in (
                 (entry.when, ("events", name, "when")),
                 (entry.until, ("events", name, "until")),
@@ -34,8 +33,9 @@ def read_events(
         )
         if when is None:
             continue
-        part = partial(_event, name, entry, (when, until), lines, document)
-        if event := reading.read(part, "events", name):
+        conditions = (when, until)
+        keys = ("events", name)
+        if event := reading.read(keys, _event, name, entry, conditions, lines, document):
             events[name] = event
     return events
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import partial
 
 from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import FormulaError, MissionError
@@ -18,14 +17,14 @@ _SHOWN = 20  # names listed in a message
 def check_names(file: MissionFile, document: Document, reading: DocumentReading) -> None:
     """Refuses names that formulas cannot use, ambiguous names, and wrong members of sets."""
     if HERE in file.places:
-        reading.read(partial(_refuse_here, document))
+        reading.check(_refuse_here, document)
     for name in file.events:
-        reading.read(partial(_check_event, name, document))
-    reading.read(partial(_check_objects, file, document), "objects")
+        reading.check(_check_event, name, document)
+    reading.read(("objects",), _check_objects, file, document)
     if all(map(reading.knows, ("places", "objects"))):
         things = dict.fromkeys([*file.places, *file.objects])
         for name in file.sets:
-            reading.read(partial(_check_set, name, things, file, document), "sets", name)
+            reading.read(("sets", name), _check_set, name, things, file, document)
 
 
 def _refuse_here(document: Document) -> None:

@@ -2,13 +2,12 @@
 
 The input is what the file says (schema.py). The output is all parts, or one MissionError that lists
 what is wrong in all of them. A part that cannot be read is marked as unread (documents/reading.py):
-its names stay known, and whatever needs it is not checked. loader.py checks whether the parts fit
+its names stay known, and whatever needs it is not checked. fitting.py checks whether the parts fit
 together; it only receives whole ones.
 """
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,6 +43,7 @@ class MissionParts(NamedTuple):
     vehicle: VehicleProfile
     space: Space
     places: dict[str, Place]
+    sets: dict[str, tuple[str, ...]]
     events: dict[str, Event]
     vocabulary: Vocabulary
     skills: dict[str, Skill]
@@ -73,26 +73,26 @@ def read_parts(
     """
     check_names(file, document, reading)
     coordinates = _coordinates(file, document, reading)
-    vehicle = reading.read(lambda: read_vehicle(file.vehicle, folder, document), "vehicle")
+    vehicle = reading.read(("vehicle",), read_vehicle, file.vehicle, folder, document)
     places: dict[str, Place] = {}
     space = None
     if coordinates:
         places = read_places(file, coordinates, document, reading)
         space = read_space(file, folder, coordinates, document, reading)
     if space:
-        reading.read(partial(check_corners, space, places.values(), document))
+        reading.check(check_corners, space, places.values(), document)
     if space and vehicle and coordinates:
         check_places(places, space.limits, space.grid, vehicle, coordinates, document, reading)
     events = read_events(file, document, reading)
     vocabulary = _vocabulary(file, declared, reading)
     skills = build_skills(file, document, vocabulary, coordinates, reading)
     if len(skills) == len(file.skills) and all(map(reading.knows, ("places", "skills"))):
-        reading.read(partial(check_one_place, skills, file.places, document), "skills")
+        reading.read(("skills",), check_one_place, skills, file.places, document)
     initially = _initially(file, document, vocabulary, reading)
     task = read_task(file, document, vocabulary, reading)
     battery = None
     if vehicle:
-        battery = reading.read(partial(read_battery, file.battery, vehicle, document), "battery")
+        battery = reading.read(("battery",), read_battery, file.battery, vehicle, document)
     reading.tell()
     assert coordinates and vehicle and space
     return MissionParts(
@@ -100,6 +100,7 @@ def read_parts(
         vehicle=vehicle,
         space=space,
         places=places,
+        sets={name: tuple(members) for name, members in file.sets.items()},
         events=events,
         vocabulary=vocabulary,
         skills=skills,
@@ -119,7 +120,7 @@ def _coordinates(
         needed += [("initially",), ("limits", "up_m"), ("places", home) if home else ("places",)]
     if not all(reading.is_whole(*keys) for keys in needed):
         return None
-    return reading.read(lambda: coordinates_of(file, document), "frame")
+    return reading.read(("frame",), coordinates_of, file, document)
 
 
 def _vocabulary(file: MissionFile, declared: Predicates, reading: DocumentReading) -> Vocabulary:
@@ -144,12 +145,12 @@ def _initially(
     facts, is_split = [], False
     for index, text in enumerate(file.initially):
         if not (is_split and text.count(")") > text.count("(")):  # else half a fact
-            part = partial(_listed_fact, index, file, document, vocabulary)
-            facts.append(reading.read(part, "initially", index))
+            keys = ("initially", index)
+            facts.append(reading.read(keys, _listed_fact, index, file, document, vocabulary))
         is_split = is_begun(text)
     if reading.is_whole("initially"):
-        where_it_is = partial(_refuse_nowhere, file, document)
-        reading.read(partial(where_it_is, [fact for fact in facts if fact]), "initially")
+        listed = [fact for fact in facts if fact]
+        reading.read(("initially",), _refuse_nowhere, file, document, listed)
     return frozenset(fact for fact in facts if fact)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 
 import numpy as np
 
@@ -92,7 +91,7 @@ def check_places(
             raise MissionError(f"place {place.name} {what}", where, hint)
 
     for place in places.values():
-        reading.read(partial(check, place), "places", place.name)
+        reading.read(("places", place.name), check, place)
 
 
 def _off_map_problem(place: Place, grid: OccupancyGrid) -> tuple[str, str] | None:

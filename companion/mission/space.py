@@ -57,15 +57,14 @@ def read_space(
         document: where the file's keys are.
         reading: the reading of the mission.
     """
-    reading.read(partial(check_band, file.limits.up_m, document), "limits", "up_m")
+    reading.read(("limits", "up_m"), check_band, file.limits.up_m, document)
     fence = None
     if reading.is_whole("map"):
-        fence = reading.read(partial(_fence, file, coordinates, document), "limits", "fence")
+        fence = reading.read(("limits", "fence"), _fence, file, coordinates, document)
     has_edge = reading.is_whole("limits", "fence")
     drawn = None
     if has_edge or isinstance(file.map, str):  # a drawn area may have the extent of the fence
-        part = partial(_map, file, coordinates, document, folder=folder, fence=fence)
-        drawn = reading.read(part, "map")
+        drawn = reading.read(("map",), _map, file, coordinates, document, folder, fence)
     if drawn is None or not has_edge:
         return None
     map_file, walls, grid = drawn
@@ -73,8 +72,9 @@ def read_space(
     if not reading.knows("limits", "keep_out"):
         return None
     for name in file.limits.keep_out:
-        of_zone = partial(_zone, name, edge, file, coordinates, document)
-        if (zone := reading.read(of_zone, "limits", "keep_out", name)) is not None:
+        keys = ("limits", "keep_out", name)
+        zone = reading.read(keys, _zone, name, edge, file, coordinates, document)
+        if zone is not None:
             keep_out[name] = zone
     limits = Limits(
         speed_mps=file.limits.speed_mps,
@@ -87,7 +87,7 @@ def read_space(
     for key in ("up_m", "unusual", "keep_out", "beyond_sight"):
         if not reading.is_whole("limits", key):
             return None
-    reading.read(partial(check_reach, limits, file.limits.unusual, document), "limits")
+    reading.read(("limits",), check_reach, limits, file.limits.unusual, document)
     return Space(grid, map_file, walls, limits) if reading.knows("limits") else None
 
 
@@ -97,8 +97,8 @@ def read_places(
     """The places of a mission; unusable ones are left out."""
     places = {}
     for name, entry in file.places.items():
-        part = partial(_place, name, entry, file, coordinates, document)
-        if place := reading.read(part, "places", name):
+        keys = ("places", name)
+        if place := reading.read(keys, _place, name, entry, file, coordinates, document):
             places[name] = place
     return places
 

@@ -7,7 +7,6 @@ it. At least one line has no priority: it decides when the mission is done, and 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 
 from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import KeyPath, Location, MissionError
@@ -54,15 +53,15 @@ def read_task(
 
     task: dict[str, Line] = {}
     for name, entry in file.task.items():
-        part = partial(read, name, entry.formula)
-        if (line := reading.read(part, "task", name, "formula")) is not None:
+        line = reading.read(("task", name, "formula"), read, name, entry.formula)
+        if line is not None:
             task[name] = line
     if file.goal is not None:
-        line = reading.read(partial(read_goal, file.goal), GOAL)
+        line = reading.read((GOAL,), read_goal, file.goal)
         if line is not None:
             task[GOAL] = line
     if all(map(reading.knows, ("task", GOAL, "tree"))):
-        reading.read(partial(_check_lines, file, document))
+        reading.check(_check_lines, file, document)
     return task
 
 

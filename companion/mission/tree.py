@@ -20,22 +20,15 @@ begins wherever the vehicle is.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from companion.documents import Document, did_you_mean
 from companion.errors import Keys, MissionError
-from companion.mission.calls import read_call
-from companion.mission.execution import parse_execution
-from companion.mission.facts import ANYWHERE, HERE, Fact, spelled
-from companion.mission.literals import is_begun, parse_literals
-from companion.mission.refinement import flies
-from companion.mission.skills import WAIT, Skill
-from companion.mission.steps import Wait
+from companion.mission.parts import MissionParts
+from companion.mission.tree_leaves import LeafReader
 from companion.mission.tree_nodes import (
-    Act,
-    Check,
     Fallback,
     Inverter,
     Parallel,
@@ -45,12 +38,10 @@ from companion.mission.tree_nodes import (
     Subtree,
     Timeout,
     Tree,
-    WaitFor,
     Watch,
     actions,
     children,
 )
-from companion.mission.vocabulary import Vocabulary
 
 FORMS: Mapping[str, frozenset[str]] = {
     "fallback": frozenset({"fallback"}),
@@ -78,13 +69,7 @@ class Extent(NamedTuple):
 
 
 def read_tree(
-    data: object,
-    subtrees: Mapping[str, object],
-    document: Document,
-    skills: Mapping[str, Skill],
-    sets: Mapping[str, Collection[str]],
-    vocabulary: Vocabulary,
-    pulses: Collection[str] = (),
+    data: object, subtrees: Mapping[str, object], document: Document, parts: MissionParts
 ) -> Tree:
     """Reads the tree under the key `tree`, and all subtrees.
 
@@ -92,13 +77,12 @@ def read_tree(
         data: the value of the key.
         subtrees: the subtrees as they are written, by name.
         document: the document that contains all of it.
-        skills, sets, vocabulary: those of the mission.
-        pulses: names of events that are true only for a moment, which no node could notice.
+        parts: the parts of the mission, whose skills and facts the tree uses.
 
     Raises:
         MissionError: with the place of the first unusable node.
     """
-    reader = _WrittenTreeReader(document, subtrees, skills, sets, vocabulary, pulses)
+    reader = _WrittenTreeReader(document, subtrees, LeafReader(document, parts, _HINT))
     for name in subtrees:
         reader.subtree(name, ("subtrees", name), ())
     tree = reader.node(data, ("tree",), ())
@@ -112,16 +96,13 @@ class _WrittenTreeReader:
 
     document: Document
     subtrees: Mapping[str, object]
-    skills: Mapping[str, Skill]
-    sets: Mapping[str, Collection[str]]
-    vocabulary: Vocabulary
-    pulses: Collection[str]
+    leaves: LeafReader
     known: dict[str, Subtree] = field(default_factory=dict)
     extents: dict[str, Extent] = field(default_factory=dict)
 
     def node(self, data: object, keys: Keys, within: tuple[str, ...]) -> Tree:
         if isinstance(data, str):
-            return self._text(data, keys)
+            return self.leaves.read(data, keys)
         if isinstance(data, list) and data:
             return Steps(tuple(self.node(d, (*keys, i), within) for i, d in enumerate(data)))
         if isinstance(data, dict):
@@ -190,7 +171,7 @@ class _WrittenTreeReader:
             facts = data[kind]
             if not isinstance(facts, str):
                 raise self._error("watch needs facts", (*keys, kind))
-            condition = self._check(facts, (*keys, kind))
+            condition = self.leaves.facts(facts, (*keys, kind))
             return Watch(condition, self._steps(data.get("do"), (*keys, "do"), within))
         steps = self._steps(data[kind], (*keys, kind), within)
         match kind:
@@ -243,71 +224,6 @@ class _WrittenTreeReader:
                 "them facts to check, and waits",
             )
         return Parallel(steps.nodes)
-
-    # -- texts ---------------------------------------------------------------------------------
-
-    def _text(self, text: str, keys: Keys) -> Tree:
-        if is_begun(text):
-            hint = 'inside [ ] put quotes around an action with a comma: "move(A, B)"'
-            raise MissionError(f"{text} is half an action", self.document.where(*keys), hint)
-        name = text.partition("(")[0].strip()
-        if name == WAIT:
-            return self._delay(text, keys)
-        return self._act(text, keys) if name in self.skills else self._check(text, keys)
-
-    def _delay(self, text: str, keys: Keys) -> WaitFor:
-        if "(" not in text:
-            where = self.document.where(*keys)
-            raise MissionError("wait has no time", where, "write wait(seconds), e.g. wait(5)")
-        with self.document.locating(*keys):
-            step = parse_execution(text, (), {})
-        assert isinstance(step, Wait)
-        return WaitFor(step.duration_s)
-
-    def _check(self, text: str, keys: Keys) -> Check:
-        with self.document.locating(*keys):
-            literals = parse_literals(text)
-            self.vocabulary.check(text)
-        facts = {True: set[Fact](), False: set[Fact]()}
-        for literal in literals:
-            if (name := literal.atom.predicate) in self.pulses:
-                what = f"{name} is there for a moment, which no node of a tree sees"
-                hint = f"give {name} latch: true, or until:"
-                raise MissionError(what, self.document.where(*keys), hint)
-            facts[literal.is_positive].add(literal.atom.instantiate({}))
-        return Check(text, frozenset(facts[True]), frozenset(facts[False]))
-
-    def _act(self, text: str, keys: Keys) -> Act:
-        name, arguments = self._call(text, keys)
-        skill = self.skills[name]
-        if not skill.is_planned:
-            raise self._error(f"{name} only refines other skills", keys)
-        if len(arguments) != len(skill.parameters):
-            what = f"{text} has not the arguments of {skill.signature}"
-            raise self._error(what, keys)
-        origin = skill.origin if flies(skill, self.skills) else None
-        for argument, (parameter, members) in zip(arguments, skill.parameters, strict=True):
-            is_departure = parameter == origin and argument in (HERE, ANYWHERE)
-            if argument not in self.sets[members] and not is_departure:
-                raise self._wrong_argument(argument, parameter, members, parameter == origin, keys)
-        return Act(spelled(name, arguments))
-
-    def _call(self, text: str, keys: Keys) -> tuple[str, tuple[str, ...]]:
-        """The name of a skill, and its arguments; a skill without any is a name alone."""
-        if text.strip() in self.skills:
-            return text.strip(), ()
-        forms = {name: skill.signature for name, skill in self.skills.items()}
-        with self.document.locating(*keys):
-            call = read_call(text, "not an action", forms)
-            return str(call.name), call.words(forms[call.name])
-
-    def _wrong_argument(
-        self, argument: str, parameter: str, set_name: str, is_origin: bool, keys: Keys
-    ) -> MissionError:
-        members = [*self.sets[set_name], *([HERE, ANYWHERE] if is_origin else [])]
-        hint = f"{parameter} is one of {', '.join(members)}. {did_you_mean(argument, members)}"
-        where = self.document.where(*keys)
-        return MissionError(f"{argument} is not in {set_name}", where, hint.rstrip())
 
     def _error(self, what: str, keys: Keys) -> MissionError:
         return MissionError(what, self.document.where(*keys), _HINT)

@@ -7,7 +7,6 @@ their place in the file.
 from __future__ import annotations
 
 import json
-from functools import partial
 
 from companion.documents import Document, DocumentReading, did_you_mean
 from companion.errors import MissionError
@@ -51,8 +50,10 @@ def read_obstacles(
     model: ScenarioModel, document: Document, reading: DocumentReading
 ) -> tuple[Obstacle, ...]:
     """The obstacles; refuses equal names and obstacles without a shape."""
-    parts = [partial(_obstacle, model, document, i) for i in range(len(model.obstacles))]
-    read = [reading.read(part, "obstacles", i) for i, part in enumerate(parts)]
+    read = [
+        reading.read(("obstacles", i), _obstacle, model, document, i)
+        for i in range(len(model.obstacles))
+    ]
     return tuple(obstacle for obstacle in read if obstacle)
 
 
@@ -87,8 +88,10 @@ def read_events(
     """The events, in the order of the file."""
     if not all(map(reading.is_whole, TOLD_OF)):
         return ()
-    parts = [partial(_event, each, model, document, i) for i, each in enumerate(model.happens)]
-    read = [reading.read(part, "happens", i) for i, part in enumerate(parts)]
+    read = [
+        reading.read(("happens", i), _event, each, model, document, i)
+        for i, each in enumerate(model.happens)
+    ]
     return tuple(event for event in read if event)
 
 

@@ -30,7 +30,6 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 from companion.documents import (
@@ -242,20 +241,20 @@ def _checked(
 ) -> Scenario:
     """The parts of a scenario that can be invalid; those that are invalid are left out."""
     for name, value in model.parameters.items():
-        reading.read(partial(_check_parameter, name, value, document), "parameters", name)
+        reading.read(("parameters", name), _check_parameter, name, value, document)
     if all(map(reading.is_whole, DEVICES)):
-        reading.read(partial(_check_components, model, document))
-    vehicle = reading.read(partial(read_vehicle, model.vehicle, folder, document), "vehicle")
+        reading.check(_check_components, model, document)
+    vehicle = reading.read(("vehicle",), read_vehicle, model.vehicle, folder, document)
     payload = markers = pointed = None
     if model.payload:
-        payload = reading.read(partial(_payload, model.payload, document), "payload")
+        payload = reading.read(("payload",), _payload, model.payload, document)
     if model.marker_camera:
-        part = partial(marker_camera, model.marker_camera, document)
-        markers = reading.read(part, "marker_camera")
+        keys = ("marker_camera",)
+        markers = reading.read(keys, marker_camera, model.marker_camera, document)
     if model.gimbal:
-        pointed = reading.read(partial(gimbal, model.gimbal, document), "gimbal")
+        pointed = reading.read(("gimbal",), gimbal, model.gimbal, document)
     obstacles = read_obstacles(model, document, reading)
-    charging = reading.read(partial(pads, model.pads, document), "pads")
+    charging = reading.read(("pads",), pads, model.pads, document)
     events = read_events(model, document, reading)
     return Scenario(
         vehicle=vehicle or VehicleProfile(),
