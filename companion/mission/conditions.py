@@ -53,25 +53,41 @@ class _WrittenSignal(NamedTuple):
     field: Token | None
 
 
-class _WrittenCondition(NamedTuple):
-    """A condition as it is written: a signal, and either `says` with a threshold, or not."""
+class _Alone(NamedTuple):
+    """`SIGNAL`."""
 
     signal: _WrittenSignal
-    says: Token | None = None
-    threshold: Token | None = None
+
+
+class _Compared(NamedTuple):
+    """`SIGNAL OP NUMBER`."""
+
+    signal: _WrittenSignal
+    comparison: Token
+    threshold: Token
+
+
+class _Silent(NamedTuple):
+    """`SIGNAL is silent`."""
+
+    signal: _WrittenSignal
+    words: Token
+
+
+_Written = _Alone | _Compared | _Silent
+"""A condition as it is written."""
 
 
 @v_args(inline=True)
-class _ConditionBuilder(Transformer[Token, _WrittenCondition]):
+class _ConditionBuilder(Transformer[Token, _Written]):
+    alone, compared, silent = _Alone, _Compared, _Silent
+
     def field(self, message: Token, *rest: Token) -> _WrittenSignal:
         *instance, field = rest
         return _WrittenSignal(message, instance[0] if instance else None, field)
 
     def instance(self, message: Token, instance: Token) -> _WrittenSignal:
         return _WrittenSignal(message, instance, None)
-
-    def condition(self, signal: _WrittenSignal, *says: Token) -> _WrittenCondition:
-        return _WrittenCondition(signal, *says)
 
 
 _CONDITIONS = Grammar(
@@ -91,19 +107,20 @@ def parse_condition(text: str) -> AnyCondition:
     written = _CONDITIONS.read(text)
     if isinstance(written, Misfit):
         raise _explained(written, text)
-    signal, says, threshold = _signal(written.signal, text), written.says, written.threshold
-    if says is None:
-        if signal.is_pulse:
-            return Condition(signal, "!=", 0.0)
-        what, end = f"{text.strip()} is compared with nothing", len(text.rstrip())
-        raise FormulaError(what, text, end, hint="add a comparison, e.g. > 0")
-    if threshold is None:
-        if signal.is_pulse:
-            raise error_at(says, "a command is silent but for a moment", "remove it", text)
-        return Silence(signal)
-    condition = Condition(signal, str(says), float(threshold))
-    _demand_change(condition, threshold, text)
-    return condition
+    signal = _signal(written.signal, text)
+    match written:
+        case _Compared(_, comparison, threshold):
+            condition = Condition(signal, str(comparison), float(threshold))
+            _demand_change(condition, threshold, text)
+            return condition
+        case _Silent(_, words):
+            if signal.is_pulse:
+                raise error_at(words, "a command is silent but for a moment", "remove it", text)
+            return Silence(signal)
+    if signal.is_pulse:
+        return Condition(signal, "!=", 0.0)
+    what, end = f"{text.strip()} is compared with nothing", len(text.rstrip())
+    raise FormulaError(what, text, end, hint="add a comparison, e.g. > 0")
 
 
 def _signal(written: _WrittenSignal, text: str) -> Signal:
@@ -170,7 +187,7 @@ def _explained(misfit: Misfit, text: str) -> FormulaError:
 def _without_unit(condition: str, unit: str) -> str:
     """What to write instead of a condition that is followed by a unit."""
     written = _CONDITIONS.read(condition)
-    if isinstance(written, Misfit) or written.threshold is None:
+    if not isinstance(written, _Compared):
         return _FORMS
     message, _, field = written.signal
     wanted = unit_of(message, field) if field else None

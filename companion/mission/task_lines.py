@@ -14,7 +14,7 @@ from companion.ltl.formula import eventually
 from companion.ltl.parser import parse, parse_line
 from companion.ltl.time_bounds import Response
 from companion.ltl.timed_formula import Line, parts
-from companion.mission.facts import AT
+from companion.mission.facts import AT, Fact
 from companion.mission.literals import parse_literals
 from companion.mission.schema import MissionFile
 from companion.mission.vocabulary import Vocabulary
@@ -94,11 +94,12 @@ def read_ready(file: MissionFile, document: Document, task: Mapping[str, Line]) 
         if not all(isinstance(bound, Response) for bound in bounds):
             what = f"{name} is not a line that can be ready: {task[name]}"
             raise MissionError(what, where, "write it as G (alarm -> F[<=90s] at(A))")
-        for bound in bounds:
-            if bound is not None and not bound.goal.atom.startswith(f"{AT}("):
-                what = f"{name} can only be ready for a place, and asks for {bound.goal}"
+        for goal in [bound.goal for bound in bounds if bound is not None]:
+            fact = Fact.parse(goal.atom)
+            if fact.predicate != AT:
+                what = f"{name} can only be ready for a place, and asks for {goal}"
                 raise MissionError(what, where, "write it as G (alarm -> F[<=90s] at(A))")
-        for place in [b.goal.atom[len(AT) + 1 : -1] for b in bounds if b is not None]:
+            (place,) = fact.arguments
             if place in file.places and file.places[place].found_by:
                 what = f"{name} cannot be ready: nobody knows where {place} is before it is found"
                 raise MissionError(what, where, "leave it out of ready:")
