@@ -40,8 +40,13 @@ class WrittenCall:
     arguments: tuple[WrittenArgument, ...]
     text: str = ""
 
-    def words(self, form: str) -> tuple[str, ...]:
-        """The arguments of a call whose arguments have no names.
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The arguments, as they are written."""
+        return tuple(str(argument.value) for argument in self.arguments)
+
+    def refuse_names(self, form: str) -> None:
+        """Refuses arguments by name.
 
         Args:
             form: how the call is written, for advice.
@@ -53,7 +58,6 @@ class WrittenCall:
             if argument.name is not None:
                 what = f"{self.name} takes no argument by name"
                 raise self.error(argument.name, what, f"write {form}")
-        return tuple(str(argument.value) for argument in self.arguments)
 
     def error(self, token: Token, what: str, advice: str) -> FormulaError:
         """An error that underlines a token of the call."""

@@ -61,7 +61,8 @@ def parse_execution(
     """
     call = read_call(text, "not something to execute", FORMS)
     if call.name in skills:
-        return Do(str(call.name), call.words(f"{call.name}(argument, ...)"))
+        call.refuse_names(f"{call.name}(argument, ...)")
+        return Do(str(call.name), call.words)
     kind = KINDS.get(call.name)
     if kind is None:
         raise _unknown(call, skills)
@@ -69,7 +70,7 @@ def parse_execution(
         what = f"{call.name} has {len(call.arguments)} arguments"
         raise call.error(call.name, what, f"write {kind.form}")
     if call.name != PYTHON:
-        call.words(kind.form)
+        call.refuse_names(kind.form)
     return kind.read(call, _Known(parameters, components))
 
 

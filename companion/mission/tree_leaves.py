@@ -95,7 +95,8 @@ class LeafReader:
         forms = {name: skill.signature for name, skill in self.parts.skills.items()}
         with self.document.locating(*keys):
             call = read_call(text, "not an action", forms)
-            return str(call.name), call.words(forms[call.name])
+            call.refuse_names(forms[call.name])
+        return str(call.name), call.words
 
     def _wrong_argument(
         self, argument: str, parameter: str, set_name: str, is_origin: bool, keys: Keys

@@ -31,7 +31,7 @@ def test_arguments_may_have_names() -> None:
     call = read_call("f(a, b = 2)", "not a call", {})
     assert [(a.name, a.value) for a in call.arguments] == [(None, "a"), ("b", "2")]
     with pytest.raises(FormulaError, match="f takes no argument by name"):
-        call.words("f(argument, ...)")
+        call.refuse_names("f(argument, ...)")
 
 
 @pytest.mark.parametrize(
