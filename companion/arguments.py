@@ -34,7 +34,7 @@ def check_kind(value: object, kinds: type | tuple[type, ...], expected: str) -> 
 
 
 def check_function(value: object, argument: str) -> None:
-    """Refuses an argument that is no function.
+    """Refuses an argument that is not a function.
 
     Args:
         value: what was given.
@@ -77,7 +77,9 @@ def check_wait(timeout_s: object) -> None:
     """
     check_kind(timeout_s, (int, float), "a timeout_s in seconds")
     if isinstance(timeout_s, int | float) and not timeout_s >= 0:
-        raise CompanionError(f"a timeout_s of {timeout_s:g} s is none to wait; 0 or more")
+        raise CompanionError(
+            f"a timeout_s of {timeout_s:g} s is not a time to wait; give 0 or more"
+        )
 
 
 def path_of(given: object, expected: str) -> Path:

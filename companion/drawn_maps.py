@@ -164,7 +164,7 @@ def polygon(corners: Iterable[NorthEast], name: str) -> tuple[NorthEast, ...]:
     found = without_repeats(tuple(corners))
     if problem := problem_of(found):
         hint = "go round it once, from corner to corner"
-        raise MissionError(f"{name} is no polygon: {problem}", hint=hint)
+        raise MissionError(f"{name} is not a polygon: {problem}", hint=hint)
     return found
 
 
@@ -179,7 +179,7 @@ def _wall(entry: WallEntry, read: ReadCorner, number: int) -> Wall:
         return Wall(polygon(corners, "a wall of the map"), entry.up_m)
     for first, last in spans:
         if not first < last:
-            what = f"a wall of the map: {first:g} to {last:g} is no range"
+            what = f"a wall of the map: {first:g} to {last:g} is not a range"
             raise MissionError(what, hint=f"write [{last:g}, {first:g}]: from, to")
     (west, east), (south, north) = spans
     return Wall(((south, west), (south, east), (north, east), (north, west)), entry.up_m)
@@ -266,7 +266,7 @@ def _cells(
     first, last = span
     if not first < last:
         hint = f"write [{last:g}, {first:g}]: from, to"
-        raise MissionError(f"{key} of the map: {first:g} to {last:g} is no range", hint=hint)
+        raise MissionError(f"{key} of the map: {first:g} to {last:g} is not a range", hint=hint)
     needed = (last - first) / cell_m - _ROUNDING
     if needed > MAX_EDGE_CELLS:
         what = f"{key} of the map: {math.ceil(min(needed, MANY))} cells are too many"

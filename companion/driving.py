@@ -115,7 +115,7 @@ def _timed_out(link: Link, timeout_s: float, missing: str) -> LinkTimeout:
         case SerialPort():
             advice = (
                 "    is it the port that the autopilot is wired to, and its speed that of "
-                "SER_*_BAUD?\n    companion doctor --connect tells what is heard there"
+                "SER_*_BAUD?\n    companion doctor --connect shows what is heard there"
             )
         case TcpServer():
             advice = "    is a program running there that waits for connections?"

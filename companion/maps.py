@@ -141,7 +141,7 @@ def _yaml_mapping(path: Path) -> CommentedMap:
         values = YAML(typ="rt", pure=True).load(path.read_text(encoding="utf-8"))
     except UnicodeDecodeError as error:
         hint = "name the YAML file beside the image, which says how large its cells are"
-        raise MissionError(f"the map {path} is no text", hint=hint) from error
+        raise MissionError(f"the map {path} is not a text", hint=hint) from error
     except OSError as error:
         reason = error.strerror or error
         raise MissionError(f"the map {path} cannot be read: {reason}", hint=_NO_MAP) from error
@@ -188,7 +188,7 @@ def _pixels(fields: _Fields) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bo
                 raise fields.error("image", f"the image has pixels of kind {image.mode}, not 8 bit")
             rgba = np.asarray(image.convert("RGBA"))
     except (UnidentifiedImageError, Image.DecompressionBombError) as error:
-        raise fields.error("image", f"{path} is no usable PGM or PNG image") from error
+        raise fields.error("image", f"{path} is not a usable PGM or PNG image") from error
     except (OSError, ValueError, SyntaxError) as error:  # Pillow raises these on broken images
         raise fields.error("image", f"the image {path} cannot be read: {error}") from error
     return rgba[..., :3].mean(axis=2), rgba[..., 3] == 255

@@ -98,7 +98,7 @@ class FakeFence:
 
     def __init__(self) -> None:
         self.is_as_sent = False
-        self.nowhere: str | None = "the autopilot tells no position on the earth"
+        self.nowhere: str | None = "the autopilot reports no position on the earth"
         self.stored: StoredFence | None = StoredFence((), 0)
         self.home: NorthEast | None = None
         self.outcome: Outcome = Progress.DONE

@@ -188,7 +188,7 @@ EVENTS: Table = {
     "a share": _event("BATTERY_STATUS.battery_remaining < 0.3", "write percent: 30"),
     "true": _event('"EVENT[alarm] == true"', "> 0 for true"),
     "a value by its name": _event("HEARTBEAT.custom_mode == RTL", "compare with a NUMBER"),
-    "a topic of uORB": _event("vehicle_status.failsafe > 0", "uORB topics are none"),
+    "a topic of uORB": _event("vehicle_status.failsafe > 0", "uORB topics are not among them"),
     "a topic": _event("/alarm", "write MESSAGE.field > NUMBER"),
     "yes": Mistake("latch: true", "latch: yes", "  alarm:", "expected true or false"),
     "a time without its unit": Mistake("latch: true", "for: 5", "  alarm:", "mean for_s?"),
@@ -305,7 +305,10 @@ YAML: Table = {
         "speed_mps: 5", "speed_mps:5", "  up_m:", "lacks a space after the colon: write speed_mps"
     ),
     "a space that cannot be broken": Mistake(
-        "  speed_mps", "\u00a0 speed_mps", "  up_m:", "line 13 has a space that is none, U+00A0"
+        "  speed_mps",
+        "\u00a0 speed_mps",
+        "  up_m:",
+        "line 13 has U+00A0, which only looks like a space",
     ),
     "a brace that is not closed": Mistake(
         "north_m: 0, up_m: 6}", "north_m: 0, up_m: 6", "  A:", "opened in line 19 is not closed"

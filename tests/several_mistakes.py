@@ -155,7 +155,7 @@ TOGETHER: dict[str, tuple[str, dict[str, str], list[str]]] = {
         HALL,
         {"[6.8, 7.2]": "[7.2, 6.8]", "A: {east_m: 14": "A: {east: 14", "F looked)": "F seen)"},
         [
-            "a wall of the map: 7.2 to 6.8 is no range",
+            "a wall of the map: 7.2 to 6.8 is not a range",
             "unknown key 'east' in places.A",
             "unknown fact seen",
         ],

@@ -269,9 +269,9 @@ def edited(**change: object) -> Callable[[list[str]], object]:
         (edited(mood="good"), "mood has no place here"),
         (
             replaced(2, '{"t_s": 1, "type": "?"}'),
-            r"3:1: \? is no type of event",
+            r"3:1: \? is not a type of event",
         ),
-        (edited(t_s=float("nan")), "t_s is no time in seconds"),
+        (edited(t_s=float("nan")), "t_s is not a time in seconds"),
         (lambda lines: lines.pop(0), "no plan was made in this run"),
         (replaced(0, json.dumps(line_of(NO_FORMULA))), r"events\.jsonl:1:1: .*\n.*\^"),
     ],
@@ -291,4 +291,4 @@ def test_a_damaged_record_is_refused_with_its_place(
 def test_a_folder_that_is_none_is_refused(companion: Companion, tmp_path: Path) -> None:
     ended = companion("audit", tmp_path / "nowhere")
     assert ended.code == 2
-    assert "is no run folder" in ended.err
+    assert "is not a run folder" in ended.err

@@ -29,7 +29,7 @@ HEADER = "# format: 1\n# scenario: {scenario}\n# seed: 0\n# limit_s: 1800\nindex
     ("earlier", "why"),
     [
         (None, "cannot be read: [Errno 2] No such file or directory"),
-        ("index,outcome\n", "is no table of a campaign"),
+        ("index,outcome\n", "is not the table of a campaign"),
         (HEADER.format(scenario="another"), "has other rows: its scenario is another, and is "),
     ],
 )
@@ -58,9 +58,9 @@ def header() -> str:
 @pytest.mark.parametrize(
     ("rows", "why"),
     [
-        ("index,outcome,score\n0,crash,abc\n", "has a row that is none of a campaign"),
-        ("index,outcome,score\n0,cra", "has a row that is none of a campaign"),
-        ("index,outcome\n0,crash\n", "has a row that is none of a campaign"),
+        ("index,outcome,score\n0,crash,abc\n", "has a row that does not belong to a campaign"),
+        ("index,outcome,score\n0,cra", "has a row that does not belong to a campaign"),
+        ("index,outcome\n0,crash\n", "has a row that does not belong to a campaign"),
         ("index,outcome,score\n0,invalid,1.0\n", "has no row that counts"),
         ("", "has no row that counts"),
     ],
@@ -140,7 +140,7 @@ def test_a_header_without_numbers_is_none_of_a_campaign(
 ) -> None:
     (tmp_path / "rows.jsonl").write_text('{"runs": "many", "seed": "0", "limit_s": "9"}\n')
     ended = companion("campaign", "return_home", "--resume", tmp_path)
-    assert ended.code == 2 and "is none of a campaign" in ended.err
+    assert ended.code == 2 and "is not that of a campaign" in ended.err
 
 
 def test_a_limit_is_what_the_header_says() -> None:

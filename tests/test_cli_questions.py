@@ -19,6 +19,6 @@ def test_a_mission_is_made_by_answers(tmp_path: Path) -> None:
     assert made.returncode == 0, made.stderr
     os.close(leader)
     os.close(terminal)
-    assert "moon is none of hall, field, earth" in made.stdout + made.stderr
+    assert "moon is not one of hall, field, earth" in made.stdout + made.stderr
     mission = load_mission(tmp_path / "mine.yaml")
     assert mission.grid.is_open

@@ -96,7 +96,7 @@ def test_a_port_in_use_is_passed_over(surveillance_run: Path) -> None:
 def test_what_is_no_run_folder_is_refused(companion: Companion, tmp_path: Path) -> None:
     ended = companion("replay", tmp_path)
     assert ended.code == 2
-    assert f"{tmp_path} is no run folder" in ended.err
+    assert f"{tmp_path} is not a run folder" in ended.err
 
 
 def test_a_run_without_a_scene_is_refused(
@@ -248,7 +248,7 @@ def test_what_cannot_be_shown_leaves_no_file(
 ) -> None:
     file = tmp_path / "run.mcap"
     ended = companion("replay", tmp_path, "--mcap", file)
-    assert ended.code == 2 and f"{tmp_path} is no run folder" in ended.err
+    assert ended.code == 2 and f"{tmp_path} is not a run folder" in ended.err
     shutil.copy(surveillance_run / "events.jsonl", tmp_path)
     ended = companion("replay", tmp_path, "--mcap", file)
     assert ended.code == 2 and "scene.json is missing" in ended.err
@@ -264,4 +264,4 @@ def test_a_run_that_was_cut_off_is_written_as_far_as_it_goes(
         (run / name).write_bytes(data[: len(data) // 2])
     ended = companion("replay", run, "--mcap", tmp_path / "half.mcap")
     assert ended.code == 0, ended.err
-    assert "notice     the run has no end: it was cut off, or still goes on" in ended.out
+    assert "notice     the run has no end: it was cut off, or is still going on" in ended.out

@@ -39,7 +39,7 @@ def test_the_tree_of_a_run_is_that_of_its_last_plan(
 
 def test_what_is_wrong_is_told_with_its_exit_code(companion: Companion, tmp_path: Path) -> None:
     ended = companion("tree", tmp_path)
-    assert ended.code == 2 and "is no run folder" in ended.err
+    assert ended.code == 2 and "is not a run folder" in ended.err
     ended = companion("tree", tmp_path / "missing.yaml")
     assert ended.code == 2 and "missing.yaml" in ended.err
     ended = companion("tree", SURVEILLANCE, "--format", "json")

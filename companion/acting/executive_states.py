@@ -10,7 +10,7 @@ class ExecutiveState(Enum):
 
     IDLE = "no plan was made yet"
     EXECUTING = "ticks the tree of a plan"
-    LEAVING = "ticks the tree of a flight to a place, in want of a plan for the task"
+    LEAVING = "ticks the tree of a flight to a place, because the task has no plan"
     BY_HAND = "ticks the mission's own tree"
     GROUNDED = "goes on in the air, while the vehicle is on the ground by what has failed"
     REPLANNING = "a plan is due: routes are searched, or an engine plans; the vehicle holds"

@@ -32,9 +32,11 @@ class FlightLimit:
     def __post_init__(self) -> None:
         """Refuses limits that are reached before the flight begins."""
         if self.laps is not None and self.laps < 1:
-            raise RequestError(f"{self.laps} laps is no limit of a flight; 1 or more")
+            raise RequestError(f"{self.laps} laps is not a limit of a flight; give 1 or more")
         if self.duration_s is not None and not self.duration_s > 0:
-            raise RequestError(f"{self.duration_s:g} s is no limit of a flight; more than 0")
+            raise RequestError(
+                f"{self.duration_s:g} s is not a limit of a flight; give more than 0"
+            )
 
     def reached(self, laps: int, flown_s: float) -> str | None:
         """The limit that is reached, in words; None if none is."""

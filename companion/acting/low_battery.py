@@ -22,7 +22,7 @@ LOW_S = 5.0
 """How long the autopilot has to report a low charge; a short load lowers the voltage."""
 IN_FLIGHT = "the battery was low, and the mission does not say what is done then"
 ON_GROUND = (
-    "the battery is low, by the autopilot's word, so it is not armed\n"
+    "the battery is low, as the autopilot reports, so it is not armed\n"
     "    charge it; or say in the mission what is done then, by battery: {reserve: 20} or an "
     "event, e.g. low: {when: BATTERY_STATUS.battery_remaining < 25, latch: true}"
 )

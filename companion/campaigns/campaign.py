@@ -92,7 +92,7 @@ class Campaign:
     def _check(self, row: Row, kept: Row) -> None:
         if row != kept:
             raise MissionError(
-                f"row {row.index} of {self.folder} was edited: it is none of this campaign",
+                f"row {row.index} of {self.folder} was edited: it does not belong to this campaign",
                 hint="take another folder with --out",
             )
 

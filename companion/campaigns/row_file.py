@@ -72,7 +72,7 @@ class RowFile:
             flown = [FlownRow.of_json(entry) for entry in entries]
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise MissionError(
-                f"{self._path} holds something that is no row of a campaign ({error!r})",
+                f"{self._path} holds something that is not a row of a campaign ({error!r})",
                 hint="take another folder with --out",
             ) from error
         self._file.truncate(whole)

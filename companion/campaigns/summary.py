@@ -54,7 +54,7 @@ def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
     table, header = read_table(path), header_of(header_lines(header))
     if "budget" in table.header:
         raise MissionError(
-            f"{path} is the table of a search, whose rows are no others'",
+            f"{path} is the table of a search; its rows cannot be compared",
             hint="compare with the table of a campaign",
         )
     for name in (*SAME, *(key for key in header if key.startswith("vary "))):
@@ -64,7 +64,7 @@ def earlier_table(path: Path, header: Mapping[str, str]) -> Table:
         rows = failures_in(table)
     except (KeyError, TypeError, ValueError) as error:
         raise MissionError(
-            f"{path} has a row that is none of a campaign ({error!r})",
+            f"{path} has a row that does not belong to a campaign ({error!r})",
             hint="it takes the columns index, outcome and score as they were written",
         ) from error
     if not rows:

@@ -118,7 +118,7 @@ def read_table(path: Path) -> Table:
     except csv.Error as error:
         raise MissionError(f"the table {path} cannot be read: {error}") from error
     if "format" not in header or (rows and "outcome" not in rows[0]):
-        raise MissionError(f"{path} is no table of a campaign")
+        raise MissionError(f"{path} is not the table of a campaign")
     return Table(header, rows)
 
 

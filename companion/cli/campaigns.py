@@ -158,7 +158,9 @@ def begun_with(context: typer.Context, folder: Path, count: str) -> tuple[int, i
         begun = {count: int(header[count]), "seed": int(header["seed"])}
         limit_s = float(header["limit_s"])
     except (KeyError, TypeError, ValueError) as error:
-        raise MissionError(f"the header of {folder} is none of a campaign ({error!r})") from error
+        raise MissionError(
+            f"the header of {folder} is not that of a campaign ({error!r})"
+        ) from error
     for name, value in {**begun, "limit_s": limit_s, "out": folder}.items():
         source = context.get_parameter_source(name)
         if source is not None and source.name == "COMMANDLINE" and context.params[name] != value:

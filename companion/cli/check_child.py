@@ -86,7 +86,7 @@ class BoundedCheck:
             self._given_up_by = error
             return self._given_up(f"{CPU_S} s of processor time")
         except RecursionError:
-            return self._given_up(f"{sys.getrecursionlimit()} calls in one another")
+            return self._given_up(f"{sys.getrecursionlimit()} nested calls")
 
     def _checked(self) -> CheckedMission:
         check = partial(

@@ -121,7 +121,7 @@ def _missions() -> MachineFinding:
     lie_in = folder()
     if lie_in is None:
         return MachineFinding(
-            "missions", "none is shipped with this installation; files work as ever"
+            "missions", "none is shipped with this installation; files work as usual"
         )
     pages = lie_in.parent / "docs"
     about = f"; the documentation in {pages}" if pages.is_dir() else ""

@@ -42,7 +42,7 @@ def figure(
     path = output or run / f"flight.{format_.value}"
     kinds = [f".{each.value}" for each in FigureFormat]
     if path.suffix.lower() not in kinds:
-        reason = f"{path.name} is none of {', '.join(kinds)}"
+        reason = f"{path.name} is not one of {', '.join(kinds)}"
         raise typer.BadParameter(reason, param_hint="--output")
     from companion.api.figures import backdrop_of_run, trail_of_run
     from companion.record.figure import draw_flight

@@ -39,7 +39,7 @@ def write_run(run: Path, output: Path) -> None:
     except OSError as error:
         raise CompanionError(f"cannot write {output}: {error.strerror or error}") from error
     if ending is None:
-        typer.echo("notice     the run has no end: it was cut off, or still goes on")
+        typer.echo("notice     the run has no end: it was cut off, or is still going on")
     typer.echo(f"written    {output}: {count} messages, {output.stat().st_size / 1e6:.1f} MB")
 
 

@@ -51,7 +51,7 @@ def new(
     from companion.planning.planner import Planner
 
     if not _NAME.fullmatch(name):
-        raise MissionError(f"{name!r} is no name", hint="letters, digits and _, a letter first")
+        raise MissionError(f"{name!r} is not a name", hint="letters, digits and _, a letter first")
     spaces = {name.value: about for name, about in SPACES.items()}
     tasks = {name.value: each.question for name, each in TASKS.items()}
     where = space or StarterSpace(_asked("space", spaces, StarterSpace.FIELD))
@@ -81,7 +81,7 @@ def _asked(what: str, choices: Mapping[str, str], default: str) -> str:
 
     def chosen(text: str) -> str:
         if text not in choices:
-            raise typer.BadParameter(f"{text} is none of {', '.join(choices)}")
+            raise typer.BadParameter(f"{text} is not one of {', '.join(choices)}")
         return text
 
     return str(typer.prompt(what, default=default, value_proc=chosen))

@@ -29,7 +29,7 @@ class WordyGroup(TyperGroup):
         if word in self.commands:
             return super().resolve_command(ctx, args)
         if word.endswith(_FILES):
-            ctx.fail(f"{word} is no command: companion sim {word} flies it")
+            ctx.fail(f"{word} is not a command: companion sim {word} flies it")
         if word in _COMMANDS:
             ctx.fail(f"there is no command {word}: write {_COMMANDS[word]}")
         return super().resolve_command(ctx, args)

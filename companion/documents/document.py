@@ -5,7 +5,7 @@ later checks: line and column in a text, the path of keys in data. No file is op
 and the simulator's scenarios are read by this module.
 
 yaml_tree.py reads the YAML itself, with limits of size and depth. Validation is strict, as for
-JSON: a quoted "3" is no number. Messages say in plain words what was expected; their hint is the
+JSON: a quoted "3" is not a number. Messages say in plain words what was expected; their hint is the
 field's description, as in the JSON Schema.
 """
 

@@ -31,7 +31,7 @@ _ROUNDS = 8  # each round removes what lacks a removed value; files nest 5 deep
 
 
 def strictly(model: type[M], data: object) -> M:
-    """Plain values as the model, strictly: a text is no number.
+    """Plain values as the model, strictly: a text is not a number.
 
     Raises:
         ValidationError: they do not fit.

@@ -161,7 +161,8 @@ def _hidden_fault(text: str, number: int) -> str:
     for n in (number - 1, number):
         line = lines[n - 1] if 0 < n <= len(lines) else ""
         if strange := [c for c in line if c.isspace() and c not in " \t\r"]:
-            return f"line {n} has a space that is none, U+{ord(strange[0]):04X}: write a plain one"
+            what = f"U+{ord(strange[0]):04X}, which only looks like a space"
+            return f"line {n} has {what}: write a plain space"
         if found := _NO_SPACE.match(line):
             return f"line {n} lacks a space after the colon: write {found[1]}: {found[2]}"
         if found := _EQUALS.match(line):
@@ -265,7 +266,7 @@ class _TreeReader:
 def _refuse_surrogates(text: str, where: Location) -> None:
     if re.search("[\ud800-\udfff]", text):
         raise MissionError(
-            "an escape \\u gives half of a surrogate pair, which is no character",
+            "an escape \\u gives half of a surrogate pair, which is not a character",
             where,
             "write the character itself, or \\U with 8 digits",
         )

@@ -50,12 +50,12 @@ def read_line(line: str | bytes, where: Location | None = None) -> Stamped:
 
 def _time_s(found: Any) -> float:
     if isinstance(found, bool) or not isinstance(found, int | float) or not 0 <= found < MAX_S:
-        raise Unfit("t_s is no time in seconds")
+        raise Unfit("t_s is not a time in seconds")
     return float(found)
 
 
 def _class(name: Any) -> type[FlightEvent]:
     found = _CLASSES.get(name) if isinstance(name, str) else None
     if found is None:
-        raise Unfit(f"{name} is no type of event")
+        raise Unfit(f"{name} is not a type of event")
     return found

@@ -70,13 +70,13 @@ def cut_off_run(log_dir: Path, asked: Mission | None) -> CutOffRun | None:
     if digest(mission) != begun.digest:
         raise RequestError(
             f"{folder} was cut off while it flew {begun.mission}, which is not {mission.path}"
-            " as it is now\n    give that mission to go on with it; or see to the vehicle, and"
+            " as it is now\n    give that mission to resume it; or check the vehicle, and"
             " start without --resume"
         )
     if mission.tree is not None:
         raise RequestError(
-            f"{folder} was cut off, and a mission with a tree of its own is not gone on with\n"
-            "    see to the vehicle, and start without --resume"
+            f"{folder} was cut off, and a mission with a tree of its own cannot be resumed\n"
+            "    check the vehicle, and start without --resume"
         )
     return CutOffRun(folder, mission, journalled)
 

@@ -121,7 +121,10 @@ def misplaced(kind: str, bound: str, before: str) -> tuple[str, str]:
         return f"{name[1]}{bound} is another notation", _WRITE["BOUND"]
     if name is not None and name[1] not in {operator.value for operator in TEMPORAL}:
         if kind == "BOUND":
-            return f"{name[1]}{bound} is no fact", "write the name that it has under events alone"
+            return (
+                f"{name[1]}{bound} is not a fact",
+                "write the name that it has under events alone",
+            )
         if not bound.endswith(("s", "min")):
             what = f"a formula is made of facts, {name[1]} {bound} is a number compared"
             hint = "make an event of it, e.g. low: {when: BATTERY_STATUS.battery_remaining < 30}"
@@ -149,7 +152,7 @@ def _limit_ms(token: Token, text: str) -> int:
     write = _WRITE[token.type]
     found = _LIMIT.fullmatch(text.strip())
     if found is None:
-        raise error_at(token, f"{token} is no bound in time", write)
+        raise error_at(token, f"{token} is not a bound in time", write)
     if found["sign"] != "<=":
         raise error_at(token, "a time bound is <= a time", write)
     unit = found["unit"]

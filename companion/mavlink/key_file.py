@@ -182,7 +182,7 @@ def _stamps_of(text: str) -> dict[Stream, int]:
     for name, stamp in dict(json.loads(text)).items():
         system, component, link = (int(part) for part in name.split("/"))
         if type(stamp) is not int or not 0 <= stamp < LATEST:
-            raise ValueError(f"{stamp} is no time stamp")
+            raise ValueError(f"{stamp} is not a time stamp")
         stamps[system, component, link] = stamp
     return stamps
 

@@ -128,7 +128,7 @@ def _photo(call: WrittenCall, known: _Known) -> Photo:
     if addressee == AUTOPILOT:
         hint = "a camera is a component of its own, usually 100; one that the autopilot triggers "
         hint += "is commanded by command()"
-        raise call.error(camera.value, "the autopilot is no camera", hint)
+        raise call.error(camera.value, "the autopilot is not a camera", hint)
     return Photo(addressee, str(camera.value))
 
 

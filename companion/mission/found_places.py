@@ -53,7 +53,7 @@ def check_found(
         event = events.get(event_name)
         if event is None:
             hint = f"events are {', '.join(events) or 'none yet'}. "
-            what = f"place {name} is found by {event_name}, which is no event"
+            what = f"place {name} is found by {event_name}, which is not an event"
             raise MissionError(what, where, (hint + did_you_mean(event_name, events)).rstrip())
         if why := _why_not(event):
             hint = f'write {event_name}: {{when: "EVENT[name] > 0", latch: true}}'
@@ -86,7 +86,7 @@ def _why_not(event: Event) -> str | None:
     """Why an event cannot find a place; None if it can."""
     when = event.when
     if not when.signal.is_report:
-        return f"{when.signal} is no report of another program"
+        return f"{when.signal} is not a report of another program"
     if not isinstance(when, Condition) or not when.is_met_by(FOUND) or when.is_met_by(0.0):
         return "it does not come when something is found"
     return None if event.latch else "what was found stays found, and the event does not"

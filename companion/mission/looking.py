@@ -42,7 +42,7 @@ def look_at(
     if wanted not in file.places:
         known = [*entry.parameters, *file.places]
         raise MissionError(
-            f"{name} looks at {wanted}, which is no parameter or place",
+            f"{name} looks at {wanted}, which is not a parameter or place",
             where,
             f"write a place, or {{east_m: 0, north_m: 0}}. {did_you_mean(wanted, known)}".rstrip(),
         )

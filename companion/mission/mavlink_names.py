@@ -54,7 +54,9 @@ def field_signal(message: Token, instance: Token | None, field: Token, text: str
 
     known = _MESSAGES.get(message)
     if known is None:
-        hint = "MAVLink's common.xml lists them, e.g. BATTERY_STATUS; uORB topics are none"
+        hint = (
+            "MAVLink's common.xml lists them, e.g. BATTERY_STATUS; uORB topics are not among them"
+        )
         if not message.islower():
             hint = did_you_mean(message, [*_MESSAGES, COMMAND]) or hint
         if message == REPORT:

@@ -50,7 +50,7 @@ def _check_objects(file: MissionFile, document: Document) -> None:
             raise MissionError(
                 f"{name} is twice among the places and objects",
                 document.where("objects", index),
-                "an object is a thing that is no place; remove one of the two",
+                "an object is a thing that is not a place; remove one of the two",
             )
 
 

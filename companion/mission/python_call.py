@@ -166,5 +166,5 @@ def check_names(
     """
     for word in sorted(step.names - {*known}):
         hint = f"{did_you_mean(word, sorted(known))} A text stands in quotes.".lstrip()
-        what = f"{word} is no parameter of {of_what}, place or object"
+        what = f"{word} is not a parameter of {of_what}, place or object"
         raise MissionError(what, where, hint)

@@ -29,7 +29,7 @@ def check_band(up_m: tuple[float, float], document: Document) -> None:
     lowest, highest = up_m
     if not 0 <= lowest < highest:
         raise MissionError(
-            f"the altitudes {lowest:g} to {highest:g} m are no band above home",
+            f"the altitudes {lowest:g} to {highest:g} m are not a band above home",
             document.where("limits", "up_m"),
             "write [lowest, highest], metres above home, lowest first",
         )

@@ -142,7 +142,7 @@ class _SkillBuilder:
             for member in domains[step.place] if isinstance(step, Fly | LandOn) else ():
                 if member not in self.file.places:
                     raise MissionError(
-                        f"{self.name} cannot fly to {member}, which is no place",
+                        f"{self.name} cannot fly to {member}, which is not a place",
                         self.document.where("skills", self.name, "execute"),
                         f"places are {', '.join(self.file.places)}",
                     )

@@ -92,7 +92,7 @@ def _check_calls(
         for argument in step.arguments:
             if argument not in known:
                 raise MissionError(
-                    f"{argument} is no parameter of {name}, place or object",
+                    f"{argument} is not a parameter of {name}, place or object",
                     where,
                     did_you_mean(argument, sorted(known)),
                 )

@@ -136,13 +136,13 @@ class _WrittenTreeReader:
             raise MissionError(
                 f"{extent.nodes} nodes, with those of subtrees; a tree has at most {MAX_NODES}",
                 self.document.where(*keys),
-                "use fewer subtrees in one another",
+                "use fewer nested subtrees",
             )
 
     def _check_nested(self, nested: int, keys: Keys) -> None:
         if nested > MAX_NESTED:
             where = self.document.where(*keys)
-            what = f"more than {MAX_NESTED} subtrees in one another"
+            what = f"more than {MAX_NESTED} nested subtrees"
             raise MissionError(what, where, "write the inner ones out")
 
     def _extent(self, tree: Tree) -> Extent:

@@ -103,7 +103,7 @@ class Vocabulary:
             strange = [m for domain in use for m in domain if m not in self._places]
             if atom.predicate == AT and strange and self._things_are_known:
                 hint = f"the vehicle can be at {_listing(self._places)}"
-                what = f"{fact} speaks of {strange[0]}, which is no place"
+                what = f"{fact} speaks of {strange[0]}, which is not a place"
                 raise FormulaError(what, text, offset, length, hint)
             self._uses.setdefault(atom.predicate, []).append(use)
 

@@ -2,7 +2,7 @@
 
 A foreign web page can make its own name lead to this machine (DNS rebinding); its scripts could
 then read the page as their own. A browser says which name it requested, so a request under a
-foreign name is refused. An address is no name and cannot be rebound.
+foreign name is refused. An address is not a name and cannot be rebound.
 """
 
 from __future__ import annotations

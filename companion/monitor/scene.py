@@ -81,7 +81,7 @@ def read_scene(folder: Path) -> Scene:
 def _finite(text: str) -> float:
     number = float(text)
     if not math.isfinite(number):
-        raise ValueError(f"{text} is no number of a scene")
+        raise ValueError(f"{text} is not a number of a scene")
     return number
 
 

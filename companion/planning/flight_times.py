@@ -113,7 +113,7 @@ def given_times(
         seconds = given(origin, goal) if callable(given) else table.get((origin, goal), math.inf)
         check_kind(seconds, Real, f"seconds from {origin} to {goal}")
         if not (0 <= seconds <= LONGEST_S or seconds == math.inf):
-            raise CompanionError(f"{seconds} s is no time of a flight from {origin} to {goal}")
+            raise CompanionError(f"{seconds} s is not a time of flight from {origin} to {goal}")
         return float(seconds)
 
     return flight_time

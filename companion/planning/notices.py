@@ -122,7 +122,7 @@ def _guessed_costs(planner: Planner) -> Iterator[Notice]:
             known = "its flight and waits" if destination(done) else f"{on_the_spot_s(done):g} s"
             yield Notice(
                 skill.name,
-                f"without cost, so plans reckon with {known} for it, and the bounds in time of"
+                f"without cost, so plans assume {known} for it, and the bounds in time of"
                 f" {', '.join(bounded)} hold only if it is done by then; write its time",
             )
 

@@ -120,7 +120,7 @@ def _plan(data: bytes, leave_out: frozenset[str]) -> RoutePlan:
     """Reads a .plan or .mission file."""
     text = _text(data)
     if text.lstrip().startswith("<"):
-        raise ItemRefused("", "is XML, and no mission of QGroundControl", "save it in QGC anew")
+        raise ItemRefused("", "is XML, and no mission of QGroundControl", "save it in QGC again")
     if text.startswith("QGC WPL"):
         return read_wpl(text, leave_out)
     return read_plan(text, leave_out)

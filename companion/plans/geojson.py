@@ -55,7 +55,7 @@ def _shapes(entry: Any, index: int) -> Iterator[Shape]:
     """The shapes of a feature."""
     feature = JsonObject(entry, f"feature {index}")
     if feature.text("type") != "Feature":
-        raise ItemRefused(feature.item, "is no Feature", "save the file anew")
+        raise ItemRefused(feature.item, "is no Feature", "save the file again")
     properties = JsonObject(
         feature.object("properties").data if "properties" in feature else {}, feature.item
     )
@@ -102,7 +102,7 @@ def _shape(
 
 def _list(value: Any, item: str) -> list[Any]:
     if not isinstance(value, list):
-        raise ItemRefused(item, "has coordinates that are no list", "save the file anew")
+        raise ItemRefused(item, "has coordinates that are not a list", "save the file again")
     return value
 
 

@@ -26,9 +26,9 @@ def read_json(text: str) -> dict[str, Any]:
         data = json.loads(text, object_pairs_hook=_object, parse_constant=_not_finite)
     except json.JSONDecodeError as error:
         where = f"line {error.lineno}, column {error.colno}"
-        raise ItemRefused("", f"is not JSON: {error.msg}, {where}", "save the file anew") from None
+        raise ItemRefused("", f"is not JSON: {error.msg}, {where}", "save the file again") from None
     except (ValueError, RecursionError):  # such as a number of thousands of digits
-        raise ItemRefused("", "is not JSON that can be read", "save the file anew") from None
+        raise ItemRefused("", "is not JSON that can be read", "save the file again") from None
     if not isinstance(data, dict):
         raise ItemRefused("", "is JSON, but no object", "is this the right file?")
     return data
@@ -72,7 +72,7 @@ class JsonObject:
 
     def __init__(self, data: object, item: str) -> None:
         if not isinstance(data, dict):
-            raise ItemRefused(item, "is no object", "save the file anew")
+            raise ItemRefused(item, "is not an object", "save the file again")
         self.data: dict[str, Any] = data
         self.item = item
 
@@ -94,14 +94,14 @@ class JsonObject:
         """A text."""
         value = self._present(key)
         if not isinstance(value, str):
-            raise ItemRefused(self.item, f"{key} is not a text", "save the file anew")
+            raise ItemRefused(self.item, f"{key} is not a text", "save the file again")
         return value
 
     def flag(self, key: str) -> bool:
         """True or false."""
         value = self._present(key)
         if not isinstance(value, bool):
-            raise ItemRefused(self.item, f"{key} is not true or false", "save the file anew")
+            raise ItemRefused(self.item, f"{key} is not true or false", "save the file again")
         return value
 
     def object(self, key: str) -> JsonObject:
@@ -112,12 +112,12 @@ class JsonObject:
         """A list."""
         value = self._present(key)
         if not isinstance(value, list):
-            raise ItemRefused(self.item, f"{key} is not a list", "save the file anew")
+            raise ItemRefused(self.item, f"{key} is not a list", "save the file again")
         return value
 
     def _present(self, key: str) -> Any:
         if key not in self:
-            raise ItemRefused(self.item, f"has no {key}", "save the file anew")
+            raise ItemRefused(self.item, f"has no {key}", "save the file again")
         return self.data[key]
 
 
@@ -129,7 +129,7 @@ def number(value: object, item: str, name: str) -> float:
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
         what = f"{name} is missing" if value is None else f"{name} is not a number"
-        raise ItemRefused(item, what, "save the file anew")
+        raise ItemRefused(item, what, "save the file again")
     try:
         found = float(value)
     except OverflowError:
@@ -146,5 +146,5 @@ def numbers(value: object, item: str, name: str, least: int) -> list[float]:
         ItemRefused: it is something else.
     """
     if not isinstance(value, list) or len(value) < least:
-        raise ItemRefused(item, f"{name} is not a list of {least} numbers", "save the file anew")
+        raise ItemRefused(item, f"{name} is not a list of {least} numbers", "save the file again")
     return [number(each, item, name) for each in value]

@@ -124,11 +124,11 @@ def read_kmz(data: bytes) -> RoutePlan:
             if name is None:
                 raise ItemRefused("", "is an archive without a .kml file")
             if archive.getinfo(name).compress_type not in PACKED:
-                raise ItemRefused("", "is packed in a way that KMZ does not know", "zip it anew")
+                raise ItemRefused("", "is packed in a way that KMZ does not know", "zip it again")
             with archive.open(name) as stream:
                 text = stream.read(MAX_BYTES + 1)  # the archive may state a false size
     except UNREADABLE as error:
-        raise ItemRefused("", f"is no archive that can be read: {error}", "zip it anew") from None
+        raise ItemRefused("", f"is not a readable archive: {error}", "zip it again") from None
     if len(text) > MAX_BYTES:
         raise ItemRefused("", f"has a KML file of more than {MAX_BYTES} bytes")
     return read_kml(text)
@@ -153,13 +153,13 @@ class _Builder:
         except expat.ExpatError as error:
             where = f"line {error.lineno}, column {error.offset + 1}"
             what = f"is not well-formed XML: {expat.ErrorString(error.code)}, {where}"
-            raise ItemRefused("", what, "save the file anew") from None
+            raise ItemRefused("", what, "save the file again") from None
         except (ValueError, LookupError) as error:  # an encoding that Python does not know
             raise ItemRefused("", f"cannot be read as XML: {error}", "save it as UTF-8") from None
         return self._root.children[0]
 
     def _doctype(self, *declared: object) -> None:
-        raise ItemRefused("", "has a document type, which KML needs none of", "remove <!DOCTYPE")
+        raise ItemRefused("", "has a document type, which KML does not need", "remove <!DOCTYPE")
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._elements += 1
@@ -227,7 +227,7 @@ class _Corners:
         try:
             longitude, latitude, *rest = map(float, text.split(","))
         except ValueError:
-            what = f"{text[:40]!r} is no position"
+            what = f"{text[:40]!r} is not a position"
             raise ItemRefused(self._item, what, "KML has lon,lat[,alt] between blanks") from None
         position = check_degrees(self._item, latitude, longitude)
         return position, self._height(rest[0]) if rest else None

@@ -49,7 +49,9 @@ def read_plan(text: str, leave_out: frozenset[str]) -> RoutePlan:
         return _old_mission(file, leave_out)
     kind = file.text("fileType")
     if kind != "Plan":
-        raise ItemRefused("", f"is no plan: its fileType is {kind[:40]!r}", "save it in QGC anew")
+        raise ItemRefused(
+            "", f"is not a plan: its fileType is {kind[:40]!r}", "save it in QGC again"
+        )
     _check_version(file, "the file", 1)
     mission = file.object("mission")
     _check_version(mission, "its mission", 2)
@@ -87,7 +89,9 @@ def _check_version(fields: JsonObject, name: str, known: int) -> None:
 
 def _check_vehicle(mission: JsonObject) -> None:
     if "vehicleType" in mission and mission.integer("vehicleType") not in COPTERS:
-        what = f"is for a vehicle that is no copter (vehicleType {mission.integer('vehicleType')})"
+        what = (
+            f"is for a vehicle that is not a copter (vehicleType {mission.integer('vehicleType')})"
+        )
         raise ItemRefused("", what, "make a plan for a multirotor")
 
 

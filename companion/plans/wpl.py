@@ -109,7 +109,7 @@ def _polygon(items: list[CommandItem]) -> list[CommandItem]:
     same = list(takewhile(lambda item: item.command == first.command, items))
     if not 0 < count <= len(same):
         what = f"says that its polygon has {count} corners, and {len(same)} are there"
-        raise ItemRefused(first.item, what, "save the fence anew")
+        raise ItemRefused(first.item, what, "save the fence again")
     return same[:count]
 
 
@@ -121,7 +121,7 @@ def _item(row: list[str]) -> CommandItem:
         numbers = [float(word) for word in row]
         sequence, _, frame, command = (int(number) for number in numbers[:4])
     except (ValueError, OverflowError):
-        raise ItemRefused(item, "has something that is no number", "correct the line") from None
+        raise ItemRefused(item, "has something that is not a number", "correct the line") from None
     if any(abs(number) > 1e9 for number in numbers if number == number):
         raise ItemRefused(item, "has a number that is too large", "correct the line")
     params = tuple(None if number != number else number for number in numbers[4:11])

@@ -123,7 +123,7 @@ def events_lost(folder: Path, what: str, or_else: str = "") -> EventsLost:
         listed = f"{plans[0]} to {plans[-1]}" if len(plans) > 1 else plans[0]
         left.append(f"what was planned is in {listed}")
     if not is_lost(folder / JOURNAL_FILE):
-        how = "companion run --resume writes it anew where it goes on with the flight"
+        how = "companion run --resume writes it again when it resumes the flight"
         left.append(f"what of the task was done is in {JOURNAL_FILE}: {how}")
     return EventsLost(
         f"{folder / EVENTS_FILE} {what}, so the run cannot be audited: it was cut off before what "
@@ -147,7 +147,7 @@ def no_run_folder(folder: Path, file: str, error: OSError) -> MissionError:
     if inner := sorted(path.parent for path in folder.glob(f"*/{EVENTS_FILE}")):
         hint = f"give one of them, e.g. {inner[-1]}"
         return MissionError(f"{folder} holds {len(inner)} run folders", hint=hint)
-    what = f"{folder} is no run folder: {file} cannot be read: {error.strerror}"
+    what = f"{folder} is not a run folder: {file} cannot be read: {error.strerror}"
     return MissionError(what, hint=f"{holds}\n{lists}")
 
 

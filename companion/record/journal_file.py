@@ -160,7 +160,7 @@ def read_journal(folder: Path, now_unix_s: float) -> JournalledFlight | None:
             time_s, kind = float(data.pop("t_s")), KINDS[data.pop("kind")]
             entries.append((time_s, object_of(kind, data)))
         except (ValueError, KeyError, TypeError, AttributeError, Unfit) as error:
-            raise CompanionError(f"{path}:{number}: this is no entry of a journal") from error
+            raise CompanionError(f"{path}:{number}: this is not an entry of a journal") from error
     flight = put_together(entries)
     return flight and replace(flight, away_s=max(0.0, now_unix_s - unix_s))
 

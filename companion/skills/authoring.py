@@ -102,13 +102,14 @@ def why_not_carried(parameters: Sequence[float]) -> str | None:
     """Why no command can have these parameters; None if one can, also with NaN.
 
     >>> why_not_carried((1.0, math.nan)), why_not_carried((1e39,))
-    (None, '1e+39 is no number of single precision, as commands have')
+    (None, '1e+39 is not a number of single precision, as commands have')
     """
     if len(parameters) > MAX_PARAMETERS:
         return f"a command has {MAX_PARAMETERS} parameters at most"
     too_large = (each for each in parameters if abs(each) > FLOAT32_MAX)
     return next(
-        (f"{each:g} is no number of single precision, as commands have" for each in too_large), None
+        (f"{each:g} is not a number of single precision, as commands have" for each in too_large),
+        None,
     )
 
 
@@ -167,7 +168,7 @@ class FunctionRun:
             Cancelled: the mission has left the skill.
         """
         if not 0 <= seconds <= 86_400:
-            raise ValueError(f"{seconds} is no time to sleep; 0 to 86400 seconds")
+            raise ValueError(f"{seconds} is not a time to sleep; give 0 to 86400 seconds")
         self._companion.sleep(float(seconds))
 
     def command(self, component: str | int, command: str, *parameters: float) -> None:

@@ -56,7 +56,7 @@ def load(function: Function, entry: EntryPoint) -> Callable[..., Any]:
     """The function of an entry point.
 
     Raises:
-        Unusable: it cannot be imported, or is no function.
+        Unusable: it cannot be imported, or is not a function.
     """
     try:
         found = entry.load()
@@ -64,7 +64,7 @@ def load(function: Function, entry: EntryPoint) -> Callable[..., Any]:
         traceback.print_exc()
         raise Unusable(f"{entry.value} cannot be imported: {in_words(error)}") from error
     if not callable(found):
-        raise Unusable(f"{entry.value} is no function")
+        raise Unusable(f"{entry.value} is not a function")
     if getattr(found, MARK, None) != function.kind.value:
         raise Unusable(f"{entry.value} is not marked with {_DECORATORS[function.kind]}")
     is_generator = (

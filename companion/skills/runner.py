@@ -283,7 +283,7 @@ class FunctionRunner:
     def _why_not_heard(self, call: _Call) -> str | None:
         process, now_s = call.process, time.monotonic()
         if process.is_broken:
-            return "its process has said what is no message"
+            return "its process has sent something that is not a message"
         if (code := process.exit_code) is not None:
             return in_words(code)
         if not call.is_ready:

@@ -64,7 +64,7 @@ class Detections:
                 elif name in self._placed:
                     self._see(name, value)
                 elif number is None:
-                    self.refuse(f"{name} is no number and no truth: {_short(value)}")
+                    self.refuse(f"{name} is neither a number nor a truth value: {_short(value)}")
                 else:
                     values[signal] = number
         return list(values.items())

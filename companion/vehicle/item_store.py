@@ -40,7 +40,7 @@ class ItemStore:
         telemetry: of the autopilot.
         kind: MAV_MISSION_TYPE.
         own: items of that kind that this companion has written.
-        name: of the items in failure messages, as in "the autopilot does not tell its fence".
+        name: of the items in failure messages, as in "the autopilot does not report its fence".
 
     Attributes:
         items: the items read last; None before.
@@ -87,7 +87,7 @@ class ItemStore:
             self._located_from_s = self._heard_s
         waited_s = self._heard_s - self._located_from_s
         if self._telemetry.origins.altitude_m is None and waited_s > GLOBAL_POSITION_S:
-            return Failed("the autopilot tells no position on the earth")
+            return Failed("the autopilot reports no position on the earth")
         if waited_s > LOCATE_S:
             return Failed("the autopilot does not say where its local frame lies on the earth")
         return Progress.RUNNING
@@ -95,7 +95,7 @@ class ItemStore:
     def read(self) -> None:
         """Begins to read the items."""
         self.items = None
-        self._begin(f"the autopilot does not tell its {self._name}", None)
+        self._begin(f"the autopilot does not report its {self._name}", None)
 
     def _write(self, items: UploadedItems | None, purpose: str) -> None:
         """Begins to replace the stored items.

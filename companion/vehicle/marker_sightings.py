@@ -93,7 +93,7 @@ class MarkerSightings:
 
     def _read(self, moment: Moment, component: int, message: Message) -> MarkerSighting | Refusal:
         if component not in self._components:
-            return Refusal(f"component {component} is no one that the mission names")
+            return Refusal(f"component {component} is not one that the mission names")
         newest_s = self._poses.newest_s
         if newest_s is None or self._telemetry.frame_doubt is not None:
             return Refusal("the vehicle's own position is not known")

@@ -91,7 +91,7 @@ class MetadataFetch:
         if now_s < self._next_s:
             return []
         if self._asked >= ASKED_TIMES:
-            self._fail(now_s, "it does not tell where")
+            self._fail(now_s, "it does not say where")
             return []
         self._asked += 1
         self._next_s = now_s + ASK_S

@@ -61,13 +61,13 @@ def sighting_of(report: dict[str, object]) -> Sighting | Refusal:
     numbers: dict[str, float] = {}
     for key, value in report.items():
         if isinstance(value, bool) or not isinstance(value, int | float):
-            return Refusal(f"{key[:20]} is no number")
+            return Refusal(f"{key[:20]} is not a number")
         try:
             numbers[key] = float(value)
         except OverflowError:
-            return Refusal(f"{key[:20]} is no number")
+            return Refusal(f"{key[:20]} is not a number")
         if not math.isfinite(numbers[key]):
-            return Refusal(f"{key[:20]} is no number")
+            return Refusal(f"{key[:20]} is not a number")
     keys = set(numbers)
     if keys == {"lat_deg", "lon_deg"}:
         return SeenOnEarth(numbers["lat_deg"], numbers["lon_deg"])
@@ -109,7 +109,7 @@ class Sightings:
                 if zero is None:
                     return Refusal("the autopilot has not said where on the earth it is")
                 if not (abs(latitude) <= 90 and abs(longitude) <= 180):
-                    return Refusal(f"{latitude:g}, {longitude:g} is no latitude and longitude")
+                    return Refusal(f"{latitude:g}, {longitude:g} is not a latitude and longitude")
                 return zero.to_local(latitude, longitude, zero.altitude_m)[:2]
             case SeenFromVehicle(forward_m=forward_m, right_m=right_m, monotonic_ns=stamp_ns):
                 if math.hypot(forward_m, right_m) > FAR_M:

@@ -178,7 +178,7 @@ def check_camera_event(
     if event.component is not None and event.component not in ids:
         where = document.where("happens", i, "camera", "component")
         hint = f"cameras are {', '.join(map(str, ids))}"
-        raise MissionError(f"component {event.component} is no camera", where, hint)
+        raise MissionError(f"component {event.component} is not a camera", where, hint)
     if event.model_fields_set <= {"component"}:
         hint = "say after_s, busy, fails, full, silent or lost"
         raise MissionError("nothing becomes of the camera", where, hint)

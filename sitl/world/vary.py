@@ -190,7 +190,7 @@ def _factor(path: str, entry: VaryEntry, data: Data, document: Document) -> Fact
     is_entry = isinstance(keys[-1], int) and isinstance(here, dict)
     if isinstance(here, dict | list) and not (is_entry and isinstance(chosen, Chance)):
         raise MissionError(
-            f"{path} is no single value",
+            f"{path} is not a single value",
             document.key_at("vary", path),
             "name one of its keys; an entry of a list may be varied by {chance: 0.5} alone",
         )

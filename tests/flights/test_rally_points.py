@@ -246,7 +246,7 @@ def test_an_autopilot_without_a_position_on_the_earth_is_told_and_flown() -> Non
     deaf = Deaf(dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT)
     deaf.is_deaf = True
     flight = armed(start(up=deaf))
-    assert flight.one(RallyMissing).reason == "the autopilot tells no position on the earth"
+    assert flight.one(RallyMissing).reason == "the autopilot reports no position on the earth"
     assert points(flight) == ()
 
 
@@ -259,7 +259,7 @@ def unsupported(now_s: float, datagrams: list[bytes]) -> list[bytes]:
 def test_an_autopilot_that_answers_nothing_is_told_with_the_option() -> None:
     flight = start(down=unsupported)
     reason = refused(flight)
-    assert reason.startswith("the autopilot does not tell its rally points: no answer in")
+    assert reason.startswith("the autopilot does not report its rally points: no answer in")
     assert reason.endswith("\n    --rally-points none leaves them alone")
     armed(start(policy=UploadPolicy.NONE, down=unsupported))
 

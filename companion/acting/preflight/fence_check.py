@@ -105,7 +105,7 @@ class FenceJudge:
         stored = self.store.stored
         if not self.store.is_as_written() and not self._is_wanted(stored):
             return Failed(
-                f"the autopilot has taken the mission's fence, and tells another one ({stored})"
+                f"the autopilot has taken the mission's fence, but reports another one ({stored})"
             )
         self._silent_from_s = self._flight.now_s
         return None

@@ -7,8 +7,8 @@ from companion.acting.preflight.failsafe_check import ANSWER_TIMEOUT_S
 from companion.outcomes import Failed, Outcome, Progress
 
 UNKNOWN = (
-    "the autopilot does not tell the charge of its battery, so it is not armed\n"
-    "    battery: plans of this mission reckon with it; set up the autopilot's battery monitor "
+    "the autopilot does not report the charge of its battery, so it is not armed\n"
+    "    battery: plans of this mission use it; set up the autopilot's battery monitor "
     "(PX4: BAT1_SOURCE, BAT1_CAPACITY), or leave the section battery out"
 )
 

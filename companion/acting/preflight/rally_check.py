@@ -117,7 +117,7 @@ class RallyJudge:
         is_wanted = stored is not None and stored.consists_of(self._wanted)
         if not self.store.is_as_written() and not is_wanted:
             return _advised(
-                f"the autopilot has taken the mission's rally points, and tells others ({stored})"
+                f"the autopilot has taken the mission's rally points, but reports others ({stored})"
             )
         return None
 
@@ -177,7 +177,7 @@ class RallyJudge:
         home = self._home.position
         near = [p for p in self._safe if horizontal_distance(p.position, home) <= NEAR_HOME_M]
         if near:
-            reason = f"PX4 passes over what lies within {NEAR_HOME_M:g} m of home"
+            reason = f"PX4 ignores what lies within {NEAR_HOME_M:g} m of home"
             self._flight.report(RallyUnused(", ".join(p.name for p in near), reason))
 
 

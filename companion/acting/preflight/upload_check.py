@@ -55,7 +55,7 @@ TRANSITIONS = TransitionTable(
     StateTransition(_S.READING, _T.UNFIT, _S.WRITING, "the mission's fits"),
     StateTransition(_S.WRITING, _T.WRITTEN, _S.READING_BACK, "it is asked for what it has"),
     StateTransition(_S.READING_BACK, _T.READ_BACK, _S.LISTENING, "time passes"),
-    StateTransition(_S.LISTENING, _T.UNOPPOSED, _S.DONE, "it is in force, which is told"),
+    StateTransition(_S.LISTENING, _T.UNOPPOSED, _S.DONE, "it is in force, and this is reported"),
     *(
         StateTransition(stage, _T.GONE_WITHOUT, _S.DONE, "that is told")
         for stage in (_S.LOCATING, _S.READING, _S.WRITING, _S.READING_BACK)

@@ -38,7 +38,7 @@ def test_a_sortie_that_goes_well() -> None:
     assert run.story == [
         "move(H, A), (wait)^w",
         PhaseEntered(Phase.CHECKING),
-        FenceMissing("the autopilot tells no position on the earth"),
+        FenceMissing("the autopilot reports no position on the earth"),
         PhaseEntered(Phase.ARMING),
         PhaseEntered(Phase.TAKE_OFF),
         PhaseEntered(Phase.OFFBOARD),

@@ -164,5 +164,5 @@ def test_without_a_plan_the_reason_is_raised() -> None:
 
 
 def test_what_is_no_run_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(MissionError, match="is no run folder"):
+    with pytest.raises(MissionError, match="is not a run folder"):
         behaviour_tree(tmp_path)

@@ -27,7 +27,11 @@ def refused(before: str, after: str) -> MissionError:
 @pytest.mark.parametrize(
     ("before", "after", "what"),
     [
-        ("found_by: personSeen", "found_by: personSen", "found by personSen, which is no event"),
+        (
+            "found_by: personSeen",
+            "found_by: personSen",
+            "found by personSen, which is not an event",
+        ),
         (EVENT, '{when: "EVENT[person] > 0"}', "what was found stays found, and the event"),
         (EVENT, '{when: "EVENT[person] > 1", latch: true}', "it does not come when something"),
         (EVENT, '{when: "EVENT[person] < 3", latch: true}', "it does not come when something"),
@@ -39,7 +43,7 @@ def refused(before: str, after: str) -> MissionError:
         (
             EVENT,
             '{when: "NAMED_VALUE_INT[person].value > 0", latch: true}',
-            "is no report of another program",
+            "is not a report of another program",
         ),
         ("at(Home)]", "at(Person)]", "the mission begins at Person, which is only found in flight"),
         (

@@ -122,7 +122,7 @@ SPOILT: list[tuple[str, str, str, str]] = [
     ("fly(to)", "§land(to)", "land has 1 arguments", "land()"),
     ("fly(to)", "charge(§0)", "a battery has 0 to 100 percent", "90"),
     ("fly(to)", "[fly(to), §upload()]", "upload is called with 0 arguments", "upload(r)"),
-    ("fly(to)", "[fly(to), §upload(D)]", "D is no parameter of move", ""),
+    ("fly(to)", "[fly(to), §upload(D)]", "D is not a parameter of move", ""),
     ("fly(to)", "[fly(to), §'move(from, to)']", "move is refined into itself", "primitives"),
     ("fly(to)", "§[]", "execute is a list, expected at least 1 entries", ""),
     ("    until:", "    restores: [§canUplod]\n    until:", "restores canUplod", "mean canUpload?"),

@@ -69,7 +69,7 @@ def test_a_flight_may_look_at_where_it_leads() -> None:
 
 
 MISTAKES: list[tuple[dict[str, Any], str, str]] = [
-    ({"look_at": "Hme"}, "looks at Hme, which is no parameter or place", "Did you mean Home?"),
+    ({"look_at": "Hme"}, "looks at Hme, which is not a parameter or place", "Did you mean Home?"),
     (
         {"look_at": "q", "parameters": {"q": "Thing"}},
         "cannot look at thing, no place",

@@ -62,7 +62,7 @@ def test_confirmations_are_conditions() -> None:
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"execute": "photo(px4)"}, "the autopilot is no camera"),
+        ({"execute": "photo(px4)"}, "the autopilot is not a camera"),
         ({"execute": "photo(lens)"}, "unknown component lens"),
         ({"execute": "photo()"}, "photo has 0 arguments"),
         ({"execute": "gimbal(gimbal, -120, 0)"}, "90 degrees down to 90 up"),

@@ -105,7 +105,7 @@ def test_a_mission_with_functions_is_planned_with_its_places_filled_in() -> None
         ("python(weigh, s, run=3)", ["run of weigh is filled in by the companion"]),
         ("python(weigh, s, limit_kg=s)", ["limit_kg of weigh takes a number, not s"]),
         ("python(weigh, 3)", ["place of weigh takes a text, not 3"]),
-        ("python(weigh, x)", ["x is no parameter of weigh, place or object", "in quotes"]),
+        ("python(weigh, x)", ["x is not a parameter of weigh, place or object", "in quotes"]),
         ('python(weigh, s, limit_kg="2")', ["takes a number, not 2"]),
         ("pyton(weigh, s)", ["unknown primitive pyton", "Did you mean python?"]),
         ("python(weigh, s", ["its parenthesis is not closed", '"python(name, arguments)"']),

@@ -150,8 +150,8 @@ def test_walls_are_occupied_and_the_rest_is_free(data: Data) -> None:
 @pytest.mark.parametrize(
     ("change", "what"),
     [
-        ({"east_m": [10, 0]}, "east_m of the map: 10 to 0 is no range"),
-        ({"north_m": [0, 0]}, "north_m of the map: 0 to 0 is no range"),
+        ({"east_m": [10, 0]}, "east_m of the map: 10 to 0 is not a range"),
+        ({"north_m": [0, 0]}, "north_m of the map: 0 to 0 is not a range"),
         ({"east_m": [0, 1e4]}, "east_m of the map: 20000 cells are too many"),
         ({"east_m": [-1e308, 1e308]}, "east_m of the map: 1000000000 cells are too many"),
         ({"walls": [{"east_m": [2, 2], "north_m": [0, 1]}]}, "a wall of the map: 2 to 2"),

@@ -99,9 +99,9 @@ def test_without_both_nobody_knows_where_to_fly(map_: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("fence", "what"),
     [
-        ([[0, 0], [9, 0], [0, 9], [9, 9]], "the fence is no polygon: its edges from corner 2"),
-        ([[0, 0], [9, 9], [3, 3]], "the fence is no polygon: it has no area"),
-        ([[0, 0], [9, 9], [9, 9], [0, 0]], "the fence is no polygon: it has 2 corners"),
+        ([[0, 0], [9, 0], [0, 9], [9, 9]], "the fence is not a polygon: its edges from corner 2"),
+        ([[0, 0], [9, 9], [3, 3]], "the fence is not a polygon: it has no area"),
+        ([[0, 0], [9, 9], [9, 9], [0, 0]], "the fence is not a polygon: it has 2 corners"),
     ],
 )
 def test_a_fence_is_a_polygon(fence: list[list[float]], what: str) -> None:
@@ -126,7 +126,7 @@ def test_a_wall_may_be_a_polygon() -> None:
         ({}, "a wall of the map is neither a box nor a polygon"),
         ({"east_m": [0, 1]}, "a wall of the map is neither a box nor a polygon"),
         ({"east_m": [0, 1], **TRIANGLE}, "a wall of the map is neither a box nor a polygon"),
-        ({"corners": [[0, 0], [1, 1]]}, "a wall of the map is no polygon: it has 2 corners"),
+        ({"corners": [[0, 0], [1, 1]]}, "a wall of the map is not a polygon: it has 2 corners"),
     ],
 )
 def test_a_wall_that_is_none(wall: dict[str, Any], what: str) -> None:
@@ -187,10 +187,13 @@ def with_area(*corners: Sequence[float], **entry: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("zone", "what"),
     [
-        ([[4, 0], [8, 0]], "the keep-out zone pond is no polygon: it has 2 corners"),
-        ([[4, 0], [8, 2], [8, 0], [4, 2]], "the keep-out zone pond is no polygon: its edges"),
+        ([[4, 0], [8, 0]], "the keep-out zone pond is not a polygon: it has 2 corners"),
+        ([[4, 0], [8, 2], [8, 0], [4, 2]], "the keep-out zone pond is not a polygon: its edges"),
         ([[40, 0], [48, 0], [48, 2]], "the keep-out zone pond lies outside the fence"),
-        ([[4 + i / 2000, i % 2] for i in range(251)], "the keep-out zone pond is no polygon: it h"),
+        (
+            [[4 + i / 2000, i % 2] for i in range(251)],
+            "the keep-out zone pond is not a polygon: it h",
+        ),
     ],
 )
 def test_a_zone_that_is_none(zone: list[list[float]], what: str) -> None:
@@ -232,7 +235,7 @@ def test_the_way_around_a_zone_costs_what_it_is_longer() -> None:
     ("changes", "what"),
     [
         (with_area([3, 3], [5, 3], [5, 5]), "place A lies outside its own corners"),
-        (with_area([11, 1], [13, 1]), "the region of A is no polygon: it has 2 corners"),
+        (with_area([11, 1], [13, 1]), "the region of A is not a polygon: it has 2 corners"),
         (with_area([9, -1], [13, -1], [13, 1], radius_m=1), "place A has both radius_m and corn"),
     ],
 )

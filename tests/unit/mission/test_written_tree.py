@@ -192,7 +192,7 @@ def test_subtrees_may_not_be_nested_too_deep(load: Load, good: str, is_reversed:
 
     assert load(text(8)).tree is not None
     for length in (9, 500):
-        with pytest.raises(MissionError, match="more than 8 subtrees in one another"):
+        with pytest.raises(MissionError, match="more than 8 nested subtrees"):
             load(text(length))
 
 

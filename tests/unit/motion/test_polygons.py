@@ -1,4 +1,4 @@
-"""Polygons on the map: which cells they touch, and what is no polygon."""
+"""Polygons on the map: which cells they touch, and what is not a polygon."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ def test_a_bound_that_covers_skills_without_cost_is_noticed(
         "components": {"payload": 25},
     }
     text = (
-        "look: without cost, so plans reckon with 21 s for it, and the bounds in time of soon hold"
+        "look: without cost, so plans assume 21 s for it, and the bounds in time of soon hold"
         " only if it is done by then; write its time"
     )
     assert told(load_mission(DATA | keys)) == [text] * is_noticed

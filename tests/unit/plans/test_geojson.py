@@ -190,14 +190,17 @@ def test_a_bare_geometry_is_read_too(tmp_path: Path) -> None:
         (collection(feature("Point", [8.5, 97.0])), "feature 1: latitude 97, longitude 8.5"),
         (collection(feature("MultiPolygon", [])), "feature 1: is a MultiPolygon without parts"),
         (collection(feature("MultiPoint", [[8.5]])), "feature 1: a position is not a list"),
-        (collection(feature("MultiPolygon", [7])), "feature 1: has coordinates that are no list"),
+        (
+            collection(feature("MultiPolygon", [7])),
+            "feature 1: has coordinates that are not a list",
+        ),
         (collection(feature("GeometryCollection", [])), "feature 1: is a GeometryCollection, not"),
         (collection(feature("Polygon", [])), "feature 1: is a polygon without corners"),
         (collection(feature("Polygon", [[[8, 47], [8, 47]]])), "feature 1: a polygon of 1 corners"),
         (collection(feature("Point", [8, 47], name=3)), "feature 1: name is not a text"),
         (collection(feature("Point", [8, 47], kind="tree")), "feature 1: is of the kind 'tree'"),
         (collection({"type": "Feature"}), "feature 1: has no geometry"),
-        (collection("point"), "feature 1: is no object"),  # type: ignore[arg-type]
+        (collection("point"), "feature 1: is not an object"),  # type: ignore[arg-type]
         (collection(crs={"properties": {"name": "EPSG:2056"}}), "coordinates that are not WGS 84"),
     ],
 )

@@ -187,7 +187,7 @@ def test_an_archive_is_its_first_kml_file(tmp_path: Path) -> None:
         (kml(placemark("<Point></Point>", "A")), "placemark 1 (A): its Point has no coordinates"),
         (
             kml(placemark("<Point><coordinates>8.5;47</coordinates></Point>")),
-            "placemark 1: '8.5;47' is no position",
+            "placemark 1: '8.5;47' is not a position",
         ),
         (
             kml(placemark("<Point><coordinates>47,190</coordinates></Point>")),

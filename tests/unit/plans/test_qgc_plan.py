@@ -249,7 +249,9 @@ def test_the_least_of_several_speeds_counts(tmp_path: Path) -> None:
 
 
 def test_plans_of_planes_and_other_versions_are_refused(tmp_path: Path) -> None:
-    assert refusal(tmp_path, *WAY, vehicleType=20).startswith("is for a vehicle that is no copter")
+    assert refusal(tmp_path, *WAY, vehicleType=20).startswith(
+        "is for a vehicle that is not a copter"
+    )
     assert refusal(tmp_path, *WAY, version=7).startswith("its mission has version 7")
     for version in (2, 42):
         with pytest.raises(MissionError, match=f"the file has version {version}, and 1 is known"):

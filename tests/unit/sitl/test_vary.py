@@ -180,7 +180,7 @@ def test_an_entry_of_a_list_that_is_not_there_is_told_so(path: str, missing: str
 @pytest.mark.parametrize(
     ("path", "ends", "told"),
     [
-        ("map.walls.0.east_m.0", [2, 6], "cannot be 6.0: a wall of the map: 6 to 5 is no range"),
+        ("map.walls.0.east_m.0", [2, 6], "cannot be 6.0: a wall of the map: 6 to 5 is not a range"),
         ("map.cell_m", [0.0002, 1], "cannot be 0.0002: "),
         (
             "obstacles.0.circle.east_m",

@@ -167,7 +167,7 @@ def until(holds: object, what: str) -> None:
         (("no_such", 1), Failed("KeyError: '_no_such'")),
         (
             ("overflows",),
-            Failed("ValueError: 1e+39 is no number of single precision, as commands have"),
+            Failed("ValueError: 1e+39 is not a number of single precision, as commands have"),
         ),
     ],
 )

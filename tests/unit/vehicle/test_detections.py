@@ -44,12 +44,15 @@ def test_of_a_tick_the_last_value_counts() -> None:
 @pytest.mark.parametrize(
     ("datagram", "why"),
     [
-        (b'{"persons": NaN}', "persons is no number and no truth: nan"),
-        (b'{"persons": -Infinity}', "persons is no number and no truth: -inf"),
-        (b'{"persons": 1' + b"0" * 400 + b"}", "persons is no number and no truth: 1000"),
-        (b'{"persons": "two"}', "persons is no number and no truth: two"),
-        (b'{"persons": [2]}', "persons is no number and no truth: [2]"),
-        (b'{"persons": null}', "persons is no number and no truth: None"),
+        (b'{"persons": NaN}', "persons is neither a number nor a truth value: nan"),
+        (b'{"persons": -Infinity}', "persons is neither a number nor a truth value: -inf"),
+        (
+            b'{"persons": 1' + b"0" * 400 + b"}",
+            "persons is neither a number nor a truth value: 1000",
+        ),
+        (b'{"persons": "two"}', "persons is neither a number nor a truth value: two"),
+        (b'{"persons": [2]}', "persons is neither a number nor a truth value: [2]"),
+        (b'{"persons": null}', "persons is neither a number nor a truth value: None"),
         (b"[1]", "no JSON object: [1]"),
         (b"2", "no JSON object: 2"),
         (b'{"persons": ', 'no JSON: {"persons": '),

@@ -133,10 +133,10 @@ def test_nothing_seen_is_no_mistake(nothing: object) -> None:
         ({"forward_m": 1}, "person: a position is forward_m"),
         ({"forward_m": 1, "right_m": 1, "up": 1}, "person: a position is forward_m"),
         ({"lat_deg": 1, "lon_deg": 1, "monotonic_ns": 1}, "person: a position is"),
-        ({"forward_m": "1", "right_m": 1}, "person: forward_m is no number"),
-        ({"forward_m": True, "right_m": 1}, "person: forward_m is no number"),
-        ({"forward_m": float("nan"), "right_m": 1}, "person: forward_m is no number"),
-        ({"forward_m": 10**400, "right_m": 1}, "person: forward_m is no number"),
+        ({"forward_m": "1", "right_m": 1}, "person: forward_m is not a number"),
+        ({"forward_m": True, "right_m": 1}, "person: forward_m is not a number"),
+        ({"forward_m": float("nan"), "right_m": 1}, "person: forward_m is not a number"),
+        ({"forward_m": 10**400, "right_m": 1}, "person: forward_m is not a number"),
     ],
 )
 def test_what_is_no_position_is_refused(report: object, why: str) -> None:

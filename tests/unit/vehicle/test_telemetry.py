@@ -83,7 +83,7 @@ def test_a_critical_charge_is_the_autopilots_own_word() -> None:
 
 
 def test_the_heading_has_a_stamp_of_its_own() -> None:
-    """A heading that is no number renews nothing."""
+    """A heading that is not a number renews nothing."""
     telemetry = heard(Autopilot(), now_s=3.0)
     for yaw_rad, stamp_s in ((math.nan, 3.0), (0.5, 4.0)):
         say(telemetry, dialect.MAVLink_attitude_message(0, 0, 0, yaw_rad, 0, 0, 0), 4.0)

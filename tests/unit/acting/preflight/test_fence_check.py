@@ -156,7 +156,7 @@ def test_what_the_autopilot_says_against_it_is_told() -> None:
 def test_what_is_read_back_is_compared() -> None:
     run = rig()
     run.vehicle.fence.write = lambda areas: setattr(run.vehicle.fence, "stored", OTHER)  # type: ignore[method-assign]
-    assert "and tells another one (12 points, 2 areas)" in refused(run)
+    assert "but reports another one (12 points, 2 areas)" in refused(run)
 
 
 def test_a_frame_that_moves_meanwhile_makes_no_other_fence_of_it() -> None:
@@ -184,7 +184,7 @@ def test_a_fence_that_is_not_taken_is_told_with_the_way_out() -> None:
 def test_an_autopilot_that_is_nowhere_is_told_and_flown() -> None:
     run = SortieRig(ASKED)
     assert armed(run).written == []
-    assert run.one(FenceMissing).reason == "the autopilot tells no position on the earth"
+    assert run.one(FenceMissing).reason == "the autopilot reports no position on the earth"
 
 
 def test_one_that_is_left_alone_is_not_even_asked() -> None:

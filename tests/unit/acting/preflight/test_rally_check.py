@@ -131,7 +131,7 @@ def test_one_that_is_kept_lies_in_the_missions_fence() -> None:
 def test_what_is_read_back_is_compared() -> None:
     run = rig()
     run.vehicle.rally.write = lambda points: setattr(run.vehicle.rally, "stored", OTHER)  # type: ignore[method-assign]
-    assert "mission's rally points, and tells others (1 rally point)" in refused(run)
+    assert "mission's rally points, but reports others (1 rally point)" in refused(run)
 
 
 def test_an_autopilot_that_takes_none_is_told_with_the_way_out() -> None:
@@ -143,9 +143,9 @@ def test_an_autopilot_that_takes_none_is_told_with_the_way_out() -> None:
 
 def test_an_autopilot_that_is_nowhere_is_told_and_flown() -> None:
     run = rig()
-    run.vehicle.rally.nowhere = "the autopilot tells no position on the earth"
+    run.vehicle.rally.nowhere = "the autopilot reports no position on the earth"
     assert armed(run).written == []
-    assert run.one(RallyMissing).reason == "the autopilot tells no position on the earth"
+    assert run.one(RallyMissing).reason == "the autopilot reports no position on the earth"
 
 
 def test_one_that_is_left_alone_is_not_even_asked() -> None:
@@ -185,7 +185,7 @@ def test_they_are_taken_away_as_well_where_that_was_said() -> None:
 def test_one_that_does_not_speak_of_them_is_flown_then() -> None:
     run = rig(asked=NONE)
     run.vehicle.rally.has_written = True
-    run.vehicle.rally.outcome = Failed("the autopilot does not tell its rally points: no answer")
+    run.vehicle.rally.outcome = Failed("the autopilot does not report its rally points: no answer")
     assert armed(run).written == []
     assert "no answer" in run.one(RallyMissing).reason
 
@@ -212,7 +212,7 @@ def test_what_is_near_home_is_told() -> None:
     run = rig()
     armed(run)
     assert run.one(RallyUnused).points == "B, C"
-    assert run.one(RallyUnused).reason == "PX4 passes over what lies within 10 m of home"
+    assert run.one(RallyUnused).reason == "PX4 ignores what lies within 10 m of home"
 
 
 def test_an_autopilot_that_does_not_say_is_waited_for_for_a_while() -> None:
