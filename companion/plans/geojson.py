@@ -55,7 +55,7 @@ def _shapes(entry: Any, index: int) -> Iterator[Shape]:
     """The shapes of a feature."""
     feature = JsonObject(entry, f"feature {index}")
     if feature.text("type") != "Feature":
-        raise ItemRefused(feature.item, "is no Feature", "save the file again")
+        raise ItemRefused(feature.item, "is not a Feature", "save the file again")
     properties = JsonObject(
         feature.object("properties").data if "properties" in feature else {}, feature.item
     )

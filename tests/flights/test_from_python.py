@@ -93,8 +93,8 @@ def test_no_vehicle_is_an_error_and_the_end_of_the_record(tmp_path: Path) -> Non
     [
         ({"autopilot_fence": "uplod"}, "no autopilot_fence 'uplod'; there are upload, keep"),
         ({"rally_points": "all"}, "no rally_points 'all'"),
-        ({"laps": 0}, "0 laps is no limit"),
-        ({"limit_s": -1.0}, "-1 s is no limit"),
+        ({"laps": 0}, "0 laps is not a limit"),
+        ({"limit_s": -1.0}, "-1 s is not a limit"),
         ({"events": "/run/events"}, "cannot hear reports on /run/events"),
     ],
 )

@@ -205,7 +205,7 @@ def test_a_marker_that_another_component_makes_up_is_not_believed() -> None:
 
     flight._up = with_lies
     assert flight.until_landed() < 0.15
-    assert any("component 41 is no one" in each.reason for each in flight.of(SightingsRefused))
+    assert any("component 41 is not one" in each.reason for each in flight.of(SightingsRefused))
 
 
 def descending(up_m: float, **about: Any) -> Landing:

@@ -79,7 +79,7 @@ def test_text_pgm_and_explicit_mode_are_read(tmp_path: Path) -> None:
         ({"image": "[1]"}, "not a file name", 1),
         ({"image": "absent.pgm"}, "there is no image", 1),
         ({"image": "x" * 5000}, "cannot be read", 1),
-        ({"image": "map.yaml"}, "no usable PGM or PNG", 1),
+        ({"image": "map.yaml"}, "not a usable PGM or PNG", 1),
         ({"resolution": "0"}, "resolution is 0", 2),
         ({"resolution": ".nan"}, "resolution is nan", 2),
         ({"resolution": "true"}, "resolution is True", 2),

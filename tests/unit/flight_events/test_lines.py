@@ -86,9 +86,9 @@ PLAN: dict[str, Any] = MADE["plan"]
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        (REACHED | {"t_s": -1.0}, "t_s is no time"),
-        (REACHED | {"t_s": True}, "t_s is no time"),
-        (REACHED | {"t_s": "1"}, "t_s is no time"),
+        (REACHED | {"t_s": -1.0}, "t_s is not a time"),
+        (REACHED | {"t_s": True}, "t_s is not a time"),
+        (REACHED | {"t_s": "1"}, "t_s is not a time"),
         (REACHED | {"type": 3}, "3 is not a type of event"),
         (REACHED | {"type": []}, "[] is not a type of event"),
         (REACHED | {"type": "Reached"}, "Reached is not a type of event"),

@@ -226,8 +226,8 @@ def test_depth_elements_and_the_size_of_archives_are_limited(tmp_path: Path) -> 
         archive.writestr("doc.kml", b" " * (MAX_BYTES + 1))
     data = packed.getvalue()
     assert refusal(tmp_path, data, "map.kmz").startswith("has a KML file of more than")
-    assert refusal(tmp_path, data[:-30], "map.kmz").startswith("is no archive")
-    assert refusal(tmp_path, b"PK", "map.kmz").startswith("is no archive")
+    assert refusal(tmp_path, data[:-30], "map.kmz").startswith("is not a readable archive")
+    assert refusal(tmp_path, b"PK", "map.kmz").startswith("is not a readable archive")
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_LZMA, zipfile.ZIP_BZIP2])

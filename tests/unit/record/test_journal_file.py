@@ -123,7 +123,7 @@ def test_a_journal_that_is_damaged_in_the_middle_is_refused(tmp_path: Path) -> N
 def test_an_entry_that_is_none_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path, ENTRIES)
     path.write_bytes(path.read_bytes().replace(b'"phase"', b'"stage"', 1))
-    with pytest.raises(CompanionError, match=r"journal\.jsonl:2: this is no entry"):
+    with pytest.raises(CompanionError, match=r"journal\.jsonl:2: this is not an entry"):
         read_journal(tmp_path, 0.0)
 
 

@@ -144,7 +144,7 @@ def test_what_is_not_understood_is_refused_with_words(fields: dict[str, Any], wh
 
 @pytest.mark.parametrize("component", [1, 41, 191])
 def test_a_component_that_the_mission_does_not_name_is_not_believed(component: int) -> None:
-    assert f"component {component} is no one" in Vehicle().refuses(target(), component)
+    assert f"component {component} is not one" in Vehicle().refuses(target(), component)
 
 
 @pytest.mark.parametrize(

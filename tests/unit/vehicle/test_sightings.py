@@ -149,4 +149,4 @@ def test_a_number_that_is_asked_for_may_not_be_a_position() -> None:
     detections = Detections([COUNT], placed={"person"})
     assert detections.read([b'{"count": {"forward_m": 1, "right_m": 1}}']) == []
     assert sighting_of({"forward_m": 1, "right_m": 1}) == SeenFromVehicle(1.0, 1.0, None)
-    assert "no number and no truth" in detections.news()[0].text
+    assert "neither a number nor a truth value" in detections.news()[0].text
