@@ -12,6 +12,7 @@ from companion.acting.assembly import assemble
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import TaskStatus
 from companion.acting.preparation import prepare
+from companion.acting.safe_places import flight_to
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.word import PositionLeft
 from companion.mission.model import Mission
@@ -81,6 +82,13 @@ class Rig(Happened):
         status = self.executive.tick()
         self._collect()
         return status
+
+    def leave_for(self, place: str) -> bool:
+        """Leaves for a safe place, as without a plan; false if no route leads there."""
+        lasso = flight_to(self.planner, place)
+        if lasso is not None:
+            self.executive.leave(lasso)
+        return lasso is not None
 
     def run(self, until: Callable[[], bool], limit_s: float = 120.0) -> None:
         """Ticks until a condition holds; the test fails if it takes too long."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from companion.acting.executive import Executive
-from companion.acting.executive_states import ExecutiveState, TaskStatus
+from companion.acting.executive_states import AwaitingPlan, TaskStatus
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import LimitWatch
 from companion.acting.journal import EndingBegun
@@ -19,7 +19,7 @@ from companion.acting.low_battery import IN_FLIGHT, LowBattery
 from companion.acting.phases import SortieEvent
 from companion.acting.positions import tell_late
 from companion.acting.return_home import ReturnHome
-from companion.acting.safe_places import SafePlaces
+from companion.acting.safe_places import AtSafePlace, NoSafePlace, SafePlaces, WayToSafePlace
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.sortie import (
     BatteryLow,
@@ -160,7 +160,7 @@ class FlownTask:
         if status is TaskStatus.SATISFIED:
             self.failure = executive.failure  # set if this was only the flight to a safe place
             return SortieEvent.SATISFIED
-        is_waiting = executive.is_leaving and executive.state is ExecutiveState.AWAITING_PLAN
+        is_waiting = executive.is_leaving and isinstance(executive.state, AwaitingPlan)
         is_lost = status is TaskStatus.NO_PLAN or is_waiting
         if not is_lost and not executive.is_leaving:
             self._safe.forget()
@@ -199,29 +199,24 @@ class FlownTask:
                 then another safe place is tried first.
         """
         executive, safe, flight = self._executive, self._safe, self._flight
-        if safe.landed_at is not None:
-            self.failure = executive.failure
-            return SortieEvent.SATISFIED
-        if executive.is_leaving and safe.place is not None:
-            assert executive.due is not None
-            if executive.has_lost_way:
-                flight.report(ReturnFailed(safe.place, executive.due.reason))
-            else:
-                safe.reconsider()
-            safe.place = None
-        chosen = safe.choose()
-        if chosen is None:
-            flight.guidance.hold()
-            return None
-        place = chosen.answer
-        if place is not None and executive.go_to(place):
-            flight.report(ReturnBegun(place))
-            return None
-        if place is not None or is_waiting:
-            return None
-        self.failure = executive.failure
-        is_hold = self._otherwise is Otherwise.HOLD
-        return SortieEvent.LEFT_ON_HOLD if is_hold else SortieEvent.OUT_OF_PLANS
+        if executive.is_leaving and safe.place is not None and safe.landed_at is None:
+            if executive.way_lost is not None:
+                flight.report(ReturnFailed(safe.place, executive.way_lost))
+            safe.leave_way(is_blocked=executive.way_lost is not None)
+        match safe.decide():
+            case AtSafePlace():
+                self.failure = executive.failure
+                return SortieEvent.SATISFIED
+            case WayToSafePlace(place, lasso):
+                executive.leave(lasso)
+                flight.report(ReturnBegun(place))
+            case NoSafePlace() if not is_waiting:
+                self.failure = executive.failure
+                is_hold = self._otherwise is Otherwise.HOLD
+                return SortieEvent.LEFT_ON_HOLD if is_hold else SortieEvent.OUT_OF_PLANS
+            case None:
+                flight.guidance.hold()
+        return None
 
     def _fly_home(self, return_home: ReturnHome) -> SortieEvent | None:
         self._flight.guidance.is_for_task = False

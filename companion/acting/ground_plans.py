@@ -9,10 +9,10 @@ from __future__ import annotations
 from py_trees.behaviour import Behaviour
 
 from companion.acting.behaviour_tree.hand_built import build_by_hand
+from companion.acting.deliberation import Deliberation
 from companion.acting.flight import Flight
 from companion.acting.preparation import PreparedMission
-from companion.acting.replanning.assumptions import Assumptions
-from companion.acting.replanning.replanner import PlanFailure, Replanner
+from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import CompanionError, NoPlanError
 from companion.flight_events.plans import EngineFailed, WrittenTreeAdopted
 from companion.mission.tree_nodes import Tree
@@ -25,22 +25,17 @@ class GroundPlans:
     Args:
         prepared: the mission, with its planner and its first plan.
         flight: the flight that begins.
-        assumptions: the assumptions of the plan that is made.
-        replanner: follows the map.
+        deliberation: follows the map, and learns what the plan assumes.
     """
 
     def __init__(
-        self,
-        prepared: PreparedMission,
-        flight: Flight,
-        assumptions: Assumptions,
-        replanner: Replanner,
+        self, prepared: PreparedMission, flight: Flight, deliberation: Deliberation
     ) -> None:
         self._prepared = prepared
         self._planner = prepared.planner
         self._flight = flight
-        self._assumptions = assumptions
-        self._replanner = replanner
+        self._assumptions = deliberation.assumptions
+        self._replanner = deliberation.replanner
 
     def written(self, tree: Tree) -> Behaviour:
         """The behaviours of a tree that was written by hand."""

@@ -1,9 +1,10 @@
-"""Reports the plans of a flight: the first one, and each that replaces another one."""
+"""Reports the plans of a flight: the first one, each that replaces another one, and each wait."""
 
 from __future__ import annotations
 
+from companion.acting.executive_states import AwaitingPlan
 from companion.acting.flight import Flight
-from companion.flight_events.plans import PlanMade, PlanReplaced
+from companion.flight_events.plans import PlanAwaited, PlanMade, PlanReplaced
 from companion.mission.model import Mission
 from companion.planning.lasso import ChosenPlan
 
@@ -30,3 +31,9 @@ def tell_replaced(flight: Flight, number: int, reason: str, plan: ChosenPlan) ->
         number=number, reason=reason, plan=plan.lasso.planned, dropped=plan.lines_dropped
     )
     flight.report(replaced)
+
+
+def tell_awaited(flight: Flight, waiting: AwaitingPlan) -> None:
+    """Reports that the vehicle begins to wait for a plan, and why."""
+    why = str(waiting.failure).splitlines()[0]
+    flight.report(PlanAwaited(why, round(waiting.left_s, 1), waiting.hopes))

@@ -9,32 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from py_trees.behaviour import Behaviour
-from py_trees.common import Status
-
-from companion.acting.behaviour_tree.leaf import failure_of
 from companion.acting.charge.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
+from companion.acting.plan_under_way import PlanUnderWay
 from companion.acting.replanning.assumptions import BELIEF_CAME_BACK, Assumptions
 from companion.acting.replanning.replanner import Replanner
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.slices import Question, ask_once
-
-
-@dataclass(frozen=True, slots=True)
-class PlanUnderWay:
-    """A plan that is flown.
-
-    Attributes:
-        lasso: the plan.
-        tree: its behaviour tree.
-        is_leaving: whether it flies to a safe place, because there is no plan for the task.
-    """
-
-    lasso: Lasso
-    tree: Behaviour
-    is_leaving: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -263,13 +245,13 @@ class ReplanTriggers:
     # -- the tree has failed -------------------------------------------------------------------
 
     def _has_failed(self, plan: PlanUnderWay) -> bool:
-        return plan.tree.status is Status.FAILURE
+        return plan.tree.has_failed
 
     def _failure(self, plan: PlanUnderWay) -> str | None:
         """An assumption is wrong, a skill has failed, or a belief has come back."""
         if plan.is_leaving:
-            return failure_of(plan.tree)
-        unexpected = self._assumptions.surprise or failure_of(plan.tree)
+            return plan.tree.failure
+        unexpected = self._assumptions.surprise or plan.tree.failure
         return unexpected or self._violation or BELIEF_CAME_BACK
 
     # -- a line that the plan keeps is violated ------------------------------------------------

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Sequence
+from dataclasses import dataclass
 
 from companion.acting.flight import Flight
 from companion.geometry import horizontal_distance
@@ -31,11 +32,39 @@ MAX_PARTS = 200
 NO_WAY = 1 << 40
 
 
+@dataclass(frozen=True, slots=True)
+class AtSafePlace:
+    """The plan has landed the vehicle on a safe place, so it stays there."""
+
+    place: str
+
+
+@dataclass(frozen=True, slots=True)
+class WayToSafePlace:
+    """The vehicle flies to a safe place.
+
+    Attributes:
+        place: its name.
+        lasso: a plan that flies there and rests.
+    """
+
+    place: str
+    lasso: Lasso
+
+
+@dataclass(frozen=True, slots=True)
+class NoSafePlace:
+    """No safe place is left that can be reached."""
+
+
+SafePlaceDecision = AtSafePlace | WayToSafePlace | NoSafePlace
+
+
 class SafePlaces:
     """The safe places of a mission, and which of them were tried.
 
     Attributes:
-        place: the place to which the vehicle flies; None before.
+        place: the place to which the vehicle flies; None before, and once it has been left.
 
     Args:
         flight: the flight.
@@ -55,10 +84,26 @@ class SafePlaces:
         self.place = None
         self._choosing.abandon()
 
-    def reconsider(self) -> None:
-        """Allows the present place to be chosen again, because its way was not blocked."""
-        if self.place is not None:
+    def leave_way(self, is_blocked: bool) -> None:
+        """Flies no longer to the present place, which may be chosen again if it is not blocked."""
+        if self.place is not None and not is_blocked:
             self._tried.discard(self.place)
+        self.place = None
+
+    def decide(self) -> SafePlaceDecision | None:
+        """What a vehicle without a plan does now; None while that is not known."""
+        if (landed_at := self.landed_at) is not None:
+            return AtSafePlace(landed_at)
+        chosen = self.choose()
+        if chosen is None:
+            return None
+        if chosen.answer is None:
+            return NoSafePlace()
+        lasso = flight_to(self._planner, chosen.answer)
+        if lasso is None:
+            return None  # the next one is chosen
+        self.place = chosen.answer
+        return WayToSafePlace(chosen.answer, lasso)
 
     @property
     def landed_at(self) -> str | None:
@@ -92,7 +137,7 @@ class SafePlaces:
     def choose(self) -> Answered[str | None] | None:
         """The next place to fly to, or that none can be reached; None while that is not known.
 
-        It is the present place from then on, and is not chosen again.
+        It is not chosen again.
         """
         left = [place for place in self._places if place not in self._tried]
         if not left:
@@ -100,7 +145,6 @@ class SafePlaces:
         answered = self._choosing.ask(tuple(left), lambda: self._soonest(left))
         if answered is not None and answered.answer is not None:
             self._tried.add(answered.answer)
-            self.place = answered.answer
         return answered
 
     def _soonest(self, places: Collection[str]) -> str | None:

@@ -1,8 +1,8 @@
 """A hypothetical flight, at some position of its plan: what it would do about a change there.
 
-Nothing flies. The task's state, the plan's assumptions, the triggers and the search of a replan,
-and the choice of a safe place are those of a real flight, called in the same order. The vehicle is
-simulated as being where the plan has it.
+Nothing flies, but what decides is what decides in flight: the deliberation about plans, and the
+choice of a safe place. This module simulates the world around them: the vehicle is where the plan
+has it, actions are completed or fail, and the change happens.
 
 The change comes just after the next action of the plan has begun, as it would in flight, so a
 flight is interrupted where it begins. What has begun on the ground is finished first.
@@ -16,6 +16,7 @@ from typing import cast
 from py_trees.behaviours import Running
 
 from companion.acting.assembly import flight_of
+from companion.acting.behaviour_tree.ticked_tree import TickedTree
 from companion.acting.contingencies.answers import (
     Answer,
     GoesOn,
@@ -33,15 +34,15 @@ from companion.acting.contingencies.changes import (
 )
 from companion.acting.contingencies.hypothetical_charge import HypotheticalCharge
 from companion.acting.contingencies.hypothetical_vehicle import HypotheticalVehicle
-from companion.acting.plan_progress import PlanProgress
+from companion.acting.deliberation import Deliberation, PlanChosen, PlanDecision
+from companion.acting.executive_states import AwaitingPlan, Searching, WithoutPlan
+from companion.acting.plan_under_way import LeftPlan, PlanUnderWay
 from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
-from companion.acting.replan_triggers import PlanUnderWay, ReplanTriggers
-from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.assumptions import BELIEF_CAME_BACK
 from companion.acting.replanning.optional_lines import drop
-from companion.acting.replanning.patience import Patience
-from companion.acting.replanning.replanner import PlanFailure, Replanner
-from companion.acting.safe_places import SafePlaces, flight_to
+from companion.acting.replanning.replanner import PlanFailure
+from companion.acting.safe_places import AtSafePlace, NoSafePlace, SafePlaces, WayToSafePlace
 from companion.mission.events import Event
 from companion.mission.facts import HERE
 from companion.mission.otherwise import Otherwise
@@ -80,28 +81,20 @@ class HypotheticalFlight:
         self._flight = flight = flight_of(prepared, cast(Vehicle, self._vehicle))
         if (energy := self._planner.energy) is not None and level is not None:
             energy.charge = self._charge = HypotheticalCharge(flight, level)
-        self._assumptions = Assumptions(self._planner, flight)
-        self._patience = Patience(self._planner, flight)
-        self._replanner = Replanner(
-            self._planner, flight, self._assumptions, self._patience, explain=explain
-        )
-        self._triggers = ReplanTriggers(
-            flight, self._assumptions, self._replanner, energy=self._planner.energy
-        )
+        self._deliberation = Deliberation(self._planner, flight, explain=explain)
         self._lost: set[str] = set()
         self._found: set[str] = set()
         self._retry_s: float | None = None
         self._has_more_drain = False
         self._pass_time(TICK_S)
-        self._assumptions.renew()
+        self._deliberation.assumptions.renew()
         self.adopt(chosen)
 
     def adopt(self, chosen: ChosenPlan) -> None:
         """From now on flies this plan, and begins its first action."""
         drop(self._flight, chosen.dropped)
-        self._flight.progress = PlanProgress(ground=self._flight.progress.ground)
         self._lasso = chosen.lasso
-        self._triggers.adopt(chosen.lasso)
+        self._deliberation.adopt(chosen.lasso)
         self._begin()
 
     @property
@@ -226,20 +219,22 @@ class HypotheticalFlight:
             self._complete()
 
     def _why_to_replan(self, change: Change) -> str | None:
-        plan = PlanUnderWay(self._lasso, Running("plan"), is_leaving=False)
         if isinstance(change, SiteLost) and self.running.destination == change.place:
             return self._fail(self.running)
         if isinstance(change, DrainUp):
             self._reckon(1 + change.share)
             return str(change)
+        deliberation = self._deliberation
         if isinstance(change, BeliefLost):
-            is_kept = self._replanner.search_confirms(self._lasso)
+            is_kept = deliberation.replanner.search_confirms(self._lasso)
             return None if is_kept else str(change)
-        self._triggers.look(plan)
-        reason = self._triggers.before_the_tree(plan)
-        while reason is None and self._triggers.is_thinking:
-            reason = self._triggers.before_the_tree(plan)
-        return reason or self._assumptions.surprise
+        tree = TickedTree(self._flight, Running("plan"))
+        plan, triggers = PlanUnderWay(self._lasso, tree, is_leaving=False), deliberation.triggers
+        triggers.look(plan)
+        reason = triggers.before_the_tree(plan)
+        while reason is None and triggers.is_thinking:
+            reason = triggers.before_the_tree(plan)
+        return reason or deliberation.assumptions.surprise
 
     def _reckon(self, factor: float) -> None:
         """From now on everything takes this multiple of what the mission says."""
@@ -250,59 +245,59 @@ class HypotheticalFlight:
             self._has_more_drain = True
 
     def _replan(self, reason: str) -> tuple[Answer, ChosenPlan | None]:
+        """Does what the deliberation decides; a wait ends when a belief is held again."""
         self._flight.task.interrupt()
-        found = self._make_plan(reason)
-        waits, waited_s = self._waits_for, 0.0
-        retry_s = self._retry_s
-        if not isinstance(found, ChosenPlan) and waits and retry_s is not None:
-            if retry_s < self._patience.left_s:
-                waited_s, found = retry_s, self._plan_after(reason, retry_s)
-        if not isinstance(found, ChosenPlan):
-            return self._without_plan(found, waits), None
-        if self._replanner.is_rest_of(self._lasso, found.lasso):
+        decision = self._decided(self._deliberation.replan(reason, LeftPlan(self._lasso)))
+        waits_for = decision.hopes if isinstance(decision, AwaitingPlan) else ()
+        waited_s, retry_s = 0.0, self._retry_s
+        if isinstance(decision, AwaitingPlan) and retry_s is not None:
+            if retry_s < decision.left_s:
+                waited_s, decision = retry_s, self._after_retry(decision, retry_s)
+        if not isinstance(decision, PlanChosen):
+            return self._without_plan(decision.failure, waits_for), None
+        if decision.is_rest:
             return GoesOn(), None
+        plan = decision.plan
         answer = PlansAnew(
-            found.lasso.planned,
-            dropped=found.lines_dropped,
+            plan.lasso.planned,
+            dropped=plan.lines_dropped,
             waited_s=waited_s,
-            reserve_wh=self._of_reserve_wh(found.lasso),
+            reserve_wh=self._of_reserve_wh(plan.lasso),
         )
-        return answer, found
+        return answer, plan
 
-    def _make_plan(self, reason: str) -> ChosenPlan | PlanFailure:
-        due = self._replanner.begin(reason)
-        found = self._replanner.step(due)
-        while found is None:
-            found = self._replanner.step(due)
-        return found
+    def _decided(self, decision: PlanDecision) -> PlanChosen | AwaitingPlan | WithoutPlan:
+        """The decision at the end of a search."""
+        while isinstance(decision, Searching):
+            decision = self._deliberation.search(decision)
+        return decision
 
-    def _plan_after(self, reason: str, wait_s: float) -> ChosenPlan | PlanFailure:
-        """The plan when a withdrawn belief is held again."""
+    def _after_retry(
+        self, waiting: AwaitingPlan, wait_s: float
+    ) -> PlanChosen | AwaitingPlan | WithoutPlan:
+        """The decision when a withdrawn belief is held again."""
         flight, energy = self._flight, self._planner.energy
         self._pass_time(wait_s)
         if energy is not None and self._charge is not None:
             self._charge.level -= energy.model.hovering(wait_s)
         flight.task.restore(flight.now_s, True, frozenset())
-        return self._make_plan(reason)
+        return self._decided(self._deliberation.search_again(waiting, BELIEF_CAME_BACK))
 
-    @property
-    def _waits_for(self) -> tuple[str, ...]:
-        patience = self._patience
-        return tuple(map(str, patience.hopes)) if patience.hopes and patience.lasts else ()
-
-    def _without_plan(self, failure: PlanFailure, waits: tuple[str, ...]) -> Answer:
+    def _without_plan(self, failure: PlanFailure, waits_for: tuple[str, ...]) -> Answer:
         """Does what the mission says for the case that no plan exists."""
         why = str(failure).splitlines()[0]
         safe = SafePlaces(self._flight, self._planner, self._mission.safe_places)
-        if (landed := safe.landed_at) is not None:
-            return LandsAt(landed, why, waits)
-        while (chosen := safe.choose()) is None or chosen.answer is not None:
-            place = None if chosen is None else chosen.answer
-            if place is not None and flight_to(self._planner, place) is not None:
-                return LandsAt(place, why, waits, *self._missing_wh(safe.missing(place)))
-        is_hold = self._mission.otherwise is Otherwise.HOLD
-        does = "holds where it is" if is_hold else "lands where it is"
-        return StaysWhereItIs(does, why, not self._mission.safe_places, waits)
+        while (decision := safe.decide()) is None:
+            pass
+        match decision:
+            case AtSafePlace(place):
+                return LandsAt(place, why, waits_for)
+            case WayToSafePlace(place):
+                return LandsAt(place, why, waits_for, *self._missing_wh(safe.missing(place)))
+            case NoSafePlace():
+                is_hold = self._mission.otherwise is Otherwise.HOLD
+                does = "holds where it is" if is_hold else "lands where it is"
+                return StaysWhereItIs(does, why, not self._mission.safe_places, waits_for)
 
     def _of_reserve_wh(self, lasso: Lasso) -> float:
         """How much of the reserve a plan from here takes."""

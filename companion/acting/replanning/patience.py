@@ -14,18 +14,12 @@ Only the lines of the task that may not be dropped are considered.
 
 from __future__ import annotations
 
-import math
-
 from companion.acting.flight import Flight
 from companion.errors import NoPlanError, SearchLimit
-from companion.flight_events.plans import PlanAwaited
-from companion.motion.heading import glance
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 
 THE_MAP = "the map"
-APART_S = 2.0
-"""Holds further apart belong to separate waits; the second starts a new turn to and fro."""
 
 
 class Patience:
@@ -45,29 +39,6 @@ class Patience:
         self._flight = flight
         self._since_s = 0.0
         self._positions = -1
-        self._heading_rad = 0.0
-        self._facing_s = 0.0
-        self._held_s = -math.inf
-
-    def tell(self, failure: NoPlanError | SearchLimit) -> None:
-        """Reports that the vehicle begins to wait, and why."""
-        why = str(failure).splitlines()[0]
-        self._flight.report(PlanAwaited(why, round(self.left_s, 1), tuple(self.hopes)))
-
-    def hold(self) -> None:
-        """Holds for a tick; if the map may change, the vehicle turns to and fro.
-
-        The beams of a range finder that does not turn miss most of a door 5 m away, and what they
-        miss stays on the map as it was last seen.
-        """
-        flight = self._flight
-        if THE_MAP not in self.hopes:
-            flight.guidance.hold()
-            return
-        if flight.now_s - self._held_s > APART_S:
-            self._heading_rad, self._facing_s = flight.guidance.heading_rad, flight.now_s
-        self._held_s = flight.now_s
-        flight.guidance.hold(self._heading_rad + glance(flight.now_s - self._facing_s))
 
     def begin(self, failure: NoPlanError | SearchLimit) -> None:
         """Notes that there is no plan, or still none, and why."""

@@ -93,7 +93,7 @@ def test_a_return_that_finds_no_way_lands_where_it_is(flown: SortieRig) -> None:
 
 def test_a_return_is_not_left_for_the_task(flown: SortieRig) -> None:
     assert flown.sortie.return_home() is None
-    flown.rig.executive._assumptions.note_restored_beliefs()
+    flown.rig.executive.deliberation.assumptions.note_restored_beliefs()
     flown.until(Phase.ENDED)
     assert math.dist(flown.position[:2], (0.0, 0.0)) < 0.3
     assert not flown.of(PlanReplaced) and not flown.of(NoPlanFound)

@@ -46,7 +46,7 @@ def test_an_event_that_no_plan_survives_violates_where_the_vehicle_arrives() -> 
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
     assert rig.one(NoPlanFound).reason == "low"
     assert rig.one(NoPlanFound).explanation.startswith("no plan: safe cannot hold from here")
-    assert rig.executive.go_to("H")
+    assert rig.leave_for("H")
     assert rig.of(ConjunctViolated) == []
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     violated = ConjunctViolated("safe", "G !low", position=1, facts=("at(H)", "low"))
@@ -59,7 +59,7 @@ def test_a_violation_at_the_start_is_told_when_the_start_is_left() -> None:
     rig.tick(reading("low"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
     assert rig.of(ConjunctViolated) == []
-    assert rig.executive.go_to("H")
+    assert rig.leave_for("H")
     rig.tick()
     violated = ConjunctViolated("safe", "G !low", position=0, facts=("at(H)", "low"))
     assert rig.of(ConjunctViolated) == [violated]
@@ -73,7 +73,7 @@ def violated_at_the_start(restarts: Iterable[str] = ()) -> Rig:
     rig = Rig(mission(task, events=events)).begin()
     rig.tick(reading("low"))
     rig.run(lambda: rig.executive.status is TaskStatus.NO_PLAN, limit_s=0.5)
-    assert rig.executive.go_to("A")
+    assert rig.leave_for("A")
     rig.run(lambda: rig.flight.now_s > 2.0)
     assert rig.one(ConjunctViolated).conjunct == "safe"
     assert rig.one(ConjunctViolated).position == 0

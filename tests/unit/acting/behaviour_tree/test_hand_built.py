@@ -154,7 +154,7 @@ def test_a_failure_ends_the_task_in_words() -> None:
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.events[-1] == WrittenTreeFailed("do failed: denied")
     assert str(rig.executive.failure) == rig.events[-1].text
-    assert rig.executive.go_to("H")
+    assert rig.leave_for("H")
 
 
 def test_a_fallback_takes_what_succeeds_first() -> None:

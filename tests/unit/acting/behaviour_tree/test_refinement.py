@@ -11,7 +11,8 @@ from synthetic import command, event, facts_of, mission, reading, skill
 
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S
-from companion.acting.executive_states import ExecutiveState, TaskStatus
+from companion.acting.deliberation import PlanChosen
+from companion.acting.executive_states import TaskStatus
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.sortie import Sortie
 from companion.flight_events.event import FlightEvent
@@ -24,7 +25,7 @@ from companion.mission.skills import Skill
 from companion.mission.steps import Charge, Command, Do, Fly, Land, TakeOff, Wait
 from companion.outcomes import Failed, Progress
 from companion.planning.instances import instantiate
-from companion.planning.lasso import Lasso
+from companion.planning.lasso import ChosenPlan, Lasso
 from companion.vehicle.port import Goal
 
 LOW = event("low")
@@ -89,7 +90,7 @@ def test_steps_are_done_one_after_the_other() -> None:
     rig = Rig(mission("F at(A) & F at(B)", skills=[shoot]), None).begin()
     action = next(a for a in rig.planner.model.actions if a.name == "shoot(H, A)")
     lasso = Lasso((action,), (next(iter(rig.planner.model.actions)),))
-    rig.executive._adopt(lasso, ExecutiveState.EXECUTING)
+    rig.executive._fly_on(PlanChosen(ChosenPlan(lasso, ()), "", is_rest=False))
     rig.run_until(SkillCompleted, action="shoot(H, A)")
     assert [sent[1] for sent in rig.vehicle.payloads.sent] == [31010, 31010]
 

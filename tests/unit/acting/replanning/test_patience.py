@@ -9,7 +9,7 @@ import pytest
 from rig import Rig
 from synthetic import command, event, mission, move, reading
 
-from companion.acting.executive_states import ExecutiveState, TaskStatus
+from companion.acting.executive_states import AwaitingPlan, TaskStatus
 from companion.flight_events.plans import NoPlanFound, PlanAwaited, PlanReplaced
 from companion.flight_events.skills import PlaceReached
 from companion.mission.conditions import parse_condition
@@ -48,7 +48,7 @@ def test_a_cloud_is_waited_for() -> None:
     rig = under_way(patrol())
     rig.tick(reading("covered"))
     tick_for(rig, 50.0)
-    assert rig.executive.state is ExecutiveState.AWAITING_PLAN
+    assert isinstance(rig.executive.state, AwaitingPlan)
     assert rig.one(PlanAwaited).hopes == ("covered",)
     rig.tick(reading("covered", 0.0))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
@@ -169,7 +169,7 @@ def test_an_operator_may_pause_and_go_on_meanwhile() -> None:
     rig.executive.pause()
     rig.executive.resume()
     tick_for(rig, 2.0)
-    assert rig.executive.state is ExecutiveState.AWAITING_PLAN
+    assert isinstance(rig.executive.state, AwaitingPlan)
     rig.tick(reading("covered", 0.0))
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
 
@@ -188,7 +188,7 @@ def test_a_vehicle_that_takes_itself_to_be_walled_in_waits_for_the_map(
     occupied = np.ones((20, 20), dtype=np.bool_)
     rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
     tick_for(rig, 10.0)
-    assert rig.executive.state is ExecutiveState.AWAITING_PLAN
+    assert isinstance(rig.executive.state, AwaitingPlan)
     rig.flight.routes.see(OccupancyGrid(np.zeros_like(occupied), 0.5, (-2.0, -2.0)))
     rig.run_until(PlaceReached, place="B")
     assert rig.of(PlanReplaced)[-1].reason == reason

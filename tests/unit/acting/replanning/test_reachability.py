@@ -123,7 +123,7 @@ def test_the_flight_under_way_finds_out_itself_and_the_rest_is_told_once() -> No
     assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("trans_ok(H, B)")]
     assert rig.one(PlacesCutOff).summary == "trans_ok(*, B), trans_ok(B, *)"
     assert rig.executive.replans == 1
-    assert rig.executive.go_to("H")
+    assert rig.leave_for("H")
     show(rig)
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.places == ["B"]
@@ -135,7 +135,7 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
     rig.tick()
     show(rig, "B", "C")
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
-    assert rig.executive.go_to("H")
+    assert rig.leave_for("H")
     show(rig, "B")
     until_known(rig)
     assert rig.of(PlacesConnected)[-1].restored[0] == "trans_ok(A, C)"
@@ -145,7 +145,7 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
 
 def test_what_the_map_changes_in_beliefs_is_handed_on_as_it_is_reported() -> None:
     rig = inspection()
-    reachability = rig.executive._replanner.reachability
+    reachability = rig.executive.deliberation.replanner.reachability
     assert reachability.follow() == BeliefChange(cut_off=None, connected=None)
     show(rig, "B")
     cut_off = PlacesCutOff(ALL_OF_B, withdrawn=("accessible(B)", *TO_AND_FROM_B))
@@ -162,7 +162,7 @@ def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
     before = rig.task.withdrawn
     for walled_in in (("B",), ()):
         show(rig, *walled_in)
-        rig.executive._replanner.reachability.follow()
+        rig.executive.deliberation.replanner.reachability.follow()
     assert rig.task.withdrawn == before == {"can_do"}
 
 
@@ -221,7 +221,7 @@ def test_a_waypoint_is_moved_in_parts_before_ways_are_searched(
     covered = occupied.copy()
     covered[86, 80] = True  # half a metre north of B
     rig.flight.routes.see(OccupancyGrid(covered, 0.1, (-2.0, -2.0)))
-    reachability, parts = rig.executive._replanner.reachability, 0
+    reachability, parts = rig.executive.deliberation.replanner.reachability, 0
     while not reachability.is_known:
         assert parts < 1000 and not rig.of(SymbolMoved)
         reachability.search()
