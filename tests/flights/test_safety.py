@@ -20,7 +20,7 @@ from lockstep import (
 )
 from synthetic import event, mission
 
-from companion.acting.replan_triggers import ReplanTriggers
+from companion.acting.triggers.after_the_tree import LineViolated
 from companion.app import Companion
 from companion.errors import Aborted, NoPlanError
 from companion.flight_events.facts import BeliefWithdrawn
@@ -376,7 +376,7 @@ def test_a_plan_that_goes_on_after_a_violation_is_held(
 ) -> None:
     """The gate asks the monitor itself: whoever acts has not noticed."""
     flight = on_the_way_to_b(start())
-    monkeypatch.setattr(ReplanTriggers, "_violation", None)
+    monkeypatch.setattr(LineViolated, "guard", lambda trigger, plan: False)
     monkeypatch.setattr(TaskState, "violated", ("safe",))
     violated_s = flight.now_s
     flight.run(5.0)

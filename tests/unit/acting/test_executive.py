@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 from happened import Replan
 from rig import Rig
 from synthetic import POSITIONS, command, event, facts_of, mission, move, reading
+from two_docks import two_docks
 
-from companion import slices
-from companion.acting import replan_triggers
+from companion import load_mission, slices
 from companion.acting.executive_states import (
     Executing,
     Idle,
@@ -23,13 +23,18 @@ from companion.acting.executive_states import (
     WithoutPlan,
 )
 from companion.acting.plan_under_way import PlanUnderWay
-from companion.acting.replan_triggers import (
-    REPLAN_TRIGGERS,
-    ReplanTrigger,
-    ReplanTriggers,
-)
 from companion.acting.replanning.assumptions import FLAPPING_S
 from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
+from companion.acting.triggers.after_the_tree import EndSurprised, LineViolated, TreeFailed
+from companion.acting.triggers.before_the_tree import (
+    BoundLate,
+    ChargeShort,
+    CutOffByMap,
+    DroppedLineKept,
+    EnergyFigureWrong,
+    TaskPossibleAgain,
+)
+from companion.acting.triggers.trigger import ReplanTrigger
 from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import (
@@ -443,54 +448,72 @@ def test_the_state_says_what_is_done() -> None:
     )
 
 
+class GuardChecked(ReplanTrigger):
+    """A trigger whose guard is checked.
+
+    Attributes:
+        guarding: whether a guard is being asked.
+        guarded: the triggers whose guard has held.
+    """
+
+    guarding = False
+    guarded: ClassVar[set[type[ReplanTrigger]]] = set()
+
+    def __init__(self, rig: Rig, trigger: ReplanTrigger) -> None:
+        self._rig, self._trigger = rig, trigger
+
+    @property
+    def _state(self) -> object:
+        return len(self._rig.flight.reports), self._rig.task.facts, self._rig.task.withdrawn
+
+    def guard(self, plan: PlanUnderWay) -> bool:
+        before = self._state
+        GuardChecked.guarding = True
+        holds = self._trigger.guard(plan)
+        GuardChecked.guarding = False
+        assert self._state == before
+        self.guarded.update([type(self._trigger)] if holds else [])
+        return holds
+
+    def reason(self, plan: PlanUnderWay) -> str | None:
+        return self._trigger.reason(plan)
+
+
 def test_a_guard_changes_nothing_and_searches_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """So it may be asked in every tick; what it lets through may take a search."""
-    guarding: list[str] = []
-    guarded: set[str] = set()
-
-    def checked(trigger: ReplanTrigger) -> ReplanTrigger:
-        def guard(triggers: ReplanTriggers, plan: PlanUnderWay) -> bool:
-            before = len(rig.flight.reports), rig.task.facts, rig.task.withdrawn
-            guarding.append(trigger.name)
-            holds = trigger.guard(triggers, plan)
-            guarding.pop()
-            assert (len(rig.flight.reports), rig.task.facts, rig.task.withdrawn) == before
-            guarded.update([trigger.name] if holds else [])
-            return holds
-
-        return replace(trigger, guard=guard)
+    monkeypatch.setattr(GuardChecked, "guarded", set())
 
     def unguarded(owner: type, name: str) -> None:
         search = getattr(owner, name)
 
         def watched(*args: object) -> object:
-            assert not guarding
+            assert not GuardChecked.guarding
             return search(*args)
 
         monkeypatch.setattr(owner, name, watched)
 
-    for table in ("BEFORE_THE_TREE", "AFTER_THE_TREE"):
-        rows = getattr(replan_triggers, table)
-        monkeypatch.setattr(replan_triggers, table, tuple(map(checked, rows)))
     for owner, name in ((Solver, "replan"), (Planner, "reinstantiate"), (RouteMap, "find")):
         unguarded(owner, name)
-    rig = Rig(search_and_report(FOUND, LOW)).begin()
+    rig = Rig(search_and_report(FOUND, LOW))
+    triggers = rig.executive.deliberation.triggers
+    triggers.before = tuple(GuardChecked(rig, each) for each in triggers.before)
+    triggers.after = tuple(GuardChecked(rig, each) for each in triggers.after)
+    rig.begin()
     rig.run_until(PlaceReached, place="A")
     rig.tick(reading("found"))
     rig.run_to_the_end()
-    assert guarded == {"the tree has failed"}
+    assert GuardChecked.guarded == {TreeFailed}
 
 
 def test_the_triggers_are_looked_at_in_their_order() -> None:
     """What the map and the beliefs say is known before the tree acts on it."""
-    assert [trigger.name for trigger in REPLAN_TRIGGERS] == [
-        "the map cuts off a belief of the plan",
-        "the charge does not last",
-        "flights take another energy",
-        "the task has a plan again",
-        "a line that was dropped can be kept",
-        "a bound will be late",
-        "the tree has failed",
-        "a line of the task is violated",
-        "the end is not as predicted",
+    triggers = Rig(load_mission(two_docks())).executive.deliberation.triggers
+    assert [type(trigger) for trigger in triggers.before] == [
+        CutOffByMap,
+        ChargeShort,
+        EnergyFigureWrong,
+        TaskPossibleAgain,
+        DroppedLineKept,
+        BoundLate,
     ]
+    assert [type(trigger) for trigger in triggers.after] == [TreeFailed, LineViolated, EndSurprised]
