@@ -14,7 +14,7 @@ can pause a sortie (the vehicle holds, the task is frozen), continue it, call ho
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.beginning import Beginning
@@ -28,8 +28,8 @@ from companion.acting.flown_task import FlownTask
 from companion.acting.frame_watch import FrameWatch
 from companion.acting.gate_watch import GateWatch
 from companion.acting.journal import PhaseBegun
-from companion.acting.landing_wait import LandingWait
-from companion.acting.phases import GOALS, ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
+from companion.acting.phase_goals import PhaseGoals
+from companion.acting.phases import ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
 from companion.acting.preflight.ground_checks import GroundChecks
 from companion.acting.resumption import Resumption
 from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
@@ -91,7 +91,7 @@ class Sortie:
         self._crash: Crash | None = None
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
         self._control = Control(flight, may_yield, terms.resumes, resumption)
-        self._limit, self._landing_wait = LimitWatch(terms.limit, flight), LandingWait(flight)
+        self._limit, self._goals = LimitWatch(terms.limit, flight), PhaseGoals(flight)
         self._flown = FlownTask(flight, executive, mission, self._limit)
         self._resumption = resumption
         self._after_offboard = SortieEvent.TASK_GOES_ON
@@ -135,7 +135,21 @@ class Sortie:
             if flight.vehicle.is_doubted or self._frame_watch.is_frozen(self.phase):
                 return  # it goes on from here, or is lost
             flight.guidance.brake()
-        _WORK[self.phase](self, state)
+        self._work(state)
+
+    def _work(self, state: VehicleState) -> None:
+        """Does the work of the present phase."""
+        match self.phase:
+            case Phase.WAITING:
+                self._begin(state)
+            case Phase.CHECKING:
+                self._check_autopilot()
+            case Phase.TASK | Phase.PAUSED | Phase.RETURNING:
+                self._fly()
+            case Phase.YIELDED:
+                self._await_control(state)
+            case _:
+                self._pursue_goal(state)
 
     def pause(self) -> Refusal | None:
         """Holds in the air with the task frozen."""
@@ -277,7 +291,7 @@ class Sortie:
             self._on(SortieEvent.FOUND_AGAIN, self._control.found(resumption, state))
             self._flight.vehicle.release()  # from the hold that a flight home begins with
 
-    def _check_autopilot(self, _: VehicleState) -> None:
+    def _check_autopilot(self) -> None:
         """Proceeds to arming when the autopilot's failsafes are strong, and its fence in force."""
         outcome = self._ground_checks.tick()
         if isinstance(outcome, Failed):
@@ -287,14 +301,7 @@ class Sortie:
             self._on(SortieEvent.CHECKED)
 
     def _pursue_goal(self, state: VehicleState) -> None:
-        is_held = self.phase is Phase.LANDING and self._landing_wait.tick() is Progress.RUNNING
-        if is_held or (self.phase is Phase.ARMING and not self._flight.journal.is_kept):
-            return
-        if self.phase is Phase.OFFBOARD:
-            self._flight.guidance.hold_here()  # it may still rise
-        elif self.phase in (Phase.HOLDING, Phase.PARTING, Phase.LANDING):
-            self._flight.guidance.hold()  # until the autopilot does
-        outcome = self._flight.vehicle.pursue(GOALS[self.phase])
+        outcome = self._goals.tick(self.phase)
         if outcome is Progress.DONE:
             is_entered = self.phase is Phase.OFFBOARD
             self._on(self._after_offboard if is_entered else SortieEvent.REACHED)
@@ -304,7 +311,7 @@ class Sortie:
             self._flight.report(GoalFailed(reason))
             self._on(SortieEvent.FAILED)
 
-    def _fly(self, _: VehicleState) -> None:
+    def _fly(self) -> None:
         flown, is_paused = self._flown, self.phase is Phase.PAUSED
         if (event := flown.tick_paused() if is_paused else flown.tick()) is not None:
             self.failure, self._after_offboard = flown.failure, flown.goes_on
@@ -334,15 +341,3 @@ class Sortie:
     def _give_up(self, failure: CompanionError) -> None:
         self.failure = failure
         self._on(SortieEvent.GIVEN_UP)
-
-
-_WORK: dict[Phase, Callable[[Sortie, VehicleState], object]] = {
-    Phase.WAITING: Sortie._begin,
-    Phase.CHECKING: Sortie._check_autopilot,
-    Phase.TASK: Sortie._fly,
-    Phase.PAUSED: Sortie._fly,
-    Phase.RETURNING: Sortie._fly,
-    Phase.YIELDED: Sortie._await_control,
-    **dict.fromkeys(GOALS, Sortie._pursue_goal),
-}
-"""What each phase does in a tick; ENDED does nothing."""
