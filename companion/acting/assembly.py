@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.acting.charge.energy_gauge import Gauge
-from companion.acting.docks import PlannedDock
+from companion.acting.docks import AnyDock, PlannedDock
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
@@ -17,6 +18,8 @@ from companion.mission.places import Place
 from companion.motion.departure import Departure
 from companion.motion.marker_track import HEIGHT_M, LAND_FROM_M
 from companion.motion.position_error import MOST_M
+from companion.planning.energy.charge_source import ChargeSource
+from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.flight_times import flight_times
 from companion.planning.task_state import TaskState
 from companion.vehicle.gate import Envelope, LandingSite
@@ -35,7 +38,7 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
     """Makes the parts for a mission and a vehicle.
 
     Args:
-        prepared: the mission; from now on its planner knows where the vehicle is between places.
+        prepared: the mission, whose planner follows the flight from now on.
         vehicle: the vehicle that is flown.
         detector: detects the mission's events.
     """
@@ -43,37 +46,41 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
     return ActingParts(flight, Executive(prepared, flight, detector))
 
 
-def flight_of(prepared: PreparedMission, vehicle: Vehicle) -> Flight:
+def flight_of(
+    prepared: PreparedMission,
+    vehicle: Vehicle,
+    charge_of: Callable[[Flight, MissionEnergy], ChargeSource] = Gauge,
+) -> Flight:
     """The flight of a vehicle for a mission, at its beginning.
 
     Args:
-        prepared: the mission; from now on its planner knows where the vehicle is between places.
+        prepared: the mission, whose planner follows the flight from now on.
         vehicle: the vehicle that is flown.
+        charge_of: tells the charge of the flight, if plans consider energy.
     """
     mission, routes, speed_limit = prepared.mission, prepared.routes, prepared.speed_limit
 
-    planner = prepared.planner
+    planner, energy = prepared.planner, prepared.planner.energy
+    task = TaskState(planner)
     flight = Flight(
         vehicle=vehicle,
-        task=TaskState(planner),
+        task=task,
         routes=routes,
         speed_limit=speed_limit,
         profile=mission.vehicle,
         limits=mission.limits,
         symbols=Symbols(mission.places, routes),
         functions=prepared.functions,
+        dock=AnyDock() if energy is None else PlannedDock(planner, task),
     )
 
     def here() -> Departure | None:
         return flight.guidance.departure
 
-    planner.flight_time = flight_times(
-        mission, prepared.flown_routes, here, lambda: speed_limit.target
-    )
-    if (energy := planner.energy) is not None:
-        energy.here = here
-        energy.charge = Gauge(flight, energy)
-        flight.dock = PlannedDock(planner, flight.task)
+    times = flight_times(mission, prepared.flown_routes, here, lambda: speed_limit.target)
+    planner.follow(times)
+    if energy is not None:
+        energy.follow(here, charge_of(flight, energy))
     return flight
 
 

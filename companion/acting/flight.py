@@ -45,7 +45,7 @@ class Flight:
         reports: what has happened and was not collected yet; written by the flight's own methods.
         journal: stores what another process needs to continue the flight; the run gives it.
         functions: calls functions of installed packages.
-        dock: the dock on which the vehicle charges; assembly gives it if plans consider energy.
+        dock: the dock on which the vehicle charges.
         heard: when each signal was last heard, and its value.
         believed_percent: the charge, if the gauge shows more than possible; `energy_gauge.py`
             writes it.

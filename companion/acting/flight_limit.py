@@ -55,7 +55,7 @@ class LimitWatch:
     """Knows when a flight has reached its limit.
 
     Attributes:
-        called_home_for: the limit that was reached, in words; None before. The sortie writes it.
+        called_home_for: the limit for which the vehicle was called home, in words; None before.
     """
 
     def __init__(self, limit: FlightLimit, flight: Flight) -> None:
@@ -66,6 +66,10 @@ class LimitWatch:
     def begin(self, now_s: float) -> None:
         """Notes when the vehicle is to arm, or was to arm."""
         self._begun_s = now_s
+
+    def call_home(self, limit: str) -> None:
+        """Notes that the vehicle is called home for a limit."""
+        self.called_home_for = limit
 
     @property
     def due(self) -> str | None:

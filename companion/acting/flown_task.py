@@ -176,7 +176,7 @@ class FlownTask:
         if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
             return None
         if limit := self._limit.due:
-            self._limit.called_home_for = limit
+            self._limit.call_home(limit)
             self._flight.report(FlightLimitReached(limit))
             self.call_home()
             return SortieEvent.CALLED_HOME

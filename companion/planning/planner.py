@@ -72,7 +72,7 @@ class Planner:
 
     Attributes:
         solver: solves the problems that `problem` and `initial_problem` make.
-        flight_time: as given; a flight sets one that knows the vehicle's position.
+        flight_time: as given, or as the flight knows it.
         without_a_move: beliefs that only moves assumed, and these moves no longer exist.
     """
 
@@ -111,9 +111,6 @@ class Planner:
         self._readiness = Readiness(ready_lines(mission))
         self.solver = Solver(mission, self.model.actions)
         self._unread_rises = UnreadRises()
-        self._log_sizes()
-
-    def _log_sizes(self) -> None:
         log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
         for name, automaton in ((c.name, c.automaton) for c in self.conjuncts):
             sizes = automaton.states, len(automaton.transitions), automaton.marks
@@ -121,6 +118,10 @@ class Planner:
         if self.translating_s:  # it was measured
             times_ms = 1000 * self.instantiating_s, 1000 * self.translating_s
             log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
+
+    def follow(self, flight_time: FlightTime) -> None:
+        """From now on uses the times of a flight, which knows where the vehicle is."""
+        self.flight_time = flight_time
 
     def reinstantiate(self) -> None:
         """Applies changed flight times. All beliefs so far remain beliefs."""
@@ -198,8 +199,7 @@ class Planner:
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
             extra = self.departures()
-            actions = (*actions, *extra)
-            beliefs = beliefs.union(*(a.assumes for a in extra))
+            actions, beliefs = (*actions, *extra), beliefs.union(*(a.assumes for a in extra))
         held = facts | (beliefs - withdrawn)
         every, energy = actions, None
         actions = self._readiness.allowed(every, withdrawn)

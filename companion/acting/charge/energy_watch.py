@@ -113,7 +113,7 @@ class EnergyWatch:
     def take_factor(self) -> str:
         """Makes plans use what flights really take; returns why, in words."""
         known = self._energy.known
-        self._energy.model.factor = known.to_plan_with
+        self._energy.use_known()
         percent = round(100 * (known.mean - 1))
         more = f"{abs(percent)} % {'less' if percent < 0 else 'more'} energy than"
         return f"flights take {more if percent else 'the energy that'} the mission says"

@@ -16,6 +16,8 @@ from typing import cast
 from py_trees.behaviours import Running
 
 from companion.acting.assembly import flight_of
+from companion.acting.behaviour_tree.intention import Intention
+from companion.acting.behaviour_tree.leaves import Effects, Withdraw
 from companion.acting.behaviour_tree.ticked_tree import TickedTree
 from companion.acting.contingencies.answers import (
     Answer,
@@ -36,6 +38,7 @@ from companion.acting.contingencies.hypothetical_charge import HypotheticalCharg
 from companion.acting.contingencies.hypothetical_vehicle import HypotheticalVehicle
 from companion.acting.deliberation import Deliberation, PlanChosen, PlanDecision
 from companion.acting.executive_states import AwaitingPlan, Searching, WithoutPlan
+from companion.acting.flight import Flight
 from companion.acting.plan_under_way import LeftPlan, PlanUnderWay
 from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
@@ -49,7 +52,7 @@ from companion.mission.otherwise import Otherwise
 from companion.mission.steps import Land, LandOn, TakeOff
 from companion.planning.charger import UNITS_PER_WH
 from companion.planning.domain import Action, Refinement, Step
-from companion.planning.energy.model import EnergyModel
+from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.energy_check import level_after, of_reserve, place_of
 from companion.planning.explain import Explanation
 from companion.planning.lasso import ChosenPlan, Lasso, Problem
@@ -78,9 +81,12 @@ class HypotheticalFlight:
         self._routes = prepared.routes
         self._charge: HypotheticalCharge | None = None
         self._vehicle = HypotheticalVehicle(self._mission.home.position)
-        self._flight = flight = flight_of(prepared, cast(Vehicle, self._vehicle))
-        if (energy := self._planner.energy) is not None and level is not None:
-            energy.charge = self._charge = HypotheticalCharge(flight, level)
+
+        def charge_of(flight: Flight, _: MissionEnergy) -> HypotheticalCharge:
+            self._charge = HypotheticalCharge(flight, level or 0)
+            return self._charge
+
+        self._flight = flight = flight_of(prepared, cast(Vehicle, self._vehicle), charge_of)
         self._deliberation = Deliberation(self._planner, flight, explain=explain)
         self._lost: set[str] = set()
         self._found: set[str] = set()
@@ -118,7 +124,7 @@ class HypotheticalFlight:
     def _complete(self) -> None:
         action, flight, energy = self.running, self._flight, self._planner.energy
         self._pass_time(action.cost_ms / 1000)
-        flight.task.complete(action, flight.now_s)
+        Effects(flight, Intention(action.name, (action,)), ends_lap=False).update()
         if energy is not None and (charge := self._charge) is not None:
             charge.level = level_after(energy.now(is_en_route=True), charge.level, action)
         for step in _primitives(action.execute):
@@ -127,7 +133,6 @@ class HypotheticalFlight:
             elif isinstance(step, TakeOff):
                 flight.progress.leave_ground()
         self._stand_at(action)
-        flight.progress.completed += 1
         self._begin()
 
     def _pass_time(self, seconds: float) -> None:
@@ -200,9 +205,7 @@ class HypotheticalFlight:
         """Lets the present skill fail after all its tries; if it lands, on the ground."""
         flight = self._flight
         self._retry_s = action.retry_after_s
-        flight.task.withdraw(
-            action.assumes, None if self._retry_s is None else flight.now_s + self._retry_s
-        )
+        Withdraw(flight, Intention(action.name, (action,)), Running("skill")).update()
         if any(isinstance(step, Land | LandOn) for step in _primitives(action.execute)):
             flight.progress.take_to_ground()
             self._stand_at(action)
@@ -238,9 +241,8 @@ class HypotheticalFlight:
 
     def _reckon(self, factor: float) -> None:
         """From now on everything takes this multiple of what the mission says."""
-        energy, battery = self._planner.energy, self._mission.battery
-        if energy is not None and battery is not None:
-            energy.model = EnergyModel(battery.times(factor))
+        if (energy := self._planner.energy) is not None:
+            energy.assume(factor)
             self._planner.reinstantiate()
             self._has_more_drain = True
 

@@ -40,8 +40,8 @@ class MissionEnergy:
 
     Attributes:
         model: the figures for computing energy.
-        here: tells where the vehicle is, and how it moves, between places; a flight sets it.
-        charge: tells the present charge; a full battery until a flight sets its own.
+        here: tells where the vehicle is, and how it moves, between places.
+        charge: tells the present charge; a full battery before a flight.
         known: the ratios of energy used to predicted energy, from flights so far.
         percents: by level, the charge of the battery.
     """
@@ -54,7 +54,8 @@ class MissionEnergy:
     ) -> None:
         battery = mission.battery
         assert battery is not None
-        self._mission, self._flown_routes, self._routes = mission, flown_routes, flown_routes.routes
+        self._mission, self._battery = mission, battery
+        self._flown_routes, self._routes = flown_routes, flown_routes.routes
         self._limits = limits or (lambda: mission.speed_limits)
         self.model = EnergyModel(battery)
         self.here: Callable[[], Departure | None] = lambda: None
@@ -63,6 +64,10 @@ class MissionEnergy:
         self._charging: dict[str, NDArray[np.int64]] = {}
         self._docks: dict[str, None] = {}
         self.percents = [100 * self.model.charge(level) for level in range(self.model.full + 1)]
+
+    def follow(self, here: Callable[[], Departure | None], charge: ChargeSource) -> None:
+        """From now on uses what a flight knows: where the vehicle is, and its charge."""
+        self.here, self.charge = here, charge
 
     def of(
         self, skill: Skill, action: Action, flight: tuple[str, str] | None, place: str | None
@@ -171,7 +176,15 @@ class MissionEnergy:
     def recall(self, flying: RatioEstimate, gauge: RatioEstimate) -> None:
         """Makes plans use ratios that were learnt before."""
         self.known = KnownRatios(flying, gauge)
+        self.use_known()
+
+    def use_known(self) -> None:
+        """Makes plans use the ratios that are known now."""
         self.model.factor = self.known.to_plan_with
+
+    def assume(self, factor: float) -> None:
+        """Computes everything with a multiple of what the mission says."""
+        self.model = EnergyModel(self._battery.times(factor))
 
     @property
     def safe(self) -> tuple[str, ...]:
