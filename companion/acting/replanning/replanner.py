@@ -6,8 +6,9 @@
    meanwhile, it starts again.
 3. It waits for an engine from outside; if that fails, the built-in search is used.
 4. Replans for failed skills without a completed skill in between lead nowhere. After some in a row
-   all optional lines are dropped, and if there are none, the replanner gives up. Replans for events
-   do not count, because the plan before was not wrong.
+   all optional lines are dropped, and if that does not help, or there are none, the replanner gives
+   up. Replans for events do not count, because the plan before was not wrong; but searches that
+   start again do.
 """
 
 from __future__ import annotations
@@ -181,7 +182,8 @@ class Replanner:
         if planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
         is_in_vain = self._idle_replans >= MAX_IDLE_REPLANS
-        if is_in_vain and flight.task.dropped == flight.task.optional:
+        is_last = flight.task.dropped == flight.task.optional
+        if is_in_vain and (is_last or self._idle_replans > MAX_IDLE_REPLANS):
             return NoPlanError(f"no plan: {self._idle_replans} plans in a row led nowhere")
         self._planned_in = flight.task.situation
         self._assumptions.renew()

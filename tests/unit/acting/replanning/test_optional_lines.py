@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import pytest
@@ -133,6 +133,28 @@ def test_events_that_change_meanwhile_do_not_hold_the_vehicle_for_ever(
     for i in range(600):
         rig.tick(reading("noise", float(i % 2)))
     assert len(places(rig)) >= 4
+
+
+@pytest.mark.parametrize("far", [{}, {"far": 1}])
+def test_an_event_that_changes_before_each_plan_is_made_ends_the_search(
+    far: dict[str, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A plan takes 2.5 s, and it rains every other 1.5 s; whether a line may be dropped or not."""
+    replan = Solver.replan
+
+    def slow(
+        solver: Solver, problem: Problem, histories: Sequence[Sequence[Letter]]
+    ) -> Lasso | None:
+        for _ in range(50):
+            spent(SLICE_US)
+        return replan(solver, problem, histories)
+
+    monkeypatch.setattr(Solver, "replan", slow)
+    patrol = mission(PATROL, events=[RAIN], priorities=far)
+    rig = Rig(replace(patrol, patience_s=0.0)).begin()
+    for i in range(400):
+        rig.tick(reading("rain", float(i // 30 % 2 == 0)))
+    assert "plans in a row led nowhere" in rig.one(NoPlanFound).explanation
 
 
 def test_a_line_that_was_dropped_knows_what_it_has_read() -> None:
