@@ -214,12 +214,18 @@ class HypotheticalFlight:
         return f"{action.name} failed"
 
     def _finish_on_the_ground(self) -> None:
-        """Finishes what has begun on the ground, before anything is answered."""
+        """Finishes what has begun on the ground; what was noticed meanwhile is answered then."""
         left = len(self._lasso.prefix) + len(self._lasso.loop) - self._flight.progress.completed
         for _ in range(left - 1):
             if not self._flight.progress.is_landed_by_plan:
                 return
+            self._deliberation.triggers.look(self._under_way)
             self._complete()
+
+    @property
+    def _under_way(self) -> PlanUnderWay:
+        tree = TickedTree(self._flight, Running("plan"))
+        return PlanUnderWay(self._lasso, tree, is_leaving=False)
 
     def _why_to_replan(self, change: Change) -> str | None:
         if isinstance(change, SiteLost) and self.running.destination == change.place:
@@ -231,8 +237,7 @@ class HypotheticalFlight:
         if isinstance(change, BeliefLost):
             is_kept = deliberation.replanner.search_confirms(self._lasso)
             return None if is_kept else str(change)
-        tree = TickedTree(self._flight, Running("plan"))
-        plan, triggers = PlanUnderWay(self._lasso, tree, is_leaving=False), deliberation.triggers
+        plan, triggers = self._under_way, deliberation.triggers
         triggers.look(plan)
         reason = triggers.before_the_tree(plan)
         while reason is None and triggers.is_thinking:

@@ -92,6 +92,28 @@ task:
   other: "G F at(B)"
 """
 
+RESTING = """\
+version: 1
+name: resting
+limits: {speed_mps: 4, up_m: [1, 15], fence: [[-20, -20], [60, -20], [60, 60], [-20, 60]]}
+places:
+  Home: {east_m: 0, north_m: 0, up_m: 6}
+  A: {east_m: 40, north_m: 0, up_m: 6}
+  B: {east_m: 40, north_m: 40, up_m: 6}
+sets: {Place: [Home, A, B]}
+events: {alarm: {when: COMMAND.MAV_CMD_USER_1}}
+skills:
+  move:
+    parameters: {from: Place, to: Place}
+    precondition: at(from)
+    assumes: trans_ok(from, to)
+    effect: at(to) & !at(from)
+    execute: fly(to)
+  rest: {precondition: at(Home), effect: rested, execute: [land(), wait(5), take_off()]}
+initially: [at(Home)]
+task: {rest: F rested, visit: F at(A), answer: "G (alarm -> F at(B))"}
+"""
+
 
 def table_of(asked: Mission) -> ContingencyTable:
     found = Contingencies(asked)
@@ -308,3 +330,12 @@ def test_kinds_come_in_a_fixed_order(surveillance: ContingencyTable) -> None:
     assert [kinds(n) for n in range(4)] == 4 * [[EventTurns, BeliefLost, SiteLost]]
     numbers = [each.position for each in surveillance.contingencies]
     assert numbers == sorted(numbers)
+
+
+def test_an_event_that_is_true_for_a_moment_on_the_ground_is_answered_in_the_air() -> None:
+    """The plan on the ground is finished first, and reads the event before anybody may answer."""
+    table = table_of(load_mission(RESTING))
+    assert table.positions[0].ahead == "rest"
+    answer = answers(table, "alarm comes")[0]
+    assert isinstance(answer, PlansAnew)
+    assert "B)" in str(answer.plan)
