@@ -23,7 +23,7 @@ from companion.mission_run import PreparedRun, Run
 from companion.outcomes import Refusal
 from companion.run_sources.run_source import RunSource
 from companion.vehicle.flight_memory import FlightMemory
-from companion.vehicle.telemetry import TELEMETRY, Telemetry
+from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT, Wire
 
 BEGINNING = (*ON_THE_GROUND, Phase.ARMING, Phase.TAKE_OFF)
@@ -248,7 +248,7 @@ class Companion:
     def _listen(self) -> None:
         """Selects the messages to decode, which depend on the mission's events."""
         if self._run is None:
-            self.wire.listen(TELEMETRY | WANTED, frozenset())
+            self.wire.listen(self.telemetry.wanted | WANTED, frozenset())
             return
         vehicle = self._run.vehicle
         self.wire.listen(vehicle.wanted | WANTED, vehicle.continual, vehicle.telling | COMMANDS)

@@ -222,8 +222,8 @@ class Run:
         """
         plan = self.executive.lasso
         self.flight.speed_limit.advance(now_s)
-        self.vehicle.set_speed_limit(self.flight.speed_limit.now_mps)
-        self.vehicle.set_violated(bool(self.flight.task.violated))
+        self.vehicle.setpoints.set_speed_limit(self.flight.speed_limit.now_mps)
+        self.vehicle.setpoints.set_violated(bool(self.flight.task.violated))
         readings = asked + self.vehicle.receive(now_s, messages) + self._detections.read(reports)
         if self._found.reports:
             readings += self._found.look(
@@ -238,7 +238,7 @@ class Run:
         if self._surroundings.take(self.vehicle.scans):
             self.flight.routes.see(self._surroundings.grid)
         state = self.vehicle.state
-        self._clocks.follow(state is not None and state.is_armed)
+        self._clocks.follow(state is not None and state.heartbeat.is_armed)
         self.sortie.step(now_s, readings)
         if not is_tick and self.executive.lasso is not plan:
             self.sortie.step(now_s, [])
@@ -268,17 +268,18 @@ class Run:
     def _note_vehicle(self, now_s: float) -> None:
         """Notes the position of a vehicle in the air in the journal, once a second."""
         state, frame = self.vehicle.state, self._telemetry.frame
-        is_flown = state is not None and state.is_armed and now_s - state.stamp_s < SEEN_EVERY_S
-        is_flown = is_flown and self.vehicle.frame_doubt is None
-        if state is None or not is_flown or now_s - self._seen_s < SEEN_EVERY_S:
+        if state is None or now_s - self._seen_s < SEEN_EVERY_S:
+            return
+        is_heard = state.motion.silence_s(now_s) < SEEN_EVERY_S
+        if not is_heard or not state.heartbeat.is_armed or self.vehicle.frame.doubt is not None:
             return
         if frame.origin is not None and self.sortie.phase not in ON_THE_GROUND:
             seen = VehicleSeen(
-                state.position,
+                state.motion.position,
                 origin=frame.origin,
                 altitude_m=frame.altitude_m,
                 system=self._wire.system,
-                zero_s=round(state.position_s - state.measured_s, 3),
+                zero_s=round(state.motion.measured_s - state.motion.boot_s, 3),
             )
             self.recorder.journal.note(now_s, seen)
             self._seen_s = now_s
@@ -287,8 +288,8 @@ class Run:
         """Passes everything on to the recorder."""
         self.recorder.packets(now_s - self.start_s, packets)
         state = self.vehicle.state
-        if state is not None and self.vehicle.frame_doubt is None:
-            self.recorder.position(now_s - self.start_s, state.position)
+        if state is not None and self.vehicle.frame.doubt is None:
+            self.recorder.position(now_s - self.start_s, state.motion.position)
         for stamped in reports:
             if isinstance(stamped.event, PlanReplaced | NoPlanFound):
                 self.recorder.journal.note(now_s, PlanNumbered(stamped.event.number))

@@ -5,11 +5,13 @@ Numbers are exact in binary, so a limit can be met exactly.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
+from states import changed, flying
+
 from companion.vehicle.gate import Envelope, Request, Verdict, admit
-from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
+from companion.vehicle.ports.setpoints import Setpoint, hold_at
+from companion.vehicle.ports.state import VehicleState
 
 ENVELOPE = Envelope(
     fence=((0.0, -20.0), (0.0, 20.0), (10.0, 20.0), (10.0, -20.0)),
@@ -21,22 +23,14 @@ ENVELOPE = Envelope(
     fence_margin_m=0.25,
 )
 NOW_S = 100.0
-STATE = VehicleState(
-    stamp_s=NOW_S - 0.125,
-    position=(5.0, 15.0, -2.25),
+STATE = changed(
+    flying((5.0, 15.0, -2.25), NOW_S - 0.125),
     velocity=(1.0, 0.0, 0.0),
     yaw_rad=0.5,
-    mode=Mode.OFFBOARD,
-    is_armed=True,
-    is_landed=False,
-    is_failsafe=False,
-    battery_percent=80,
-    mode_s=NOW_S - 1.0,
-    position_s=NOW_S - 0.125,
-    yaw_s=NOW_S - 0.125,
+    heartbeat_received_s=NOW_S - 1.0,
 )
 GOOD = Setpoint((5.5, 15.0, -2.25), (1.0, 0.0, 0.0), (0.5, 0.0, 0.0), 0.25)
-HOLD = hold_at(STATE.position, STATE.yaw_rad)
+HOLD = hold_at(STATE.motion.position, STATE.attitude.yaw_rad)
 AFTER = 2.0**-20
 """Just beyond."""
 
@@ -55,4 +49,4 @@ def verdict(
 
 
 def heard(**fields: Any) -> VehicleState:
-    return replace(STATE, **fields)
+    return changed(STATE, **fields)

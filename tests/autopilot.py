@@ -17,7 +17,7 @@ from companion.mission.signals import Signal
 from companion.outcomes import Outcome, Progress
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Goal
+from companion.vehicle.ports.goals import Goal
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 
@@ -183,7 +183,7 @@ class Meeting:
 
         def act() -> None:
             nonlocal outcome
-            outcome = self.vehicle.pursue(goal)
+            outcome = self.vehicle.goals.pursue(goal)
 
         for _ in range(round(limit_s / TICK_S)):
             self.tick(act=act)

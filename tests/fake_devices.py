@@ -11,9 +11,15 @@ from companion.geofence import FenceArea, StoredFence
 from companion.geometry import NorthEast
 from companion.outcomes import Failed, Outcome, Progress, Refusal
 from companion.rally_points import RallyPoint, StoredRally
-from companion.vehicle.camera_port import IntendedShot, PhotoMade, ShotOutcome, ShotOwner, ShotReady
-from companion.vehicle.gimbal_port import Aim
-from companion.vehicle.port import MarkerSighting
+from companion.vehicle.ports.cameras import (
+    IntendedShot,
+    PhotoMade,
+    ShotOutcome,
+    ShotOwner,
+    ShotReady,
+)
+from companion.vehicle.ports.gimbals import Aim
+from companion.vehicle.ports.markers import MarkerSighting
 
 
 class FakePayloads:

@@ -66,7 +66,7 @@ class SortieRig(Happened):
     @property
     def position(self) -> Ned:
         assert self.vehicle.state is not None
-        return self.vehicle.state.position
+        return self.vehicle.state.motion.position
 
     @property
     def reports(self) -> list[Stamped]:  # type: ignore[override]

@@ -23,7 +23,7 @@ from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.flight_times import flight_times
 from companion.planning.task_state import TaskState
 from companion.vehicle.gate import Envelope, LandingSite
-from companion.vehicle.port import Vehicle
+from companion.vehicle.ports.vehicle import Vehicle
 
 
 @dataclass(frozen=True)

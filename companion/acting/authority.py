@@ -24,7 +24,8 @@ from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.places import Limits, Place
 from companion.motion.position_error import EXACT_M, greatest_error_m
 from companion.outcomes import Refusal
-from companion.vehicle.port import Anchoring, FrameLocation, Mode, VehicleState
+from companion.vehicle.ports.frame import Anchoring, FrameLocation
+from companion.vehicle.ports.state import Mode, VehicleState
 
 LINK_LOST_S = 10.0
 """Silence after which a sortie is given up, if the vehicle was on the ground and disarmed."""
@@ -47,9 +48,8 @@ FRESH_S = 0.5
 
 def loss_of_link(state: VehicleState, now_s: float) -> LinkError | None:
     """An error if the vehicle has been silent for too long; None if it has not."""
-    silence_s = now_s - state.stamp_s
-    is_down = state.is_landed and not state.is_armed
-    if silence_s <= (LINK_LOST_S if is_down else NEVER_BACK_S):
+    silence_s = state.motion.silence_s(now_s)
+    if silence_s <= (LINK_LOST_S if state.is_standing else NEVER_BACK_S):
         return None
     return LinkError(f"no position from the vehicle for {silence_s:.0f} s")
 
@@ -58,7 +58,7 @@ def why_left_alone(state: VehicleState | None, now_s: float) -> Refusal | None:
     """Why no run may begin with this vehicle; None if one may."""
     if state is None or loss_of_link(state, now_s):
         return Refusal("the vehicle's state is not known")
-    if state.is_armed or not state.is_landed:
+    if not state.is_standing:
         return Refusal("the vehicle is armed or flying already; it is left alone")
     return None
 
@@ -84,8 +84,8 @@ def not_at_home(
         location: where the frames lie on the earth, if that is known.
     """
     is_fixed = anchoring is not Anchoring.BY_VEHICLE
-    landing_m = LANDING_M if is_fixed and state.accuracy_m > EXACT_M else 0.0
-    if gap_m <= home.inner_m + greatest_error_m(state.accuracy_m) + landing_m:
+    landing_m = LANDING_M if is_fixed and state.motion.accuracy_m > EXACT_M else 0.0
+    if gap_m <= home.inner_m + greatest_error_m(state.motion.accuracy_m) + landing_m:
         return None
     if gap_m > FAR_M:
         return far_away(gap_m, state, home, location)
@@ -98,8 +98,8 @@ def _way_out(state: VehicleState, home: Place, anchoring: Anchoring) -> list[str
     """What to do instead of carrying the vehicle to where the mission begins."""
     if anchoring is Anchoring.RECALLED:
         return [LAID_BEFORE]
-    near_m = home.inner_m + greatest_error_m(state.accuracy_m)
-    is_at_zero = math.hypot(*state.position[:2]) <= near_m
+    near_m = home.inner_m + greatest_error_m(state.motion.accuracy_m)
+    is_at_zero = math.hypot(*state.motion.position[:2]) <= near_m
     if anchoring is Anchoring.FIXED or not is_at_zero or begins_at_zero(home):
         return []
     return [AT_ZERO, f"if that is {home.name}, {as_begun_at_zero(home)}"]
@@ -109,19 +109,18 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
     """Why the sortie is no longer ours to fly, or never was."""
     if silence := loss_of_link(state, flight.now_s):
         return silence
-    if flight.vehicle.has_restarted:
+    if flight.vehicle.goals.has_restarted:
         return Aborted(RESTARTED)
-    if takeover := flight.vehicle.takeover:
+    if takeover := flight.vehicle.control.takeover:
         return Aborted(str(takeover))
-    if phase in ON_THE_GROUND and (state.is_armed or not state.is_landed):
+    if phase in ON_THE_GROUND and not state.is_standing:
         return Aborted("the vehicle is armed or flying already; it is left alone")
     is_flying = phase in (Phase.OFFBOARD, *UNDER_TASK, Phase.HOLDING)
-    is_down = state.is_landed and not state.is_armed
     is_stopped = flight.progress.ground is GroundState.DISARMED
     if (unnoticed := flight.progress.unnoticed_landing) is not None:
         return Aborted(f"{unnoticed.reason}\n    {UNNOTICED}")
     is_down_by_plan = flight.progress.is_landed_by_plan and not is_stopped
-    if is_flying and is_down and not is_down_by_plan:
+    if is_flying and state.is_standing and not is_down_by_plan:
         return Aborted("the vehicle was disarmed")
     if phase is Phase.OFFBOARD and state.is_landed and not flight.progress.is_landed_by_plan:
         return Aborted("the vehicle has landed")  # a pilot has, and gave it back on the ground
@@ -130,7 +129,7 @@ def loss_of_control(phase: Phase, state: VehicleState, flight: Flight) -> Compan
 
 def is_silent(state: VehicleState, now_s: float) -> bool:
     """Whether nothing is heard of a vehicle in the air for some seconds."""
-    return now_s - state.stamp_s > SILENT_S and not state.is_landed
+    return state.motion.silence_s(now_s) > SILENT_S and not state.is_landed
 
 
 def not_handed_over(
@@ -149,22 +148,22 @@ def not_handed_over(
         limits: of the mission; the gate passes no setpoint far above or outside of them.
         kept: the autopilot's own fence, if the flight keeps to it as well.
     """
-    if state is None or now_s - state.position_s > FRESH_S:
+    if state is None or state.motion.age_s(now_s) > FRESH_S:
         return Refusal("no fresh position")
-    if not state.is_armed or state.is_landed:
+    if not state.is_flying:
         return Refusal("the vehicle is not in the air")
-    if not state.is_mode_known(now_s):
+    if not state.heartbeat.is_recent(now_s):
         return Refusal("the mode is not known")
-    if state.is_failsafe and not is_hold_by_stream_loss:
+    if state.heartbeat.is_failsafe and not is_hold_by_stream_loss:
         return Refusal("a failsafe of the autopilot is active")
-    if state.mode is not Mode.LOITER:
-        return Refusal(f"{state.mode.value} is flown; the pilot hands over by choosing hold")
-    up_m, (_, ceiling_m) = -state.position[2], limits.up_m
+    if (mode := state.heartbeat.mode) is not Mode.LOITER:
+        return Refusal(f"{mode.value} is flown; the pilot hands over by choosing hold")
+    up_m, (_, ceiling_m) = -state.motion.position[2], limits.up_m
     if up_m > ceiling_m + ASTRAY_M:
         above = f"the vehicle is {up_m:.1f} m up, and the mission stays below {ceiling_m:g} m"
         return Refusal(f"{above}; bring it down first")
-    if not is_in_polygon(state.position, limits.fence):
+    if not is_in_polygon(state.motion.position, limits.fence):
         return Refusal("the vehicle is outside the mission's fence; bring it back first")
-    if kept is not None and not kept.allows(state.position):
+    if kept is not None and not kept.allows(state.motion.position):
         return Refusal("the vehicle is outside the autopilot's own fence; bring it back first")
     return None

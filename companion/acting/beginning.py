@@ -19,7 +19,8 @@ from companion.mission.places import Place
 from companion.outcomes import Failed, Progress
 from companion.slices import InSlices
 from companion.vehicle.mission_frame import SETTLING_S
-from companion.vehicle.port import Anchoring, VehicleState
+from companion.vehicle.ports.frame import Anchoring
+from companion.vehicle.ports.state import VehicleState
 
 GROUND_SLICE_US = 30_000
 """Work per tick on the ground, where no setpoints are sent."""
@@ -50,16 +51,16 @@ class Beginning:
         """Returns DONE when there is a plan, or why the mission cannot begin."""
         if self._planning is None:
             vehicle, home = self._flight.vehicle, self._home
-            gap_m = vehicle.gap_m(home.position)
+            gap_m = vehicle.frame.gap_m(home.position)
             if gap_m is None:
                 self._tell_settling(state)
                 return Progress.RUNNING
-            anchoring, location = vehicle.anchoring, vehicle.location
+            anchoring, location = vehicle.frame.anchoring, vehicle.frame.location
             if elsewhere := not_at_home(gap_m, state, home, anchoring, location):
                 return elsewhere
             if (loaded := self._load()) is not Progress.DONE:
                 return loaded
-            vehicle.stand_at(home.position)
+            vehicle.frame.stand_at(home.position)
             self._tell_location()
             if anchoring is Anchoring.RECALLED:
                 self._flight.report(HomeRecalled(home.name, round(gap_m, 1)))
@@ -70,10 +71,10 @@ class Beginning:
 
     def _tell_settling(self, state: VehicleState) -> None:
         """Reports once that nothing will happen for some seconds."""
-        if self._flight.vehicle.is_settling and not self._is_settling:
+        if self._flight.vehicle.frame.is_settling and not self._is_settling:
             self._is_settling = True
             self._flight.report(
-                HomeMeasured(self._home.name, SETTLING_S, round(state.accuracy_m, 2))
+                HomeMeasured(self._home.name, SETTLING_S, round(state.motion.accuracy_m, 2))
             )
 
     def _load(self) -> Progress | CompanionError:
@@ -92,7 +93,7 @@ class Beginning:
 
     def _tell_location(self) -> None:
         """Reports where on the earth the mission begins, if it says so."""
-        location, home = self._flight.vehicle.location, self._home
+        location, home = self._flight.vehicle.frame.location, self._home
         if location is None or not location.is_asked_for:
             return
         zero, origin = location.zero, location.origin

@@ -17,7 +17,6 @@ from dataclasses import dataclass, field
 from companion.acting.journal import CommandIntended, CommandSettled, JournalEntry
 from companion.mission.steps import Command
 from companion.planning.domain import Action
-from companion.vehicle.port import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +64,12 @@ class BegunSteps:
     """The begun steps at the present position of the word.
 
     Args:
-        vehicle: its payloads get the commands.
+        forget: drops the command of a ticket.
         note: adds an entry to the journal.
     """
 
-    def __init__(self, vehicle: Vehicle, note: Callable[[JournalEntry], None]) -> None:
-        self._vehicle = vehicle
+    def __init__(self, forget: Callable[[int], None], note: Callable[[JournalEntry], None]) -> None:
+        self._forget_ticket = forget
         self._note = note
         self._steps: dict[StepOwner, BegunStep] = {}
         self._intentions = 0
@@ -127,5 +126,5 @@ class BegunSteps:
     def _forget(self, owner: StepOwner) -> BegunStep:
         step = self._steps.pop(owner)
         if step.ticket is not None:
-            self._vehicle.payloads.forget(step.ticket)
+            self._forget_ticket(step.ticket)
         return step

@@ -19,7 +19,8 @@ from companion.errors import Aborted, CompanionError
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import ControlTakenBack, FlightFoundAgain, LinkBack
 from companion.outcomes import Refusal
-from companion.vehicle.port import Mode, Takeover, VehicleState
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.state import Mode, VehicleState
 
 
 class Control:
@@ -62,20 +63,21 @@ class Control:
         vehicle, now_s = self._flight.vehicle, self._flight.now_s
         if silence := loss_of_link(state, now_s):
             return silence
-        if vehicle.has_restarted:
+        if vehicle.goals.has_restarted:
             return Aborted(RESTARTED)
-        if not state.is_mode_known(now_s):
+        if not state.heartbeat.is_recent(now_s):
             return None
-        is_ours = state.mode is Mode.OFFBOARD and vehicle.takeover is None
-        holder = vehicle.takeover or Takeover(state.mode, state.is_failsafe)
-        if state.is_landed and not state.is_armed:
+        heartbeat, takeover = state.heartbeat, vehicle.control.takeover
+        is_ours = heartbeat.mode is Mode.OFFBOARD and takeover is None
+        holder = takeover or Takeover(heartbeat.mode, heartbeat.is_failsafe)
+        if state.is_standing:
             return self._has_landed(state) if is_ours else Aborted(str(holder))
         if is_ours:
             return LinkBack() if self._resumption is None else None  # its failsafe is to come
         if not self.may_yield:
             return Aborted(str(holder))
         has_both_keys = self._resumes and self._stream_loss.is_hold
-        may_fly_on = not state.is_battery_critical and self._is_expected(state)
+        may_fly_on = not state.battery.is_critical and self._is_expected(state)
         if has_both_keys and may_fly_on and self.not_handed_over() is None:
             self._stream_loss.note_control_back()
             return ControlTakenBack()

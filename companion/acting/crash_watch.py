@@ -24,7 +24,7 @@ from collections import deque
 from enum import StrEnum
 
 from companion.geometry import Ned
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 DISARMED_S = 0.5
@@ -67,8 +67,8 @@ class CrashWatch:
 
     def step(self, now_s: float, state: VehicleState) -> Crash | None:
         """Takes the state of a tick; returns the newest sign so far."""
-        is_done = state.is_landed and not state.is_armed and state.tilt_rad < OVERTURNED_RAD
-        self._is_watching = state.is_armed or (self._is_watching and not is_done)
+        is_done = state.is_standing and state.attitude.tilt_rad < OVERTURNED_RAD
+        self._is_watching = state.heartbeat.is_armed or (self._is_watching and not is_done)
         if not self._is_watching or self._crash not in (None, Crash.IMPACT):
             return self._crash
         self._crash = self._final_sign(now_s, state) or self._crash or self._impact(state)
@@ -76,13 +76,13 @@ class CrashWatch:
 
     def _final_sign(self, now_s: float, state: VehicleState) -> Crash | None:
         is_flying = not state.is_landed
-        is_disarmed = is_flying and not state.is_armed
+        is_disarmed = is_flying and not state.heartbeat.is_armed
         self._disarmed_s = (self._disarmed_s or now_s) if is_disarmed else None
-        is_tilted = state.tilt_rad >= OVERTURNED_RAD
+        is_tilted = state.attitude.tilt_rad >= OVERTURNED_RAD
         self._tilted_s = (self._tilted_s or now_s) if is_tilted else None
         if self._tilted_s is not None and now_s - self._tilted_s >= OVERTURNED_S:
             return Crash.OVERTURNED
-        if is_flying and state.velocity[2] > self._profile.descent_mps + FALL_MPS:
+        if is_flying and state.motion.velocity[2] > self._profile.descent_mps + FALL_MPS:
             return Crash.FALL
         if self._disarmed_s is not None and now_s - self._disarmed_s >= DISARMED_S:
             return Crash.DISARMED
@@ -90,12 +90,12 @@ class CrashWatch:
 
     def _impact(self, state: VehicleState) -> Crash | None:
         """Compares the velocity with the newest one that is old enough."""
-        before, at_s = self._velocities, state.measured_s
+        before, at_s = self._velocities, state.motion.boot_s
         if before and before[-1][0] - at_s > GAP_S:
             before.clear()  # the clock of an autopilot that has restarted
         if before and before[-1][0] >= at_s:
             return None
-        before.append((at_s, state.velocity))
+        before.append((at_s, state.motion.velocity))
         old_s = at_s - JUMP_S + 1e-6
         while len(before) > 1 and before[1][0] <= old_s:
             before.popleft()
@@ -103,7 +103,7 @@ class CrashWatch:
         if before[0][0] > old_s or state.is_landed or elapsed_s > GAP_S:
             return None
         most = JUMP_MPS + self._profile.max_acceleration_mps2 * elapsed_s
-        north, east, down = (b - a for a, b in zip(velocity, state.velocity, strict=True))
+        north, east, down = (b - a for a, b in zip(velocity, state.motion.velocity, strict=True))
         touch_down_mps = self._profile.descent_mps if down < 0 else 0.0
         has_hit = math.hypot(north, east) > most or abs(down) > most + touch_down_mps
         return Crash.IMPACT if has_hit else None

@@ -14,7 +14,7 @@ from companion.flight_events.sortie import (
     StoppedAsAsked,
     TaskSatisfied,
 )
-from companion.vehicle.port import Mode, VehicleState
+from companion.vehicle.ports.state import Mode, VehicleState
 
 
 def ending(
@@ -55,6 +55,6 @@ def last_resort(phase: Phase, state: VehicleState) -> str:
     """
     if state.is_landed or TRANSITIONS.next(phase, SortieEvent.FAILED) is not Phase.ENDED:
         return ""
-    if state.mode is Mode.OFFBOARD:
+    if state.heartbeat.mode is Mode.OFFBOARD:
         return "; setpoints end, so that the autopilot's offboard-loss failsafe takes the vehicle"
-    return f"; the autopilot has the vehicle, in {state.mode.value}"
+    return f"; the autopilot has the vehicle, in {state.heartbeat.mode.value}"

@@ -5,7 +5,8 @@ from __future__ import annotations
 from companion.errors import Aborted
 from companion.geometry import FAR_M, GlobalOrigin, horizontal_distance
 from companion.mission.places import Place
-from companion.vehicle.port import FrameLocation, VehicleState
+from companion.vehicle.ports.frame import FrameLocation
+from companion.vehicle.ports.state import VehicleState
 
 _ELSEWHERE = "is it the right mission for this vehicle? companion sim begins where the mission does"
 
@@ -25,7 +26,7 @@ def far_away(
     if location is None:
         return Aborted(f"{what}\n    {_ELSEWHERE}")
     vehicle_at, home_at = (
-        location.zero.to_global(position)[:2] for position in (state.position, home.position)
+        location.zero.to_global(position)[:2] for position in (state.motion.position, home.position)
     )
     latitude, longitude = (f"{degrees:.6g}" for degrees in home_at)
     what += f": it is at {vehicle_at[0]:.6g}, {vehicle_at[1]:.6g}, and {home.name} is at "

@@ -21,8 +21,8 @@ from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.live_speed_limit import LiveSpeedLimit
 from companion.planning.task_state import TaskState
 from companion.tick import TICK_S
-from companion.vehicle.camera_port import ShotOwner
-from companion.vehicle.port import Vehicle
+from companion.vehicle.ports.cameras import ShotOwner
+from companion.vehicle.ports.vehicle import Vehicle
 from companion.vehicle_profile import VehicleProfile
 
 
@@ -78,10 +78,13 @@ class Flight:
 
     def __post_init__(self) -> None:
         """Lets guidance and steps use the flight's own time, and report to it or its journal."""
-        self.steps = BegunSteps(self.vehicle, self.note)
+        self.steps = BegunSteps(self._forget_command, self.note)
         self.guidance = Guidance(
             self.vehicle, self.routes, self.profile, self.limits, lambda: self.now_s, self.report
         )
+
+    def _forget_command(self, ticket: int) -> None:
+        self.vehicle.payloads.forget(ticket)
 
     def elapsed_s(self, since_s: float) -> float:
         """Time since an earlier step; at most two ticks, so that nothing jumps after a stall."""

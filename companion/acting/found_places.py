@@ -83,7 +83,7 @@ class FoundPlaces:
         """
         self._now_s, found = now_s, []
         vehicle = self._flight.vehicle
-        is_certain = vehicle.frame_doubt is None
+        is_certain = vehicle.frame.doubt is None
         self._sightings.follow(vehicle.state if is_certain else None)
         for report, sighting in reports.take_sightings().items():
             at = self._sightings.locate(sighting, now_s, zero_s, zero if is_certain else None)

@@ -37,7 +37,7 @@ class FrameWatch:
     def step(self, phase: Phase) -> Aborted | None:
         """Checks the frames, once a tick; returns why the sortie cannot continue, or None."""
         self._follow()
-        flight, doubt = self._flight, self._flight.vehicle.frame_doubt
+        flight, doubt = self._flight, self._flight.vehicle.frame.doubt
         if doubt is None or phase not in FROZEN:
             if self._is_told:
                 flight.report(FrameTrusted())
@@ -53,10 +53,10 @@ class FrameWatch:
 
     def is_frozen(self, phase: Phase) -> bool:
         """Whether a phase has to wait for a certain frame."""
-        return phase in FROZEN and self._flight.vehicle.frame_doubt is not None
+        return phase in FROZEN and self._flight.vehicle.frame.doubt is not None
 
     def _follow(self) -> None:
-        there, before = self._flight.vehicle.origin, self._origin
+        there, before = self._flight.vehicle.frame.origin, self._origin
         if there is None or there == before:
             return
         self._origin = there

@@ -15,7 +15,8 @@ from companion.mission.places import Place
 from companion.outcomes import Failed
 from companion.skills.authoring import KnownPlace, KnownVehicle
 from companion.skills.calls import Answer, CallRequest, Function
-from companion.vehicle.port import FrameLocation, VehicleState
+from companion.vehicle.ports.frame import FrameLocation
+from companion.vehicle.ports.state import VehicleState
 
 
 class FunctionPort(Protocol):
@@ -92,7 +93,7 @@ def known_vehicle(state: VehicleState | None) -> KnownVehicle | None:
     """What a function may know about the vehicle."""
     if state is None:
         return None
-    east_m, north_m, up_m = (round(metres, 3) for metres in enu_from_ned(state.position))
-    heading_deg = round(math.degrees(state.yaw_rad) % 360, 1)
-    percent = state.battery_percent
+    east_m, north_m, up_m = (round(metres, 3) for metres in enu_from_ned(state.motion.position))
+    heading_deg = round(math.degrees(state.attitude.yaw_rad) % 360, 1)
+    percent = state.battery.percent
     return KnownVehicle(east_m, north_m, up_m, heading_deg, state.is_landed, percent)

@@ -23,7 +23,7 @@ class GateWatch:
 
     def step(self) -> None:
         """Reports the first refusal after setpoints that passed."""
-        refusal, now_s = self._flight.vehicle.refusal, self._flight.now_s
+        refusal, now_s = self._flight.vehicle.setpoints.refusal, self._flight.now_s
         if refusal is None:
             self._was_refused = False
             return

@@ -15,7 +15,8 @@ from dataclasses import replace
 
 from companion.flight_events.skills import GroundNear
 from companion.motion.layered_routes import LayeredRoutes
-from companion.vehicle.port import Mode, Setpoint, VehicleState
+from companion.vehicle.ports.setpoints import Setpoint
+from companion.vehicle.ports.state import Mode, VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 SHARE = 0.5
@@ -56,7 +57,7 @@ class GroundGuard:
         """
         was_low, lifted_m = self._is_low, self.lift_m
         self._is_low, self.lift_m = False, 0.0
-        if state is None or state.mode is not Mode.OFFBOARD or is_landing:
+        if state is None or state.heartbeat.mode is not Mode.OFFBOARD or is_landing:
             return told, None
         by_m = lifted_m if state.below_m is None else self._needed_m(told, state, was_low)
         if by_m <= 0:
@@ -65,13 +66,13 @@ class GroundGuard:
         self.lift_m = told.position[2] - sent.position[2]
         if was_low or state.below_m is None:
             return sent, None
-        return sent, GroundNear(round(state.below_m, 2), round(-state.position[2], 2))
+        return sent, GroundNear(round(state.below_m, 2), round(-state.motion.position[2], 2))
 
     def _needed_m(self, told: Setpoint, state: VehicleState, was_low: bool) -> float:
         """By how much a setpoint has to be higher; 0 if it leads clear of what is below."""
         assert state.below_m is not None
-        up_m, told_up_m = -state.position[2], -told.position[2]
-        top_m = self._routes.top_m(state.position[:2], self._profile.radius_m)
+        up_m, told_up_m = -state.motion.position[2], -told.position[2]
+        top_m = self._routes.top_m(state.motion.position[:2], self._profile.radius_m)
         asked_m = min(self._profile.clearance_m, SHARE * (told_up_m - top_m))
         missing_m = asked_m - (state.below_m + told_up_m - up_m)
         is_low = missing_m > (-CLEAR_AGAIN_M if was_low else 0.0)
@@ -81,9 +82,10 @@ class GroundGuard:
         """The setpoint, lifted within the band and within the gate's distance from the vehicle."""
         north, east, down = told.position
         most_m = CARROT_SHARE * self._profile.carrot_m
-        beside_m = math.dist((north, east), state.position[:2])
+        beside_m = math.dist((north, east), state.motion.position[:2])
         room_m = math.sqrt(max(0.0, most_m**2 - beside_m**2))
-        highest_down = max(state.position[2] - room_m, min(-self._highest_m, state.position[2]))
+        down_now = state.motion.position[2]
+        highest_down = max(down_now - room_m, min(-self._highest_m, down_now))
         lifted_down = min(down, max(down - by_m, highest_down))
         v_north, v_east, v_down = told.velocity
         velocity = (v_north, v_east, min(v_down, 0.0))

@@ -25,7 +25,9 @@ from companion.motion.heading import turned
 from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.trajectory import AT_REST, Sample, Stop, Trajectory
 from companion.tick import TICK_S
-from companion.vehicle.port import Setpoint, Vehicle, VehicleState
+from companion.vehicle.ports.setpoints import Setpoint
+from companion.vehicle.ports.state import VehicleState
+from companion.vehicle.ports.vehicle import SteeredVehicle
 from companion.vehicle_profile import VehicleProfile
 
 HELD_M = 0.5
@@ -38,7 +40,7 @@ class Guidance:
     """Tells the vehicle what to fly.
 
     Args:
-        vehicle: receives the setpoints.
+        vehicle: follows the setpoints.
         routes: know the walls, and what is below.
         profile: the profile of the vehicle that the mission is written for.
         limits: the mission's limits.
@@ -52,7 +54,7 @@ class Guidance:
 
     def __init__(
         self,
-        vehicle: Vehicle,
+        vehicle: SteeredVehicle,
         routes: LayeredRoutes,
         profile: VehicleProfile,
         limits: Limits,
@@ -107,9 +109,9 @@ class Guidance:
         """
         told, stop, t_s = self._setpoint, self._stop, self.stopping_s
         within_m = LAG_SHARE * self._profile.carrot_m
-        if told is None or distance(self.sent(told.position), state.position) >= within_m:
-            here = self._not_above_band(state.position)
-            own = Sample(here, state.velocity, AT_REST, is_finished=False)
+        if told is None or distance(self.sent(told.position), state.motion.position) >= within_m:
+            here = self._not_above_band(state.motion.position)
+            own = Sample(here, state.motion.velocity, AT_REST, is_finished=False)
             return Departure(own, stop, t_s)
         return at_rest(told.position) if stop is None else Departure(stop.sample(t_s), stop, t_s)
 
@@ -131,7 +133,8 @@ class Guidance:
         if state.is_landed:
             self.drag.pause()
         else:
-            self.drag.take(state.measured_s, state.velocity[:2], state.thrust_mps2)
+            motion = state.motion
+            self.drag.take(motion.boot_s, motion.velocity[:2], state.attitude.thrust_mps2)
 
     def brake(self) -> None:
         """Streams the next moment of a stop, if there is one; once a tick, before all else."""
@@ -179,8 +182,10 @@ class Guidance:
     @property
     def heading_rad(self) -> float:
         """The heading of the last setpoint; without one, the heading of the vehicle."""
-        before = self._setpoint or self._vehicle.state
-        return before.yaw_rad if before is not None else 0.0
+        if self._setpoint is not None:
+            return self._setpoint.yaw_rad
+        state = self._vehicle.state
+        return state.attitude.yaw_rad if state is not None else 0.0
 
     def hold(self, heading_rad: float | None = None) -> None:
         """Holds at the last setpoint, or without one where the vehicle is in the air.
@@ -197,7 +202,7 @@ class Guidance:
             at_rest = _rest_at(self._setpoint.position)
             self._stream(at_rest, heading_rad, is_landing=self._is_landing)
         elif state is not None and not state.is_landed:
-            self._stream(_rest_at(self._not_above_band(state.position)), heading_rad)
+            self._stream(_rest_at(self._not_above_band(state.motion.position)), heading_rad)
 
     def hold_unless_told(self) -> None:
         """Holds, if nothing else was streamed in this tick."""
@@ -222,7 +227,7 @@ class Guidance:
         self.forget_setpoint()
         if state is None or state.is_landed:
             return
-        north, east, down = state.position
+        north, east, down = state.motion.position
         if told is not None and math.dist(told.position[:2], (north, east)) < HELD_M:
             north, east, _ = told.position
         self._stream(_rest_at(self._not_above_band((north, east, down))), None)
@@ -247,7 +252,7 @@ class Guidance:
         setpoint, low = self._ground.kept_off(setpoint, self._vehicle.state, is_landing)
         if low is not None:
             self._report(low)
-        self._vehicle.fly(setpoint, is_for_task=is_for_task, is_landing=is_landing)
+        self._vehicle.setpoints.fly(setpoint, is_for_task=is_for_task, is_landing=is_landing)
 
     def _turned(self, heading_rad: float | None) -> float:
         """The next heading: the one before, turned no faster than the profile allows."""

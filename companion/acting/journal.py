@@ -15,7 +15,7 @@ from companion.flight_events.sortie import Phase
 from companion.geofence import KeptFence
 from companion.geometry import Ned
 from companion.planning.task_changes import ActionCompleted, TaskChange
-from companion.vehicle.camera_port import IntendedShot, ShotOwner
+from companion.vehicle.ports.cameras import IntendedShot, ShotOwner
 
 
 @dataclass(frozen=True, slots=True)

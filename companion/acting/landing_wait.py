@@ -11,7 +11,7 @@ import math
 
 from companion.acting.flight import Flight
 from companion.outcomes import Progress
-from companion.vehicle.port import Mode
+from companion.vehicle.ports.state import Mode
 
 LONGEST_S = 10.0
 """A vehicle that does not come to rest within this time lands as it is."""
@@ -39,7 +39,7 @@ class LandingWait:
 
     def _may_land(self) -> bool:
         flight, state = self._flight, self._flight.vehicle.state
-        if state is None or state.mode is not Mode.OFFBOARD:
+        if state is None or state.heartbeat.mode is not Mode.OFFBOARD:
             return True
         flight.guidance.hold()
         now_s = flight.now_s

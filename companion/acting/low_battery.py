@@ -10,8 +10,6 @@ A mission says what to do by `battery:`, by an event about the battery, or by sk
 
 from __future__ import annotations
 
-import math
-
 from companion.acting.flight import Flight
 from companion.acting.safe_places import SafePlaces
 from companion.mission.model import Mission
@@ -38,7 +36,7 @@ def says_what_then(mission: Mission) -> bool:
 def why_not_armed(flight: Flight, mission: Mission) -> str | None:
     """Why the vehicle is not armed; None if the charge is fine, or the mission says what to do."""
     state = flight.vehicle.state
-    is_low = state is not None and math.isfinite(state.battery_low_since_s)
+    is_low = state is not None and state.battery.low_since_s is not None
     return ON_GROUND if is_low and not says_what_then(mission) else None
 
 
@@ -60,9 +58,9 @@ class LowBattery:
     def is_due(self) -> bool:
         """Whether the vehicle has to leave its task because of the battery."""
         state = self._flight.vehicle.state
-        if state is None or not self._is_ours:
+        if state is None or not self._is_ours or (since_s := state.battery.low_since_s) is None:
             return False
-        return self._flight.now_s - state.battery_low_since_s >= LOW_S
+        return self._flight.now_s - since_s >= LOW_S
 
     def refuge(self) -> str | None:
         """Where the vehicle has to fly; None if nowhere, or if that is not known yet."""

@@ -29,4 +29,4 @@ class PhaseGoals:
             flight.guidance.hold_here()  # it may still rise
         elif phase in (Phase.HOLDING, Phase.PARTING, Phase.LANDING):
             flight.guidance.hold()  # until the autopilot does
-        return flight.vehicle.pursue(GOALS[phase])
+        return flight.vehicle.goals.pursue(GOALS[phase])

@@ -10,7 +10,7 @@ from enum import Enum
 
 from companion.flight_events.sortie import Phase
 from companion.transitions import StateTransition, TransitionTable
-from companion.vehicle.port import Goal
+from companion.vehicle.ports.goals import Goal
 
 
 class SortieEvent(Enum):

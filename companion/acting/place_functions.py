@@ -69,7 +69,7 @@ class PlaceFunctions:
         self, step: PythonCall, place: Place, waypoints: tuple[WaypointEnu, ...] = ()
     ) -> Returned | None:
         flight, end_s = self._flight, min(self._flight.now_s + ASKED_S, self._end_s)
-        state, location = flight.vehicle.state, flight.vehicle.location
+        state, location = flight.vehicle.state, flight.vehicle.frame.location
         names = sorted({place.name} | step.names)
         known = [flight.symbols.find(name) for name in names]
         places = tuple(known_place(each, location) for each in known if each is not None)

@@ -26,7 +26,7 @@ from companion.geometry import distance
 from companion.planning.energy.ratio_estimate import RatioEstimate
 from companion.planning.planner import Planner
 from companion.planning.task_replay import TaskReplay
-from companion.vehicle.port import Mode, VehicleState
+from companion.vehicle.ports.state import Mode, VehicleState
 
 DRIFT_M = 5.0
 """How far a holding vehicle may be from where it is expected."""
@@ -87,15 +87,14 @@ class Resumption:
             return None
         if self.journalled.flown not in GOES_ON_WITH:
             return Aborted(f"{what} while the vehicle was left on hold; it is left alone")
-        if state.is_landed and not state.is_armed:
+        if state.is_standing:
             return Aborted(f"{what}, and the vehicle has landed; it is not armed again")
         return None
 
     def is_landing(self, state: VehicleState) -> bool:
         """Whether it lands, or has landed, as it was to do; nothing has to be sent for that."""
-        has_landed = state.is_landed and not state.is_armed
         was_to_land = self.journalled.flown is Phase.LANDING
-        return was_to_land and (has_landed or state.mode is Mode.LAND)
+        return was_to_land and (state.is_standing or state.heartbeat.mode is Mode.LAND)
 
     def why_asked(self, state: VehicleState) -> str | None:
         """Why the operator is asked, even if the autopilot holds by the loss of our stream."""
@@ -106,7 +105,7 @@ class Resumption:
             return "the vehicle was not flown by setpoints"
         if seen.system != self.system():
             return f"the vehicle's system id is {self.system()}, and it was {seen.system}"
-        away_m = distance(seen.position, state.position)
+        away_m = distance(seen.position, state.motion.position)
         if away_m > DRIFT_M + UNSEEN_S * self.speed_mps:
             return f"the vehicle is {away_m:.0f} m from where it was"
         return None
@@ -125,8 +124,9 @@ class Resumption:
 
 def _why_it_keeps(state: VehicleState) -> str | None:
     """Why the autopilot's hold will not be due to our lost stream, as in a take-off by the plan."""
-    is_held = state.mode is Mode.LOITER and state.is_failsafe
-    return None if is_held or state.mode is Mode.OFFBOARD else f"{state.mode.value} is flown"
+    mode = state.heartbeat.mode
+    is_held = mode is Mode.LOITER and state.heartbeat.is_failsafe
+    return None if is_held or mode is Mode.OFFBOARD else f"{mode.value} is flown"
 
 
 def restore(

@@ -131,8 +131,9 @@ class SafePlaces:
         if AT_HERE not in facts or state is None:
             return at(name) in facts
         place = self._planner.mission.places[name]
-        near_m = place.inner_m + greatest_error_m(state.accuracy_m)
-        return horizontal_distance(self._flight.symbols[name].position, state.position) <= near_m
+        near_m = place.inner_m + greatest_error_m(state.motion.accuracy_m)
+        there = self._flight.symbols[name].position
+        return horizontal_distance(there, state.motion.position) <= near_m
 
     def choose(self) -> Answered[str | None] | None:
         """The next place to fly to, or that none can be reached; None while that is not known.
@@ -168,7 +169,7 @@ class SafePlaces:
         found: dict[str, float] = {}
         for place in places:
             for _ in range(MAX_PARTS):
-                if routes.search(state.position, place, CELLS_PER_TICK):
+                if routes.search(state.motion.position, place, CELLS_PER_TICK):
                     break
                 spent(CELL_US * CELLS_PER_TICK)
             found[place] = self._planner.flight_time(HERE, place)

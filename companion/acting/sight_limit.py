@@ -22,7 +22,7 @@ from companion.acting.flight import Flight
 from companion.flight_events.skills import SpeedLimitedBySight
 from companion.motion.range_scan import RangeScan
 from companion.motion.speed_in_sight import fastest_mps
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 
 SUSTAINED_S = 2.0
 LOOK_S = 0.25
@@ -58,7 +58,7 @@ class SightLimit:
 
     def _sustained_m(self, scan: RangeScan, state: VehicleState, sight_m: float) -> float:
         """The range in the direction of flight; unchanged until a new one has lasted."""
-        north_mps, east_mps, _ = state.velocity
+        north_mps, east_mps, _ = state.motion.velocity
         speed_mps, seen, now_s = math.hypot(north_mps, east_mps), self._seen, scan.stamp_s
         if state.is_landed or speed_mps < MOVING_MPS:
             seen.clear()

@@ -48,7 +48,7 @@ from companion.flight_events.sortie import (
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
 from companion.outcomes import Failed, Progress, Refusal
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 
 ON_THE_GROUND_BY_PLAN = Refusal(
     "the vehicle is landing or on the ground by its plan; nothing interrupts that"
@@ -132,7 +132,7 @@ class Sortie:
                 return
             if lost is not None:
                 self._land(lost, SortieEvent.FRAME_LOST)
-            if flight.vehicle.is_doubted or self._frame_watch.is_frozen(self.phase):
+            if flight.vehicle.control.is_doubted or self._frame_watch.is_frozen(self.phase):
                 return  # it goes on from here, or is lost
             flight.guidance.brake()
         self._work(state)
@@ -205,7 +205,7 @@ class Sortie:
         self._flight.report(StopRequested())
         state = self._flight.vehicle.state
         is_ours = self.phase not in (*ON_THE_GROUND, Phase.YIELDED)
-        if is_ours and state is not None and state.is_armed:
+        if is_ours and state is not None and state.heartbeat.is_armed:
             self._executive.stop()
             self._on(SortieEvent.STOPPED_IN_THE_AIR)
         else:
@@ -229,8 +229,8 @@ class Sortie:
 
     def _lose(self, loss: CompanionError, state: VehicleState) -> None:
         """Yields to whoever has taken the vehicle in the air, or ends the sortie."""
-        is_taken = self.phase in UNDER_TASK and self._flight.vehicle.takeover is not None
-        if is_taken and self._control.may_yield and state.is_armed and not state.is_landed:
+        is_taken = self.phase in UNDER_TASK and self._flight.vehicle.control.takeover is not None
+        if is_taken and self._control.may_yield and state.is_flying:
             self._yield(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
         else:
             self._give_up(loss)
@@ -250,7 +250,7 @@ class Sortie:
 
     def _regain(self, news: FlightEvent) -> None:
         """Takes control again: streams setpoints, and continues what was interrupted."""
-        self._flight.vehicle.regain()
+        self._flight.vehicle.control.regain()
         self._flight.guidance.forget_setpoint()  # hold where it is, not where it was taken from us
         self._on(SortieEvent.HANDED_BACK, news)
 

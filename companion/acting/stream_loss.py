@@ -15,7 +15,7 @@ fence that was left. Source: PX4 v1.16 as observed (COM_OF_LOSS_T 1 s, COM_OBL_R
 from __future__ import annotations
 
 from companion.vehicle.heard_time import QUIET_S, Interruption
-from companion.vehicle.port import Mode, VehicleState
+from companion.vehicle.ports.state import Mode, VehicleState
 
 
 class StreamLossWatch:
@@ -35,13 +35,13 @@ class StreamLossWatch:
 
     def step(self, now_s: float, state: VehicleState) -> None:
         """Takes the state of a tick."""
-        self._interruption.step(now_s, is_quiet=now_s - state.stamp_s >= QUIET_S)
-        if not state.is_mode_known(now_s):
+        self._interruption.step(now_s, is_quiet=state.motion.silence_s(now_s) >= QUIET_S)
+        if not state.heartbeat.is_recent(now_s):
             return
-        if state.mode is Mode.OFFBOARD:
+        if state.heartbeat.mode is Mode.OFFBOARD:
             self.is_hold = False
             return
-        is_failsafe_hold = state.mode is Mode.LOITER and state.is_failsafe
+        is_failsafe_hold = state.heartbeat.mode is Mode.LOITER and state.heartbeat.is_failsafe
         self.is_hold = is_failsafe_hold and (self.is_hold or self._interruption.is_recent)
         if not is_failsafe_hold:
             self._interruption.forget()

@@ -15,7 +15,7 @@ from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.routes import RouteMap
 from companion.motion.trajectory import Sample
 from companion.motion.wall_push import STILL, push
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 CLEAR_AGAIN_M = 0.1
@@ -50,7 +50,7 @@ class WallGuard:
         if plane is None:
             return told.position, None
         kept_m, carrot_m = self._routes.kept_m, self._profile.carrot_m
-        by = push(plane.obstacles, kept_m, state.position, told, carrot_m)
+        by = push(plane.obstacles, kept_m, state.motion.position, told, carrot_m)
         sent = self._moved(plane, told.position, by)
         if not self._is_near and math.dist(sent, told.position) < TOLD_M:
             return sent, None
@@ -65,7 +65,7 @@ class WallGuard:
         plane = self._routes.plane(-told[2])
         if plane is None:
             return False
-        (north, east, _), (v_north, v_east, _) = state.position, state.velocity
+        (north, east, _), (v_north, v_east, _) = state.motion.position, state.motion.velocity
         off_m = math.dist((north, east), told[:2])
         asked_m = min(self._routes.kept_m + off_m, plane.obstacles.clearance_m(told[:2])) - NEARER_M
         soon = (north + SOON_S * v_north, east + SOON_S * v_east)
@@ -89,7 +89,7 @@ class WallGuard:
     def _news(self, obstacles: OccupancyGrid, state: VehicleState) -> WallNear | None:
         """The event, once for each time that the vehicle, off its route, lacks its margin."""
         was_near, needed_m = self._is_near, self._profile.radius_m + self._profile.margin_m
-        here = state.position[:2]
+        here = state.motion.position[:2]
         again_m = needed_m + (CLEAR_AGAIN_M if was_near else 0.0)
         self._is_near = obstacles.is_within(here, again_m)
         if was_near or not self._is_near:

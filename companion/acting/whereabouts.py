@@ -66,14 +66,14 @@ class Whereabouts:
         place = self._places.get(next(believed, ""))
         if place is None:  # between places already
             return None
-        margin_m = max(MARGIN_M, SIGMAS * state.accuracy_m)
-        north, east, down = state.position
+        margin_m = max(MARGIN_M, SIGMAS * state.motion.accuracy_m)
+        north, east, down = state.motion.position
         there = flight.guidance.sent(place.position)
         if flight.progress.ground is GroundState.DESCENDING:
             down = there[2]  # it descends to its marker
         if place.region.away_m(there, (north, east, down)) <= margin_m:
             return None
-        return PlaceLost(place.name, round(distance(there, state.position), 1))
+        return PlaceLost(place.name, round(distance(there, state.motion.position), 1))
 
     def _lose(self, lost: PlaceLost) -> PlaceLost:
         """Puts the vehicle between places, for the task; the action there is interrupted."""

@@ -21,7 +21,7 @@ from companion.flight_events.tree import NodeType, PlanNode
 from companion.mission.model import Mission
 from companion.planning.lasso import ChosenPlan
 from companion.record.events import read_events, record_of
-from companion.vehicle.port import Vehicle
+from companion.vehicle.ports.vehicle import Vehicle
 
 _SHAPES = {NodeType.ACTION: "box", NodeType.LEAF: "box"}
 """Shapes in the DOT language; all other nodes are ellipses."""

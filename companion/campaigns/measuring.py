@@ -139,7 +139,8 @@ def _lost_for_good(flight: LockstepFlight) -> LinkError | None:
     state = flight.companion.telemetry.state
     if state is None or flight.simulation.is_armed:
         return None
-    return loss_of_link(replace(state, is_armed=False, is_landed=True), flight.now_s)
+    disarmed = replace(state.heartbeat, is_armed=False)
+    return loss_of_link(replace(state, heartbeat=disarmed, is_landed=True), flight.now_s)
 
 
 def _stance(flight: LockstepFlight) -> str:

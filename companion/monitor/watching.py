@@ -120,7 +120,7 @@ class Watcher:
     def position(self) -> Ned | None:
         """The vehicle's position, if known."""
         state = self._telemetry.state
-        return state.position if state else None
+        return state.motion.position if state else None
 
     def hear(self, now_s: float, frames: list[bytes]) -> None:
         """Reads the frames of one tick."""
@@ -157,17 +157,17 @@ class Watcher:
         setpoint = None
         if self._setpoint is not None and now_s - self._setpoint[0] < SETPOINT_OLD_S:
             setpoint = self._telemetry.frame.position(self._setpoint[1])
-        north, east, down = state.position
+        north, east, down = state.motion.position
         return Snapshot(
             time_s=now_s,
-            position=state.position,
-            velocity=state.velocity,
-            yaw_rad=state.yaw_rad,
+            position=state.motion.position,
+            velocity=state.motion.velocity,
+            yaw_rad=state.attitude.yaw_rad,
             setpoint=setpoint,
-            battery_percent=state.battery_percent,
+            battery_percent=state.battery.percent,
             voltage_v=self._voltage_v,
             clearance_m=self.grid.at(-down).clearance_m((north, east)),
             mode=self._mode,
-            is_armed=state.is_armed,
+            is_armed=state.heartbeat.is_armed,
             link_age_s=now_s - self._heard_s,
         )

@@ -38,7 +38,7 @@ from companion.geofence import KeptFence
 from companion.planning import task_changes as changes
 from companion.record.events import JOURNAL_FILE
 from companion.record.json_lines import is_object, whole_lines
-from companion.vehicle.camera_port import IntendedShot
+from companion.vehicle.ports.cameras import IntendedShot
 
 KINDS: dict[str, type[JournalEntry]] = {
     "flight begun": FlightBegun,

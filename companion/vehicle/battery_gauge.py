@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from companion.mavlink.framing import Message, dialect
+from companion.vehicle.ports.state import BatteryState
 
 VOLTAGE_UNKNOWN = 65535
 KNOWN_S = 5.0
@@ -17,34 +16,22 @@ CRITICAL = (
 LOW = (dialect.MAV_BATTERY_CHARGE_STATE_LOW, *CRITICAL)
 
 
-class BatteryGauge:
-    """The newest values.
-
-    Attributes:
-        percent: remaining charge, None while unknown.
-        percent_s: when the charge was last reported.
-        is_critical: the autopilot reports the charge as critical or worse.
-        low_since_s: since when the autopilot reports the charge as low or worse; inf while it does
-            not.
-        power_w: power drawn, voltage times current; None while one of them is not known.
-    """
-
-    def __init__(self) -> None:
-        self.percent: int | None = None
-        self.percent_s = 0.0
-        self.is_critical = False
-        self.low_since_s = math.inf
-        self.power_w: float | None = None
-
-    def take(self, now_s: float, message: Message) -> None:
-        """Takes a BATTERY_STATUS."""
-        if message.battery_remaining >= 0:
-            self.percent, self.percent_s = message.battery_remaining, now_s
-        elif now_s - self.percent_s > KNOWN_S:
-            self.percent = None
-        self.is_critical = message.charge_state in CRITICAL
-        self.low_since_s = min(self.low_since_s, now_s) if message.charge_state in LOW else math.inf
-        self.power_w = _power_w(message)
+def battery_after(before: BatteryState, now_s: float, message: Message) -> BatteryState:
+    """The state of a battery after a BATTERY_STATUS."""
+    percent, percent_s = before.percent, before.percent_s
+    if message.battery_remaining >= 0:
+        percent, percent_s = message.battery_remaining, now_s
+    elif now_s - percent_s > KNOWN_S:
+        percent = None
+    is_low = message.charge_state in LOW
+    low_since_s = now_s if before.low_since_s is None else before.low_since_s
+    return BatteryState(
+        percent,
+        percent_s,
+        is_critical=message.charge_state in CRITICAL,
+        low_since_s=low_since_s if is_low else None,
+        power_w=_power_w(message),
+    )
 
 
 def voltage_v(message: Message) -> float | None:

@@ -7,9 +7,9 @@ after the other (`photo_shot.py`).
 from __future__ import annotations
 
 from companion.mavlink.framing import Message, source
-from companion.vehicle.camera_port import IntendedShot, ShotOutcome, ShotOwner
 from companion.vehicle.known_camera import KnownCamera
 from companion.vehicle.photo_shot import PHOTO_S, SHOOT, PhotoShot
+from companion.vehicle.ports.cameras import IntendedShot, ShotOutcome, ShotOwner
 from companion.vehicle.services import Moment
 from companion.vehicle.wire import COMPONENT, Wire
 
@@ -21,7 +21,7 @@ IMAGE, CAPTURE_STATUS, STORAGE = (
 
 
 class MavlinkCameras:
-    """Implements `camera_port.Cameras`; a service of the vehicle.
+    """Implements `ports.cameras.Cameras`; a service of the vehicle.
 
     Args:
         wire: of the system that the cameras belong to.
@@ -37,7 +37,7 @@ class MavlinkCameras:
         self._tickets = 0
         self._heard_s = 0.0
 
-    # -- camera_port.Cameras -------------------------------------------------------------------
+    # -- ports.cameras -------------------------------------------------------------------------
 
     def prepare(
         self,

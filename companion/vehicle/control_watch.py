@@ -28,28 +28,15 @@ Source: https://mavlink.io/en/services/heartbeat.html; PX4 v1.16, HEARTBEAT at 1
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from enum import Enum
 
-from companion.vehicle.port import Mode, Takeover
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.state import Heartbeat
 
 CONTRADICTED_S = 0.9
 """Two heartbeats of one autopilot are never this close together: it sends one a second."""
 PAUSED_S = 0.9
 """Between two ticks: a PX4 that misses setpoints for a second (COM_OF_LOSS_T) holds."""
-
-
-@dataclass(frozen=True, slots=True)
-class Heartbeat:
-    """The content of an autopilot's HEARTBEAT.
-
-    Attributes:
-        is_failsafe: the system status is CRITICAL or worse.
-    """
-
-    mode: Mode
-    is_armed: bool
-    is_failsafe: bool
 
 
 class ControlState(Enum):
@@ -63,11 +50,13 @@ class ControlState(Enum):
 class ControlWatch:
     """Takes every heartbeat of the autopilot in flight, in order.
 
+    Implements `ports.control.VehicleControl`.
+
     >>> watch = ControlWatch()
-    >>> watch.take(5.0, Heartbeat(Mode.POSCTL, True, False), is_our_mode=False)
+    >>> watch.take(Heartbeat(Mode.POSCTL, True, False, received_s=5.0), is_our_mode=False)
     >>> watch.state, watch.takeover
     (<ControlState.DOUBTED: 'doubted'>, None)
-    >>> watch.take(6.0, Heartbeat(Mode.POSCTL, True, False), is_our_mode=False)
+    >>> watch.take(Heartbeat(Mode.POSCTL, True, False, received_s=6.0), is_our_mode=False)
     >>> print(watch.takeover)
     the pilot has control, in POSCTL
 
@@ -79,9 +68,15 @@ class ControlWatch:
     def __init__(self) -> None:
         self.state = ControlState.OURS
         self.takeover: Takeover | None = None
-        self._doubted: tuple[float, Heartbeat] | None = None
+        self._doubted: Heartbeat | None = None
         self._was_armed = False  # before the doubt
         self._stepped_s = math.inf
+
+    @property
+    def is_doubted(self) -> bool:
+        """Whether, by the newest heartbeat, somebody else may have control; nothing is sent
+        meanwhile."""
+        return self.state is ControlState.DOUBTED
 
     def step(self, now_s: float) -> None:
         """Begins a tick; call it before the heartbeats of that tick."""
@@ -89,26 +84,25 @@ class ControlWatch:
             self.state = ControlState.DOUBTED
         self._stepped_s = now_s
 
-    def take(self, now_s: float, heartbeat: Heartbeat, is_our_mode: bool) -> None:
+    def take(self, heartbeat: Heartbeat, is_our_mode: bool) -> None:
         """Takes a heartbeat.
 
         Args:
-            now_s: when it was heard.
-            heartbeat: its content.
+            heartbeat: the newest one.
             is_our_mode: whether the present goal passes through its mode.
         """
         if self.state is ControlState.LOST:
             return
         doubted, self._doubted = self._doubted, None
         if is_our_mode:
-            if doubted is not None and not self._contradicts(heartbeat, now_s - doubted[0]):
-                self._lose(doubted[1])
+            if doubted is not None and not self._contradicts(heartbeat, doubted):
+                self._lose(doubted)
             else:
                 self.state, self._was_armed = ControlState.OURS, heartbeat.is_armed
         elif doubted is not None or (heartbeat.is_failsafe and heartbeat.is_armed):
             self._lose(heartbeat)
         else:
-            self.state, self._doubted = ControlState.DOUBTED, (now_s, heartbeat)
+            self.state, self._doubted = ControlState.DOUBTED, heartbeat
 
     def settle(self) -> None:
         """Ends a doubt when nothing is flown; lost control stays lost."""
@@ -119,8 +113,9 @@ class ControlWatch:
         """Takes note that control was given back."""
         self.state, self.takeover, self._doubted = ControlState.OURS, None, None
 
-    def _contradicts(self, heartbeat: Heartbeat, after_s: float) -> bool:
+    def _contradicts(self, heartbeat: Heartbeat, doubted: Heartbeat) -> bool:
         is_disarming = self._was_armed and not heartbeat.is_armed
+        after_s = heartbeat.received_s - doubted.received_s
         return after_s <= CONTRADICTED_S and not is_disarming
 
     def _lose(self, heartbeat: Heartbeat) -> None:

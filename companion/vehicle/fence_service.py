@@ -34,7 +34,7 @@ MOST_OBJECTIONS = 8
 
 
 class FenceService(ItemStore):
-    """Implements `store_port.AutopilotFence`; a service of the vehicle.
+    """Implements `ports.stores.AutopilotFence`; a service of the vehicle.
 
     Args:
         wire: of the system that the autopilot belongs to.
@@ -49,7 +49,7 @@ class FenceService(ItemStore):
         self._home: tuple[float, float] | None = None
         self._objections: list[str] = []
 
-    # -- store_port.AutopilotFence -------------------------------------------------------------
+    # -- ports.stores --------------------------------------------------------------------------
 
     @property
     def stored(self) -> StoredFence | None:

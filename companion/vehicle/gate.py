@@ -40,7 +40,8 @@ from dataclasses import dataclass
 
 from companion.outcomes import Refusal
 from companion.vehicle.gate_polygons import Corner, distance_to, edges, is_crossing, is_inside_of
-from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
+from companion.vehicle.ports.setpoints import Setpoint, hold_at
+from companion.vehicle.ports.state import Mode, VehicleState
 
 SPEED_TOLERANCE = 1.01
 """So that rounding of a velocity exactly at the limit does not stop the vehicle."""
@@ -164,14 +165,14 @@ def admit(
 
 def _hold(judged: _Judged, before: Verdict | None) -> Setpoint:
     """A hold where the present hold began; at the present position if it begins now."""
-    here, carrot_m = judged.state.position, judged.envelope.carrot_m
+    here, carrot_m = judged.state.motion.position, judged.envelope.carrot_m
     begun = before.setpoint if before is not None and before.refusal is not None else None
     if (
         begun is None
         or judged.frame_doubt is not None
         or math.dist(begun.position, here) > carrot_m
     ):
-        return hold_at(here, judged.state.yaw_rad)
+        return hold_at(here, judged.state.attitude.yaw_rad)
     return begun
 
 
@@ -189,42 +190,41 @@ class _Judged:
 
 
 def _unknown(judged: _Judged) -> Refusal | None:
-    is_known = _is_finite(*judged.state.position, judged.state.yaw_rad)
+    is_known = _is_finite(*judged.state.motion.position, judged.state.attitude.yaw_rad)
     return None if is_known else Refusal("the position is unknown")
 
 
 def _lost(judged: _Judged) -> Refusal | None:
-    age_s = judged.now_s - judged.state.position_s
+    age_s = judged.state.motion.age_s(judged.now_s)
     return None if age_s <= judged.envelope.lost_s else Refusal(f"no position for {age_s:.1f} s")
 
 
 def _mode_lost(judged: _Judged) -> Refusal | None:
-    age_s = judged.now_s - judged.state.mode_s
+    age_s = judged.state.heartbeat.age_s(judged.now_s)
     return None if age_s <= judged.envelope.mode_lost_s else Refusal(f"no mode for {age_s:.1f} s")
 
 
 def _disarmed(judged: _Judged) -> Refusal | None:
-    return None if judged.state.is_armed else Refusal("the vehicle is not armed")
+    return None if judged.state.heartbeat.is_armed else Refusal("the vehicle is not armed")
 
 
 def _not_ours(judged: _Judged) -> Refusal | None:
-    mode = judged.state.mode
+    mode = judged.state.heartbeat.mode
     is_ours = mode is Mode.OFFBOARD or judged.is_entering
     return None if is_ours else Refusal(f"the mode is {mode.value}")
 
 
 def _stale(judged: _Judged) -> Refusal | None:
-    ages_s = ("position", judged.state.position_s), ("heading", judged.state.yaw_s)
-    for name, stamp_s in ages_s:
-        age_s = judged.now_s - stamp_s
+    for name, measured in ("position", judged.state.motion), ("heading", judged.state.attitude):
+        age_s = measured.age_s(judged.now_s)
         if not age_s <= judged.envelope.max_age_s:
             return Refusal(f"the {name} is {age_s:.1f} s old")
     return None
 
 
 def _drifting(judged: _Judged) -> Refusal | None:
-    good_for = f"good for {judged.state.accuracy_m:.1f} m, and gets worse"
-    return Refusal(f"the position is {good_for}") if judged.state.is_drifting else None
+    good_for = f"good for {judged.state.motion.accuracy_m:.1f} m, and gets worse"
+    return Refusal(f"the position is {good_for}") if judged.state.motion.is_drifting else None
 
 
 def _displaced(judged: _Judged) -> Refusal | None:
@@ -256,7 +256,7 @@ def _outside_fence(judged: _Judged) -> Refusal | None:
 
 
 def _in_zone(judged: _Judged) -> Refusal | None:
-    there, here = judged.request.setpoint.position[:2], judged.state.position[:2]
+    there, here = judged.request.setpoint.position[:2], judged.state.motion.position[:2]
     for zone in judged.envelope.keep_out:
         away_m = distance_to(here, zone)
         if not distance_to(there, zone) >= min(away_m, judged.envelope.fence_margin_m):
@@ -273,13 +273,13 @@ def _outside_band(judged: _Judged) -> Refusal | None:
         sites = judged.envelope.sites
         over = [s.lowest_up_m for s in sites if math.dist(s.centre, (north, east)) <= s.radius_m]
         low = max(over, default=low)
-    here_up_m = -judged.state.position[2]
+    here_up_m = -judged.state.motion.position[2]
     is_inside = min(low, here_up_m) <= -down <= max(high, here_up_m)
     return None if is_inside else Refusal("outside the altitude band")
 
 
 def _too_far(judged: _Judged) -> Refusal | None:
-    gap_m = math.dist(judged.request.setpoint.position, judged.state.position)
+    gap_m = math.dist(judged.request.setpoint.position, judged.state.motion.position)
     is_near = gap_m <= judged.envelope.carrot_m
     return None if is_near else Refusal(f"{gap_m:.1f} m from the vehicle")
 

@@ -30,7 +30,7 @@ from companion.geometry import euler_from_quaternion
 from companion.mavlink.commands import CommandSender, Parameters
 from companion.mavlink.framing import Message, dialect, source
 from companion.outcomes import Failed, Outcome, Progress
-from companion.vehicle.gimbal_port import Aim
+from companion.vehicle.ports.gimbals import Aim
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import COMPONENT, Wire
@@ -102,7 +102,7 @@ class _Attitude:
 
 @dataclass
 class MavlinkGimbals:
-    """Implements `gimbal_port.Gimbals`; a service of the vehicle.
+    """Implements `ports.gimbals.Gimbals`; a service of the vehicle.
 
     Args:
         wire: of the system that the gimbals belong to.
@@ -121,7 +121,7 @@ class MavlinkGimbals:
     _tickets: int = 0
     _heard_s: float = 0.0
 
-    # -- gimbal_port.Gimbals -------------------------------------------------------------------
+    # -- ports.gimbals -------------------------------------------------------------------------
 
     def point(self, component: int, aim: Aim, timeout_s: float | None) -> int:
         """Begins to point a gimbal; returns a ticket."""
@@ -249,7 +249,7 @@ class MavlinkGimbals:
     @property
     def _heading_rad(self) -> float | None:
         state = self.telemetry.state
-        return state.yaw_rad if state is not None else None
+        return state.attitude.yaw_rad if state is not None else None
 
     def _direction(self, message: Message) -> Direction | None:
         """The direction in a GIMBAL_DEVICE_ATTITUDE_STATUS, from north."""

@@ -12,11 +12,14 @@ from __future__ import annotations
 from companion.mavlink.commands import CommandSender
 from companion.mavlink.framing import Message
 from companion.outcomes import Failed, Outcome, Progress
-from companion.vehicle.control_watch import Heartbeat
+from companion.vehicle.control_watch import ControlWatch
+from companion.vehicle.gimbals import MavlinkGimbals
 from companion.vehicle.goals import APPROACHES, Pursuit
 from companion.vehicle.heard_time import Interruption
-from companion.vehicle.port import Goal, Mode, VehicleState
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import Heartbeat, Mode, VehicleState
 from companion.vehicle.services import Moment
+from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import AUTOPILOT, COMPONENT, Wire
 
@@ -33,9 +36,14 @@ NAV_MC_ALT_RAD, 0.8 m; up to 0.9 m of its own estimate were observed."""
 class GoalPursuit:
     """Pursues one goal at a time; a service of the vehicle.
 
+    Implements `ports.goals.VehicleGoals`.
+
     Args:
         wire: of the vehicle's system.
         telemetry: of its autopilot.
+        control: who has control.
+        setpoints: its setpoints, which end with a landing.
+        gimbals: its gimbals, which are given back before a landing.
         takeoff_up_m: altitude above home to take off to.
         ceiling_up_m: highest altitude above home of a take-off.
     """
@@ -44,10 +52,20 @@ class GoalPursuit:
     needs_control = True
 
     def __init__(
-        self, wire: Wire, telemetry: Telemetry, takeoff_up_m: float, ceiling_up_m: float
+        self,
+        wire: Wire,
+        telemetry: Telemetry,
+        control: ControlWatch,
+        setpoints: SetpointStream,
+        gimbals: MavlinkGimbals,
+        takeoff_up_m: float,
+        ceiling_up_m: float,
     ) -> None:
         self._wire = wire
         self._telemetry = telemetry
+        self._control, self._setpoints, self._gimbals = control, setpoints, gimbals
+        self._moment = Moment(0.0, 0.0, is_quiet=True)
+        self._restarts_before: int | None = None  # its first goal
         self._takeoff_up_m, self._ceiling_up_m = takeoff_up_m, ceiling_up_m
         self._commands = CommandSender()
         self._pursuit: Pursuit | None = None
@@ -59,34 +77,53 @@ class GoalPursuit:
         """The goal that is pursued, or was reached last; None before the first one."""
         return self._pursuit.goal if self._pursuit is not None else None
 
-    def pursue(
-        self, goal: Goal, state: VehicleState, moment: Moment, takeoff_up_m: float | None = None
-    ) -> Outcome:
+    @property
+    def has_restarted(self) -> bool:
+        """Whether the autopilot has restarted since the first goal."""
+        before = self._restarts_before
+        return before is not None and self._telemetry.boots.restarts > before
+
+    def pursue(self, goal: Goal, takeoff_up_m: float | None = None) -> Outcome:
         """Works towards a goal; the caller calls it in every tick until the goal is reached or has
         failed.
 
         Args:
             goal: what to bring about.
-            state: of the vehicle.
-            moment: now.
             takeoff_up_m: altitude above home to take off to; the mission's own if it is None.
         """
+        state = self._telemetry.state
+        if self._control.takeover is not None:
+            return Failed(str(self._control.takeover))
+        if state is None or self._control.is_doubted:
+            return Progress.RUNNING
+        if self._restarts_before is None:
+            self._restarts_before = self._telemetry.boots.restarts
+        if goal is Goal.LANDED:
+            self._gimbals.give_back()
+        outcome = self._work(goal, state, self._moment, takeoff_up_m)
+        if outcome is Progress.DONE and goal is Goal.LANDED:
+            self._setpoints.end()  # we do not stream to a vehicle in OFFBOARD on the ground
+        return outcome
+
+    def _work(
+        self, goal: Goal, state: VehicleState, moment: Moment, takeoff_up_m: float | None
+    ) -> Outcome:
+        """Begins the goal, unless it is pursued already, and sends its command when it is due."""
         approach, pursuit = APPROACHES[goal], self._pursuit
         if pursuit is None or pursuit.goal is not goal or pursuit.has_failed:
             self._end_command()
-            allowed = approach.passes | {state.mode}
-            self._first_mode = self._first_mode or state.mode
+            allowed = approach.passes | {state.heartbeat.mode}
+            self._first_mode = self._first_mode or state.heartbeat.mode
             pursuit = Pursuit(
                 goal,
                 allowed,
-                start_mode=state.mode,
+                start_mode=state.heartbeat.mode,
                 start_s=moment.heard_s,
                 takeoff_up_m=self._takeoff_up(state, takeoff_up_m),
-                is_in_failsafe=state.is_failsafe,
+                is_in_failsafe=state.heartbeat.is_failsafe,
             )
             self._pursuit = pursuit
-        is_known = state.is_mode_known(moment.now_s) and not self._may_have_fallen(state, moment)
-        if is_known and approach.is_reached(state):
+        if self._is_known(state, moment) and approach.is_reached(state):
             self._end_command()
             if approach.keeps is not None:
                 pursuit.allowed = approach.keeps
@@ -110,17 +147,21 @@ class GoalPursuit:
         )
         return is_passed and not is_held
 
-    def _may_have_fallen(self, state: VehicleState, moment: Moment) -> bool:
-        """Whether a vehicle on the ground may be there because its autopilot restarted in the
-        air."""
-        return state.is_landed and not self._telemetry.boots.is_certain(moment.now_s)
+    def _is_known(self, state: VehicleState, moment: Moment) -> bool:
+        """Whether the mode is known, and how the vehicle came to where it is.
+
+        On the ground it may be because its autopilot has restarted in the air.
+        """
+        may_have_fallen = state.is_landed and not self._telemetry.boots.is_certain(moment.now_s)
+        return state.heartbeat.is_recent(moment.now_s) and not may_have_fallen
 
     def _is_held_low(self, pursuit: Pursuit) -> bool:
         """Whether a climb ended in a hold so low that somebody must have chosen it."""
         state = self._telemetry.state
         if pursuit.goal is not Goal.AIRBORNE or state is None:
             return False
-        return state.mode is Mode.TAKEOFF and -state.position[2] < pursuit.takeoff_up_m - SHORT_M
+        up_m = -state.motion.position[2]
+        return state.heartbeat.mode is Mode.TAKEOFF and up_m < pursuit.takeoff_up_m - SHORT_M
 
     def _is_held_by_failsafe(self, pursuit: Pursuit, heartbeat: Heartbeat) -> bool:
         """Whether a failsafe, such as the fence's, holds the vehicle where a climb would end."""
@@ -133,18 +174,18 @@ class GoalPursuit:
         approach = APPROACHES[pursuit.goal]
         heard_s = moment.heard_s
         elapsed_s = heard_s - pursuit.start_s
-        if overdue_s := pursuit.overdue_s(heard_s, state.mode):
+        if overdue_s := pursuit.overdue_s(heard_s, state.heartbeat.mode):
             return self._failed(pursuit.goal, f" after {overdue_s:.0f} s", moment)
-        if not state.is_mode_known(moment.now_s) or self._may_have_fallen(state, moment):
+        if not self._is_known(state, moment):
             return None
-        if approach.needs_arming and not state.is_armed:
+        if approach.needs_arming and not state.heartbeat.is_armed:
             return self._failed(pursuit.goal, ": disarmed", moment)
-        if state.mode in approach.underway:
+        if state.heartbeat.mode in approach.underway:
             self._end_command()  # it took effect
             return None
         if elapsed_s < approach.lead_s:
             return None
-        asked = APPROACHES[Goal.HOLDING] if state.mode in approach.leaves else approach
+        asked = APPROACHES[Goal.HOLDING] if state.heartbeat.mode in approach.leaves else approach
         if asked is not pursuit.asked:
             self._end_command()
             pursuit.asked = asked
@@ -166,7 +207,7 @@ class GoalPursuit:
 
         It is at least the altitude of the place, but never above the mission's ceiling.
         """
-        up_m = -state.position[2]
+        up_m = -state.motion.position[2]
         ground_m = up_m if state.is_landed and up_m > ROOF_M else 0.0
         return min(max(ground_m + self._takeoff_up_m, asked_m or 0.0), self._ceiling_up_m)
 
@@ -186,7 +227,8 @@ class GoalPursuit:
     # -- services.Service ----------------------------------------------------------------------
 
     def step(self, moment: Moment) -> None:
-        """Notes interruptions; `pursue` does the work."""
+        """Notes the time and interruptions; `pursue` does the work."""
+        self._moment = moment
         self._interruption.step(moment.now_s, moment.is_quiet)
 
     def take(self, moment: Moment, message: Message) -> None:

@@ -1,10 +1,10 @@
 """The table of goals: the command that brings each about, its modes, and its time limits.
 
-A goal is a state of the vehicle (`port.Goal`). Its command is sent, and sent again if the vehicle
-accepts it without getting there, until the state is observed or time is up: EFFECT_S while nothing
-happens, and the goal's whole time while the vehicle is on its way. The listed modes are those that
-the vehicle may pass through without anybody having taken control. Control is watched from the first
-goal on, also while the vehicle is disarmed.
+A goal is a state of the vehicle (`ports/goals.py`). Its command is sent, and sent again if the
+vehicle accepts it without getting there, until the state is observed or time is up: EFFECT_S while
+nothing happens, and the goal's whole time while the vehicle is on its way. The listed modes are
+those that the vehicle may pass through without anybody having taken control. Control is watched
+from the first goal on, also while the vehicle is disarmed.
 
 Modes after a landing:
 1. When PX4 disarms, it falls back to the last chosen mode in which it may be armed: OFFBOARD after
@@ -28,7 +28,8 @@ from dataclasses import dataclass, field
 from companion.mavlink.commands import Parameters
 from companion.mavlink.framing import dialect
 from companion.mavlink.px4_modes import MODES
-from companion.vehicle.port import Goal, Mode, VehicleState
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import Mode, VehicleState
 
 NAN = math.nan
 CUSTOM_MODE_ENABLED = 1.0  # MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
@@ -152,14 +153,16 @@ def _has_climbed(state: VehicleState) -> bool:
 
     The previous mode is not used, as heartbeats may be lost.
     """
-    return not state.is_landed and state.mode is Mode.LOITER and state.mode_s > state.landed_since_s
+    heartbeat = state.heartbeat
+    is_held = heartbeat.mode is Mode.LOITER and heartbeat.received_s > state.landed_since_s
+    return is_held and not state.is_landed
 
 
 APPROACHES: dict[Goal, Approach] = {
     Goal.ARMED: Approach(
         command=dialect.MAV_CMD_COMPONENT_ARM_DISARM,
         parameters=lambda _: (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        is_reached=lambda s: s.is_armed,
+        is_reached=lambda s: s.heartbeat.is_armed,
         passes=frozenset({Mode.LOITER, Mode.OFFBOARD}),
         keeps=None,
         leaves=frozenset({Mode.OFFBOARD}),
@@ -177,7 +180,7 @@ APPROACHES: dict[Goal, Approach] = {
     Goal.OFFBOARD: Approach(
         command=dialect.MAV_CMD_DO_SET_MODE,
         parameters=lambda _: _set_mode(Mode.OFFBOARD),
-        is_reached=lambda s: s.mode is Mode.OFFBOARD,
+        is_reached=lambda s: s.heartbeat.mode is Mode.OFFBOARD,
         passes=frozenset({Mode.OFFBOARD}),
         keeps=frozenset({Mode.OFFBOARD}),
         needs_arming=True,
@@ -186,14 +189,14 @@ APPROACHES: dict[Goal, Approach] = {
     Goal.HOLDING: Approach(
         command=dialect.MAV_CMD_DO_SET_MODE,
         parameters=lambda _: _set_mode(Mode.LOITER),
-        is_reached=lambda s: s.mode is Mode.LOITER,
+        is_reached=lambda s: s.heartbeat.mode is Mode.LOITER,
         passes=frozenset({Mode.LOITER}),
         keeps=frozenset({Mode.LOITER}),
     ),
     Goal.LANDED: Approach(
         command=dialect.MAV_CMD_NAV_LAND,
         parameters=lambda _: (0.0, 0.0, 0.0, NAN, NAN, NAN, NAN),
-        is_reached=lambda s: s.is_landed and not s.is_armed,
+        is_reached=lambda s: s.is_standing,
         passes=frozenset({Mode.LAND}),
         keeps=frozenset({Mode.LAND, Mode.LOITER, Mode.OFFBOARD}),
         timeout_s=120.0,

@@ -13,7 +13,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from companion.mavlink.framing import Message
-from companion.vehicle.camera_port import ShotOwner
+from companion.vehicle.ports.cameras import ShotOwner
 
 ONLINE_S = 3.0
 """A camera counts as present this long after its last message; a heartbeat comes each second."""

@@ -26,7 +26,7 @@ from collections.abc import Collection
 from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect, source
 from companion.outcomes import Refusal
-from companion.vehicle.port import MarkerSighting
+from companion.vehicle.ports.markers import MarkerSighting
 from companion.vehicle.poses import Pose, PoseHistory
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
@@ -45,7 +45,7 @@ _IS_LEVEL = {dialect.MAV_FRAME_BODY_FRD: False, dialect.MAV_FRAME_LOCAL_FRD: Tru
 
 
 class MarkerSightings:
-    """Sightings of markers; a service of the vehicle, and `port.Markers`.
+    """Sightings of markers; a service of the vehicle, and `ports.markers.Markers`.
 
     Args:
         telemetry: of the vehicle.

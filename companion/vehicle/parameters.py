@@ -18,7 +18,10 @@ log = logging.getLogger(__name__)
 
 
 class ParameterReader:
-    """The parameters that were requested, and their answers."""
+    """The parameters that were requested, and their answers.
+
+    Implements `ports.parameters.AutopilotParameters`.
+    """
 
     def __init__(self) -> None:
         self._values: dict[str, float] = {}

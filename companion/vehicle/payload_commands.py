@@ -27,7 +27,7 @@ NUMBERS: dict[str, int] = {entry.name: n for n, entry in dialect.enums["MAV_CMD"
 
 
 class PayloadCommands:
-    """Implements `port.Payloads`; a service of the vehicle.
+    """Implements `ports.payloads.Payloads`; a service of the vehicle.
 
     Args:
         wire: of the system that the payloads belong to.

@@ -39,8 +39,8 @@ from enum import Enum, auto
 from companion.mavlink.commands import result_name
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Failed
-from companion.vehicle.camera_port import PhotoMade, ShotOutcome, ShotOwner, ShotReady
 from companion.vehicle.known_camera import RESEND_S, KnownCamera
+from companion.vehicle.ports.cameras import PhotoMade, ShotOutcome, ShotOwner, ShotReady
 
 GRACE_S = 1.0
 """A camera that was not heard may answer within this time, and then counts as present."""

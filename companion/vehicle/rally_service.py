@@ -26,7 +26,7 @@ ABOVE_HOME = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
 
 
 class RallyService(ItemStore):
-    """Implements `store_port.AutopilotRally`; a service of the vehicle.
+    """Implements `ports.stores.AutopilotRally`; a service of the vehicle.
 
     Args:
         wire: of the system that the autopilot belongs to.
@@ -37,7 +37,7 @@ class RallyService(ItemStore):
     def __init__(self, wire: Wire, telemetry: Telemetry, own: OwnItems) -> None:
         super().__init__(wire, telemetry, RALLY, own, "rally points")
 
-    # -- store_port.AutopilotRally -------------------------------------------------------------
+    # -- ports.stores --------------------------------------------------------------------------
 
     @property
     def stored(self) -> StoredRally | None:

@@ -1,7 +1,7 @@
 """The interface of the MAVLink services spoken besides flying: payloads, a fence, a marker.
 
 `MavlinkVehicle` is composed of services. Each is a class in its own file, keeps its own state, and
-offers the acting side what `port.py` declares. A service does no I/O: it takes messages and returns
+offers the acting side what `ports/` declares. A service does no I/O: it takes messages and returns
 those to send.
 
 Rules, which the vehicle enforces for all services:

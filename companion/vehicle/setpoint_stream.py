@@ -14,6 +14,7 @@ from companion.geometry import Ned
 from companion.mavlink.framing import Message, dialect
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Envelope, Request, Verdict, admit
+from companion.vehicle.ports.setpoints import Setpoint
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.velocity_bias import STILL
 from companion.vehicle.wire import AUTOPILOT
@@ -22,7 +23,7 @@ ALL_BUT_YAW_RATE = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 
 
 class SetpointStream:
-    """The setpoints of one flight.
+    """The setpoints of one flight; implements `ports.setpoints.Setpoints`.
 
     Args:
         telemetry: of the vehicle.
@@ -39,10 +40,18 @@ class SetpointStream:
         self._request: Request | None = None
         self._verdict: Verdict | None = None
         self._is_violated = False
+        self._now_s = 0.0
 
-    def request(self, request: Request) -> None:
-        """Streams a setpoint in place of the one before, for the time of its lease."""
-        self._request = request
+    def step(self, now_s: float) -> None:
+        """Begins a tick: the lease of a setpoint that is given from now on begins at this time."""
+        self._now_s = now_s
+
+    def fly(
+        self, setpoint: Setpoint, *, is_for_task: bool = False, is_landing: bool = False
+    ) -> None:
+        """Streams a setpoint in place of the one before; the caller renews it before its lease
+        ends."""
+        self._request = Request(setpoint, self._now_s, is_for_task, is_landing)
 
     def end(self) -> None:
         """Drops the request."""

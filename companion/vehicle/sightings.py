@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 from companion.geometry import GlobalOrigin, NorthEast
 from companion.outcomes import Refusal
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 from companion.vehicle.poses import Pose, PoseHistory
 
 HISTORY_S = 10.0
@@ -89,9 +89,11 @@ class Sightings:
     def follow(self, state: VehicleState | None) -> None:
         """Stores the present pose; once a tick."""
         newest_s = self._poses.newest_s
-        if state is None or (newest_s is not None and state.position_s <= newest_s):
+        if state is None or (newest_s is not None and state.motion.measured_s <= newest_s):
             return
-        self._poses.add(state.position_s, Pose(state.position, (0.0, 0.0, state.yaw_rad)))
+        self._poses.add(
+            state.motion.measured_s, Pose(state.motion.position, (0.0, 0.0, state.attitude.yaw_rad))
+        )
 
     def locate(
         self, sighting: Sighting, now_s: float, zero_s: float | None, zero: GlobalOrigin | None

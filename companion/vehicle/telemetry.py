@@ -16,13 +16,20 @@ from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
 from companion.outcomes import Refusal
 from companion.vehicle.autopilot_words import SPOKEN, AutopilotWords
-from companion.vehicle.battery_gauge import BatteryGauge
+from companion.vehicle.battery_gauge import battery_after
 from companion.vehicle.boot_clock import BootClock
-from companion.vehicle.control_watch import Heartbeat
 from companion.vehicle.laid_frames import LaidFrames
 from companion.vehicle.mission_frame import MissionFrame
 from companion.vehicle.origin_watch import OriginWatch
-from companion.vehicle.port import FrameLocation, Mode, VehicleState
+from companion.vehicle.ports.frame import FrameLocation
+from companion.vehicle.ports.state import (
+    Attitude,
+    BatteryState,
+    Heartbeat,
+    MeasuredMotion,
+    Mode,
+    VehicleState,
+)
 from companion.vehicle.position_watch import PositionWatch
 from companion.vehicle.range_below import RangeBelow
 from companion.vehicle.restart_watch import RestartWatch
@@ -44,9 +51,9 @@ class Telemetry:
         clock: the autopilot's.
         boots: how often the autopilot has restarted.
         velocity_bias: the error of the autopilot's velocity.
-        heartbeat_s: when the newest heartbeat was heard.
-        accuracy_m: as in VehicleState.
+        accuracy_m: as in `MeasuredMotion`.
         words: what the autopilot says in words.
+        wanted: names of the messages that are read.
     """
 
     def __init__(self, laid: LaidFrames | None = None) -> None:
@@ -56,21 +63,32 @@ class Telemetry:
         self.clock, self.boots = BootClock(), RestartWatch()
         self.velocity_bias = VelocityBias()
         self.words = AutopilotWords()
-        self.heartbeat_s = -math.inf
-        self.mode: Mode | None = None
+        self.accuracy_m = 0.0
         self._order = SequenceTracker()
-        self.is_armed = self.is_failsafe = False
+        self._heartbeat: Heartbeat | None = None
         self._is_landed: bool | None = None
         self._landed_since_s = -math.inf
-        self._position: tuple[float, Ned, Ned] | None = None  # stamp, position, velocity
-        self._yaw_rad: float | None = None
-        self._position_s = self._yaw_s = -math.inf
-        self._battery = BatteryGauge()
-        self._measured_s = self._tilt_rad = self.accuracy_m = 0.0
+        self._motion: MeasuredMotion | None = None  # in the autopilot's frame, as it says
+        self._attitude: Attitude | None = None
+        self._battery = BatteryState()
         self._position_watch = PositionWatch()
         self._range_below = RangeBelow()
-        self._thrust_mps2: NorthEast = (0.0, 0.0)
         self._state: VehicleState | None = None  # of what was heard so far, once it was asked for
+        self._readers: dict[str, Callable[[float, Message], None]] = {
+            "HEARTBEAT": self._on_heartbeat,
+            "LOCAL_POSITION_NED": self._on_position,
+            "GLOBAL_POSITION_INT": self._on_global_position,
+            "GPS_GLOBAL_ORIGIN": self._on_origin,
+            "ATTITUDE": self._on_attitude,
+            "HOME_POSITION": self._on_home,
+            "EXTENDED_SYS_STATE": self._on_landed,
+            "BATTERY_STATUS": self._on_battery,
+            "ESTIMATOR_STATUS": self._on_estimator,
+            "DISTANCE_SENSOR": self._on_range,
+            "TIMESYNC": self.clock.take,
+            **dict.fromkeys(SPOKEN, self.words.take),
+        }
+        self.wanted = frozenset(self._readers)
 
     @property
     def state(self) -> VehicleState | None:
@@ -82,55 +100,46 @@ class Telemetry:
     @property
     def missing(self) -> str:
         """What still has to be heard of the vehicle before a mission can begin, in words."""
-        if self.mode is None:
+        if self._heartbeat is None:
             return "no HEARTBEAT of an autopilot"
-        if self._position is None:
+        if self._motion is None:
             return "no position (LOCAL_POSITION_NED)"
         if not self.frame.is_known:
             is_home = self.frame.is_home_known
             return "no origin (GPS_GLOBAL_ORIGIN)" if is_home else "no home (HOME_POSITION)"
-        if self._yaw_rad is None:
+        if self._attitude is None:
             return "no heading (ATTITUDE)"
         if self._is_landed is None:
             return "not whether it stands on the ground (EXTENDED_SYS_STATE)"
         return "not that it stands still, disarmed and on the ground"
 
     def _put_together(self) -> VehicleState | None:
-        if (
-            not self.frame.is_known
-            or self.mode is None
-            or self._position is None
-            or self._yaw_rad is None
-            or self._is_landed is None
-        ):
+        local, attitude, heartbeat = self._motion, self._attitude, self._heartbeat
+        is_known = self.frame.is_known and self._is_landed is not None
+        if not is_known or local is None or attitude is None or heartbeat is None:
             return None
-        stamp_s, position, velocity = self._position
-        battery = self._battery
-        off = STILL if self._is_landed else self.velocity_bias.at(stamp_s)
         return VehicleState(
-            stamp_s=stamp_s,
-            position=self.frame.position(position),
-            velocity=(velocity[0] - off[0], velocity[1] - off[1], velocity[2] - off[2]),
-            yaw_rad=self._yaw_rad,
-            mode=self.mode,
-            is_armed=self.is_armed,
-            is_landed=self._is_landed,
-            is_failsafe=self.is_failsafe,
-            battery_percent=battery.percent,
-            mode_s=self.heartbeat_s,
-            landed_since_s=self._landed_since_s,
-            measured_s=self._measured_s,
-            tilt_rad=self._tilt_rad,
-            thrust_mps2=self._thrust_mps2,
-            accuracy_m=self.accuracy_m,
-            position_s=self._position_s,
-            yaw_s=self._yaw_s,
-            is_battery_critical=battery.is_critical,
-            is_drifting=self._position_watch.is_drifting,
-            battery_s=battery.percent_s,
-            battery_low_since_s=battery.low_since_s,
-            power_w=battery.power_w,
-            below_m=self.below_m(stamp_s),
+            self._in_mission_frame(local),
+            attitude,
+            heartbeat,
+            self._is_landed is True,
+            self._landed_since_s,
+            self._battery,
+            self.below_m(local.received_s),
+        )
+
+    def _in_mission_frame(self, local: MeasuredMotion) -> MeasuredMotion:
+        """The motion in the mission's frame, without the error of its velocity."""
+        off = STILL if self._is_landed else self.velocity_bias.at(local.received_s)
+        north, east, down = local.velocity
+        return MeasuredMotion(
+            self.frame.position(local.position),
+            (north - off[0], east - off[1], down - off[2]),
+            local.received_s,
+            local.measured_s,
+            local.boot_s,
+            self.accuracy_m,
+            self._position_watch.is_drifting,
         )
 
     def below_m(self, now_s: float) -> float | None:
@@ -141,7 +150,8 @@ class Telemetry:
         """Lays the frame so that the vehicle stands at a place, before its first sortie."""
         self.frame.lay(place)
         if self._laid is not None:
-            self._laid.note(self.frame, self._system, self._measured_s)
+            boot_s = 0.0 if self._motion is None else self._motion.boot_s
+            self._laid.note(self.frame, self._system, boot_s)
         self._state = None
 
     def move(self, by: NorthEast, most_m: float) -> None:
@@ -177,13 +187,20 @@ class Telemetry:
     @property
     def is_flown(self) -> bool:
         """Whether the vehicle was heard to be armed or in the air."""
-        return self.is_armed or self._is_landed is False
+        return self._is_armed or self._is_landed is False
 
     @property
     def ground_amsl_m(self) -> float | None:
         """Altitude above mean sea level at which the vehicle stands disarmed; None if not known."""
-        is_standing = self._is_landed is True and not self.is_armed
-        return self.origins.altitude_m if is_standing else None
+        return self.origins.altitude_m if self._is_standing else None
+
+    @property
+    def _is_armed(self) -> bool:
+        return self._heartbeat is not None and self._heartbeat.is_armed
+
+    @property
+    def _is_standing(self) -> bool:
+        return self._is_landed is True and not self._is_armed
 
     @property
     def frame_doubt(self) -> Refusal | None:
@@ -191,7 +208,7 @@ class Telemetry:
         certain."""
         watch = self.origins
         is_wanting = self.frame.anchor is not None and watch.origin is None
-        if self._position is None or not (watch.is_doubted or is_wanting):
+        if self._motion is None or not (watch.is_doubted or is_wanting):
             return None
         if watch.residual_m is None:
             return Refusal("the autopilot does not say where its local frame lies on the earth")
@@ -209,31 +226,28 @@ class Telemetry:
 
     def take(self, now_s: float, message: Message) -> None:
         """Takes a message of the autopilot that is news."""
-        handler = _HANDLERS.get(message.get_type())
-        if handler is not None:
-            handler(self, now_s, message)
+        reader = self._readers.get(message.get_type())
+        if reader is not None:
+            reader(now_s, message)
             self._state = None
 
     def _on_heartbeat(self, now_s: float, message: Message) -> None:
-        self.heartbeat_s, heartbeat = now_s, heartbeat_of(message)
-        self.mode, self.is_armed = heartbeat.mode, heartbeat.is_armed
-        self.is_failsafe = heartbeat.is_failsafe
+        self._heartbeat = heartbeat_of(now_s, message)
         self.words.custom_mode = message.custom_mode
 
     def _on_position(self, now_s: float, message: Message) -> None:
         position = (message.x, message.y, message.z)
         velocity = (message.vx, message.vy, message.vz)
         if all(map(math.isfinite, (*position, *velocity))):
-            self._position = (now_s, position, velocity)
-            self._system, self._measured_s = source(message)[0], message.time_boot_ms / 1000
-            self.origins.take_local(self._measured_s, position, velocity)
-            self.velocity_bias.take(now_s, self._measured_s, position, velocity)
+            self._system, boot_s = source(message)[0], message.time_boot_ms / 1000
+            self.origins.take_local(boot_s, position, velocity)
+            self.velocity_bias.take(now_s, boot_s, position, velocity)
             self._follow_origin()
-            self._position_s = self.clock.measured_s(now_s, self._measured_s)
-            is_standing = self._is_landed is True and not self.is_armed
-            self.frame.take_position(now_s, position, is_standing)
+            measured_s = self.clock.measured_s(now_s, boot_s)
+            self._motion = MeasuredMotion(position, velocity, now_s, measured_s, boot_s)
+            self.frame.take_position(now_s, position, self._is_standing)
             if self._laid is not None:
-                self._laid.recall(self.frame, self._system, self._measured_s)
+                self._laid.recall(self.frame, self._system, boot_s)
 
     def _on_global_position(self, _: float, message: Message) -> None:
         self.origins.take_global(message)
@@ -249,14 +263,17 @@ class Telemetry:
             self.frame.take_reference(origin)
 
     def _on_attitude(self, now_s: float, message: Message) -> None:
-        self.boots.take(now_s, message.time_boot_ms / 1000)
-        if math.isfinite(message.yaw):
-            self._yaw_rad = message.yaw
-            self._yaw_s = self.clock.measured_s(now_s, message.time_boot_ms / 1000)
-        if math.isfinite(message.roll) and math.isfinite(message.pitch):
-            self._tilt_rad = math.acos(math.cos(message.roll) * math.cos(message.pitch))
-            if math.isfinite(message.yaw) and self._tilt_rad < MOST_TILT_RAD:
-                self._thrust_mps2 = _thrust(message.roll, message.pitch, message.yaw)
+        boot_s, angles = message.time_boot_ms / 1000, (message.roll, message.pitch, message.yaw)
+        self.boots.take(now_s, boot_s)
+        if not all(map(math.isfinite, angles)):
+            return
+        roll, pitch, yaw = angles
+        tilt_rad = math.acos(math.cos(roll) * math.cos(pitch))
+        thrust_mps2 = (0.0, 0.0) if self._attitude is None else self._attitude.thrust_mps2
+        if tilt_rad < MOST_TILT_RAD:
+            thrust_mps2 = _thrust(roll, pitch, yaw)
+        measured_s = self.clock.measured_s(now_s, boot_s)
+        self._attitude = Attitude(yaw, measured_s, tilt_rad, thrust_mps2)
 
     def _on_home(self, _: float, message: Message) -> None:
         position = (message.x, message.y, message.z)
@@ -271,7 +288,7 @@ class Telemetry:
             self._is_landed, self._landed_since_s = is_landed, now_s
 
     def _on_battery(self, now_s: float, message: Message) -> None:
-        self._battery.take(now_s, message)
+        self._battery = battery_after(self._battery, now_s, message)
 
     def _on_estimator(self, now_s: float, message: Message) -> None:
         if math.isfinite(message.pos_horiz_accuracy):
@@ -279,13 +296,8 @@ class Telemetry:
             self._position_watch.take(now_s, self.accuracy_m)
 
     def _on_range(self, now_s: float, message: Message) -> None:
-        self._range_below.take(now_s, message, self._tilt_rad)
-
-    def _on_time(self, now_s: float, message: Message) -> None:
-        self.clock.take(now_s, message)
-
-    def _on_words(self, now_s: float, message: Message) -> None:
-        self.words.take(now_s, message)
+        tilt_rad = 0.0 if self._attitude is None else self._attitude.tilt_rad
+        self._range_below.take(now_s, message, tilt_rad)
 
     def questions(self, now_s: float, autopilot: tuple[int, int], is_ours: bool) -> list[Message]:
         """What to ask the autopilot now: its words, and where its frame is.
@@ -295,18 +307,19 @@ class Telemetry:
             autopilot: system and component id.
             is_ours: a goal was pursued, so the companion may ask where the frame is.
         """
-        is_flown = self.is_armed or self._is_landed is not True
+        is_flown = self._is_armed or self._is_landed is not True
         is_needed = self.frame_doubt is not None
         origin = self.origins.due(now_s, autopilot, is_needed) if is_needed or is_ours else []
         return [*self.words.due(now_s, autopilot, is_flown), *origin]
 
 
-def heartbeat_of(message: Message) -> Heartbeat:
-    """The content of the autopilot's HEARTBEAT."""
+def heartbeat_of(now_s: float, message: Message) -> Heartbeat:
+    """Reads the autopilot's HEARTBEAT, received now."""
     return Heartbeat(
         KNOWN_MODES.get(mode_name(message.custom_mode) or "", Mode.OTHER),
         bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED),
         message.system_status >= dialect.MAV_STATE_CRITICAL,
+        received_s=now_s,
     )
 
 
@@ -317,22 +330,3 @@ def _thrust(roll: float, pitch: float, yaw: float) -> NorthEast:
     north = forward * math.cos(yaw) - right * math.sin(yaw)
     east = forward * math.sin(yaw) + right * math.cos(yaw)
     return (GRAVITY_MPS2 * north, GRAVITY_MPS2 * east)
-
-
-_HANDLERS: dict[str, Callable[[Telemetry, float, Message], None]] = {
-    "HEARTBEAT": Telemetry._on_heartbeat,
-    "LOCAL_POSITION_NED": Telemetry._on_position,
-    "GLOBAL_POSITION_INT": Telemetry._on_global_position,
-    "GPS_GLOBAL_ORIGIN": Telemetry._on_origin,
-    "ATTITUDE": Telemetry._on_attitude,
-    "HOME_POSITION": Telemetry._on_home,
-    "EXTENDED_SYS_STATE": Telemetry._on_landed,
-    "BATTERY_STATUS": Telemetry._on_battery,
-    "ESTIMATOR_STATUS": Telemetry._on_estimator,
-    "DISTANCE_SENSOR": Telemetry._on_range,
-    "TIMESYNC": Telemetry._on_time,
-    **dict.fromkeys(SPOKEN, Telemetry._on_words),
-}
-
-TELEMETRY = frozenset(_HANDLERS)
-"""Messages that contain the state, its ages, or words."""

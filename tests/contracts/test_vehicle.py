@@ -17,7 +17,10 @@ from companion.outcomes import Progress
 from companion.tick import TICK_S
 from companion.vehicle.gate import Envelope
 from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Goal, Mode, Vehicle, VehicleState, hold_at
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.setpoints import hold_at
+from companion.vehicle.ports.state import Mode, VehicleState
+from companion.vehicle.ports.vehicle import Vehicle
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 from sitl.link.routing import LinkName
@@ -75,8 +78,8 @@ def world(request: pytest.FixtureRequest) -> Iterator[World]:
     world: World = request.param()
     until(world, lambda: world.vehicle.state is not None, 5.0)
     yield world
-    assert world.vehicle.takeover is None
-    assert world.vehicle.refusal is None
+    assert world.vehicle.control.takeover is None
+    assert world.vehicle.setpoints.refusal is None
 
 
 def until(world: World, condition: Callable[[], bool], limit_s: float) -> None:
@@ -91,8 +94,8 @@ def reach(world: World, goal: Goal) -> None:
     def is_reached() -> bool:
         state = world.vehicle.state
         if goal is Goal.OFFBOARD and state is not None:
-            world.vehicle.fly(hold_at(state.position, state.yaw_rad))
-        return world.vehicle.pursue(goal) is Progress.DONE
+            world.vehicle.setpoints.fly(hold_at(state.motion.position, state.attitude.yaw_rad))
+        return world.vehicle.goals.pursue(goal) is Progress.DONE
 
     until(world, is_reached, 60.0)
 
@@ -101,16 +104,16 @@ class TestVehicle:
     def test_it_stands_on_the_ground_disarmed(self, world: World) -> None:
         state = world.vehicle.state
         assert state is not None
-        assert state.is_landed and not state.is_armed and not state.is_failsafe
-        assert distance(state.position, (0.0, 0.0, 0.0)) < 0.05
+        assert state.is_standing and not state.heartbeat.is_failsafe
+        assert distance(state.motion.position, (0.0, 0.0, 0.0)) < 0.05
 
     def test_goals_are_reached_when_they_are_observed(self, world: World) -> None:
         goals: tuple[tuple[Goal, Callable[[VehicleState], bool]], ...] = (
-            (Goal.ARMED, lambda s: s.is_armed),
-            (Goal.AIRBORNE, lambda s: not s.is_landed and s.mode is Mode.LOITER),
-            (Goal.OFFBOARD, lambda s: s.mode is Mode.OFFBOARD),
-            (Goal.HOLDING, lambda s: s.mode is Mode.LOITER),
-            (Goal.LANDED, lambda s: s.is_landed and not s.is_armed),
+            (Goal.ARMED, lambda s: s.heartbeat.is_armed),
+            (Goal.AIRBORNE, lambda s: not s.is_landed and s.heartbeat.mode is Mode.LOITER),
+            (Goal.OFFBOARD, lambda s: s.heartbeat.mode is Mode.OFFBOARD),
+            (Goal.HOLDING, lambda s: s.heartbeat.mode is Mode.LOITER),
+            (Goal.LANDED, lambda s: s.is_standing),
         )
         for goal, is_observed in goals:
             reach(world, goal)
@@ -122,13 +125,13 @@ class TestVehicle:
             reach(world, goal)
         state = world.vehicle.state
         assert state is not None
-        north, east, down = state.position
+        north, east, down = state.motion.position
         goal_position = (north + 1.0, east - 0.5, down)
 
         def has_arrived() -> bool:
-            world.vehicle.fly(hold_at(goal_position, 0.0))  # renewed, or its lease ends
+            world.vehicle.setpoints.fly(hold_at(goal_position, 0.0))  # renewed, or its lease ends
             now = world.vehicle.state
-            return now is not None and distance(now.position, goal_position) < 0.1
+            return now is not None and distance(now.motion.position, goal_position) < 0.1
 
         until(world, has_arrived, 15.0)
 
@@ -142,4 +145,4 @@ class TestVehicle:
         world.vehicle.payloads.forget(ticket)
 
     def test_parameters_are_answered(self, world: World) -> None:
-        until(world, lambda: world.vehicle.parameter("COM_OBL_RC_ACT") == 5.0, 5.0)
+        until(world, lambda: world.vehicle.parameters.read("COM_OBL_RC_ACT") == 5.0, 5.0)

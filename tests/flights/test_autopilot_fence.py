@@ -43,8 +43,8 @@ from companion.mavlink.framing import dialect
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission
 from companion.vehicle.flight_memory import FlightMemory
-from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Setpoint
+from companion.vehicle.ports.setpoints import Setpoint
+from companion.vehicle.setpoint_stream import SetpointStream
 from sitl.world.scenario_events import ScenarioEvent, TimeTrigger
 from sitl.world.schema import WindEventModel
 
@@ -220,12 +220,12 @@ def test_what_leaves_the_fence_is_refused_by_the_companions_own_gate(
 ) -> None:
     """Its margin lies inside, so the autopilot's fence on the same edge is never reached."""
     flight = start().until_reported(PhaseEntered, phase=Phase.TASK)
-    fly = MavlinkVehicle.fly
+    fly = SetpointStream.fly
 
-    def away(vehicle: MavlinkVehicle, setpoint: Setpoint, **purpose: bool) -> None:
-        fly(vehicle, replace(setpoint, position=(-15.2, 10.0, -3.0)), **purpose)
+    def away(stream: SetpointStream, setpoint: Setpoint, **purpose: bool) -> None:
+        fly(stream, replace(setpoint, position=(-15.2, 10.0, -3.0)), **purpose)
 
-    monkeypatch.setattr(MavlinkVehicle, "fly", away)
+    monkeypatch.setattr(SetpointStream, "fly", away)
     before = len(flight.setpoints)
     flight.run(3.0)
     assert {event.reason for event in flight.of(SetpointRefused)} == {"outside the fence"}

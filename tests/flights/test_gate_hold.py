@@ -12,8 +12,8 @@ from companion.flight_events.skills import PlaceReached
 from companion.flight_events.sortie import SetpointRefused
 from companion.flights.simulated_world import world_of
 from companion.geometry import horizontal_distance
-from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Setpoint
+from companion.vehicle.ports.setpoints import Setpoint
+from companion.vehicle.setpoint_stream import SetpointStream
 from sitl.flight.estimate import Wander
 
 STOPS_S, HELD_S = 5.0, 30.0
@@ -27,12 +27,12 @@ def test_a_hold_does_not_drift_away(seed: int, monkeypatch: pytest.MonkeyPatch) 
     scenario = replace(scenario, airframe="px4_sih", wander=Wander(0.25, 0.3))
     flight = Lockstep(asked, (scenario, grid), seed=seed)
     flight.until_reported(PlaceReached, place="A").run(3.0)
-    fly = MavlinkVehicle.fly
+    fly = SetpointStream.fly
 
-    def outside(vehicle: MavlinkVehicle, setpoint: Setpoint, **purpose: bool) -> None:
-        fly(vehicle, replace(setpoint, position=(100.0, 100.0, -3.0)), **purpose)
+    def outside(stream: SetpointStream, setpoint: Setpoint, **purpose: bool) -> None:
+        fly(stream, replace(setpoint, position=(100.0, 100.0, -3.0)), **purpose)
 
-    monkeypatch.setattr(MavlinkVehicle, "fly", outside)
+    monkeypatch.setattr(SetpointStream, "fly", outside)
     flight.until_reported(SetpointRefused, reason="outside the fence").run(STOPS_S)
     before = len(flight.setpoints)
     flight.run(HELD_S)

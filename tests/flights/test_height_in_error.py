@@ -10,7 +10,7 @@ from companion.acting.ground_guard import GroundGuard
 from companion.flight_events.skills import GroundNear, SkillFailed
 from companion.flight_events.sortie import TaskSatisfied, VehicleCrashed
 from companion.mission.loader import load_mission
-from companion.vehicle.port import Mode
+from companion.vehicle.ports.state import Mode
 from sitl.world.scenario import read_scenario
 
 WANDER = "airframe: px4_sih\nwander: {height_m: 1.0}\n"
@@ -23,7 +23,7 @@ def lowest_m(flight: Lockstep) -> float:
     while not flight.companion.has_ended:
         flight.tick()
         state = flight.companion.telemetry.state
-        if state is not None and state.mode is Mode.OFFBOARD and state.is_armed:
+        if state is not None and state.heartbeat.mode is Mode.OFFBOARD and state.heartbeat.is_armed:
             lowest = min(lowest, -flight.simulation.flight.position[2])
     return lowest
 

@@ -22,8 +22,8 @@ from companion.flight_events.sortie import (
 )
 from companion.geometry import NorthEast, is_in_polygon
 from companion.mavlink.framing import dialect
-from companion.vehicle.offboard import MavlinkVehicle
-from companion.vehicle.port import Setpoint
+from companion.vehicle.ports.setpoints import Setpoint
+from companion.vehicle.setpoint_stream import SetpointStream
 
 BED = ((-9.0, 8.0), (-9.0, 12.0), (4.0, 12.0), (4.0, 8.0))
 """Across the way from Home to A; north of it is no way between it and the pond."""
@@ -76,15 +76,16 @@ def test_it_is_refused_by_the_leg_where_no_way_is_left() -> None:
 def test_the_gate_lets_no_setpoint_out_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
     corners = ((-6.0, -10.0), (-6.0, 30.0), (6.0, 30.0), (6.0, -10.0))
     flight = kept(corners, POLYGON).until_reported(PhaseEntered, phase=Phase.TASK)
-    fly = MavlinkVehicle.fly
+    fly = SetpointStream.fly
 
-    def aside(vehicle: MavlinkVehicle, setpoint: Setpoint, **purpose: bool) -> None:
-        assert vehicle.state is not None
-        north, _, _ = vehicle.state.position
+    def aside(stream: SetpointStream, setpoint: Setpoint, **purpose: bool) -> None:
+        state = flight.companion.telemetry.state
+        assert state is not None
+        north, _, _ = state.motion.position
         position = (north + 0.9, *setpoint.position[1:])
-        fly(vehicle, replace(setpoint, position=position), **purpose)
+        fly(stream, replace(setpoint, position=position), **purpose)
 
-    monkeypatch.setattr(MavlinkVehicle, "fly", aside)
+    monkeypatch.setattr(SetpointStream, "fly", aside)
     flight.run(8.0)
     reasons = {event.reason for event in flight.of(SetpointRefused)}
     assert "outside the autopilot's own fence" in reasons

@@ -152,7 +152,7 @@ def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refus
     assert slowed[0] > 1.89  # the flight under way was at full speed
     assert max(a - b for a, b in pairwise(slowed)) <= 4.0 * TICK_S + 1e-6
     assert max(speeds_since(operated, since_s + 1.0)) <= 0.5 * 1.001
-    assert vehicle._stream._envelope.speed_mps == 0.5
+    assert vehicle.setpoints._envelope.speed_mps == 0.5
     assert (
         math.hypot(*operated.simulation.flight.velocity) < 0.8
     )  # it overshoots, and there is wind

@@ -43,7 +43,7 @@ from companion.mission.model import Mission
 from companion.mission.otherwise import Otherwise
 from companion.planning.task_state import TaskState
 from companion.run_sources.only_run import OnlyRun
-from companion.vehicle.port import hold_at
+from companion.vehicle.ports.setpoints import hold_at
 from sitl.results import MavResult
 from sitl.world.scenario import read_scenario
 
@@ -336,7 +336,7 @@ def test_a_setpoint_outside_the_fence_never_leaves(
         down.is_cut = True  # what the companion itself sends is lost
         flight.tick()
         down.is_cut = False
-        vehicle.fly(outside)
+        vehicle.setpoints.fly(outside)
         flight.transmit(flight.now_s, wire.pack(vehicle.transmit(flight.now_s)))
         fed.append(flight.setpoints[-1])
         sent = (fed[-1].message.x, fed[-1].message.y, fed[-1].message.z)

@@ -94,7 +94,7 @@ def test_max_try_instantiates_again_before_it_fails() -> None:
     starts = []
     for failures in range(1, TRIES):
         figure.tick_until(figure.move_cmd, R)
-        starts.append(figure.rig.vehicle.state.position)  # type: ignore[union-attr]
+        starts.append(figure.rig.vehicle.state.motion.position)  # type: ignore[union-attr]
         figure.tick_until(figure.move_cmd, F)
         assert figure.max_try.failures == failures
         assert statuses(figure.yellow, figure.selector, figure.root) == [R, R, R]

@@ -106,7 +106,7 @@ class CallFunction(Leaf):
 
     def _request(self) -> CallRequest:
         flight = self._flight
-        state, location = flight.vehicle.state, flight.vehicle.location
+        state, location = flight.vehicle.state, flight.vehicle.frame.location
         known = [flight.symbols.find(name) for name in sorted(self._step.names)]
         places = tuple(known_place(place, location) for place in known if place is not None)
         return CallRequest(self._step.call, places, known_vehicle(state))

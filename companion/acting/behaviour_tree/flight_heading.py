@@ -8,7 +8,7 @@ from companion.acting.flight import Flight
 from companion.geometry import NorthEast
 from companion.motion.heading import HEADING_TOLERANCE_RAD, error_rad, towards
 from companion.motion.trajectory import Sample
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 
 
 class FlightHeading:
@@ -50,9 +50,9 @@ class FlightHeading:
     def _final(self, state: VehicleState) -> float | None:
         """The heading on arrival; None for any."""
         if self._look_at is not None:
-            return towards(state.position, self._look_at)
+            return towards(state.motion.position, self._look_at)
         return self._flight.symbols.heading_rad(self._place)
 
     def _error_rad(self, state: VehicleState) -> float:
         final_rad = self._final(state)
-        return 0.0 if final_rad is None else error_rad(state.yaw_rad, final_rad)
+        return 0.0 if final_rad is None else error_rad(state.attitude.yaw_rad, final_rad)

@@ -14,7 +14,7 @@ from companion.mission.payload_steps import PointGimbal
 from companion.mission.places import PointOfInterest
 from companion.motion.heading import towards
 from companion.outcomes import Failed, Progress
-from companion.vehicle.gimbal_port import Aim
+from companion.vehicle.ports.gimbals import Aim
 
 
 class _Pointing(Leaf):
@@ -90,9 +90,9 @@ class LookThroughGimbal(_Pointing):
             return Status.SUCCESS
         if flight.progress.is_landed_by_plan:
             return Status.SUCCESS
-        flight.guidance.hold(towards(state.position, self._target.position))
-        down_m = -state.position[2] - self._target.up_m
-        away_m = horizontal_distance(state.position, self._target.position)
-        heading_rad = towards(state.position, self._target.position)
-        yaw_rad = state.yaw_rad if heading_rad is None else heading_rad
+        flight.guidance.hold(towards(state.motion.position, self._target.position))
+        down_m = -state.motion.position[2] - self._target.up_m
+        away_m = horizontal_distance(state.motion.position, self._target.position)
+        heading_rad = towards(state.motion.position, self._target.position)
+        yaw_rad = state.attitude.yaw_rad if heading_rad is None else heading_rad
         return self._point(Aim(-math.atan2(down_m, away_m), yaw_rad, is_from_north=True))

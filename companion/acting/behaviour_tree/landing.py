@@ -1,39 +1,28 @@
 """The leaves that leave the air: landing, charging, taking off again.
 
 While the vehicle is on the ground by its own plan (`PlanProgress.is_landed_by_plan`), nothing
-interrupts the plan, and being disarmed is no loss of control. Special cases:
-
-1. If the plan fails on the ground, the vehicle takes off again before the next plan begins
-   (`sortie.py`).
-2. A vehicle that was disarmed in its take-off is not armed again: somebody has stopped it, or it
-   has hit something.
-3. If the autopilot lands and does not report that it has landed, it is left alone: the vehicle
-   stands somewhere, with a wrong height.
+interrupts the plan, and being disarmed is no loss of control. goals_in_order.py has the ways down
+and up. If the plan fails on the ground, the vehicle takes off again before the next plan begins
+(`sortie.py`).
 """
 
 from __future__ import annotations
-
-from abc import abstractmethod
 
 from py_trees.common import Status
 
 from companion.acting.behaviour_tree.leaf import Leaf
 from companion.acting.flight import Flight
+from companion.acting.goals_in_order import WayDown, WayUp
 from companion.acting.landing_wait import LandingWait
-from companion.acting.plan_progress import GroundState
-from companion.flight_events.event import FlightEvent
 from companion.flight_events.sortie import (
     BatteryCharged,
     ChargeAwaited,
     ChargeCutShort,
     ChargeSufficient,
-    VehicleAirborne,
     VehicleLanded,
 )
 from companion.flight_events.tree import LeafType
-from companion.mission.facts import AT
-from companion.outcomes import Failed, Progress
-from companion.vehicle.port import Goal, Mode
+from companion.outcomes import Progress
 
 NO_CHARGE_S = 120.0
 """Time without one more percent after which a charger is given up."""
@@ -41,102 +30,41 @@ SLOW_WINDOWS = 2
 """How many consecutive windows with too little charge are allowed; a power cut is no slow dock."""
 
 
-class ReachGoals(Leaf):
-    """Pursues goals of the vehicle, one after the other."""
-
-    goals: tuple[Goal, ...] = ()
-    takeoff_up_m: float | None = None
-    """Altitude above home for the take-off; None for the mission's own."""
-
-    def __init__(self, flight: Flight, name: str) -> None:
-        super().__init__(flight, name)
-
-    def initialise(self) -> None:
-        """Begins with the first goal."""
-        self._left = list(self.goals)
-        self._flight.progress.take_to_ground()
-
-    def update(self) -> Status:
-        """SUCCESS when the last goal is reached."""
-        flight = self._flight
-        if self._left[0] is Goal.OFFBOARD:
-            flight.guidance.hold_here()  # it may still rise
-        elif self._left[0] is Goal.LANDED:
-            flight.guidance.hold()  # until the autopilot does
-        outcome = flight.vehicle.pursue(self._left[0], self.takeoff_up_m)
-        if isinstance(outcome, Failed):
-            return Status.RUNNING if self._ends_sortie(outcome) else self.fail(outcome.reason)
-        flight.progress.take_to_ground()  # and no longer disarmed
-        if outcome is Progress.DONE:
-            self._left.pop(0)
-        if self._left:
-            return Status.RUNNING
-        flight.report(self.reached())
-        return Status.SUCCESS
-
-    def _ends_sortie(self, failed: Failed) -> bool:
-        """Whether no other try may follow: an unnoticed landing, or disarming after our arming."""
-        progress, state, goal = self._flight.progress, self._flight.vehicle.state, self._left[0]
-        if state is None:
-            return False
-        if goal is Goal.LANDED and state.mode is Mode.LAND:
-            progress.miss_landing(failed)
-            return True
-        if goal in (Goal.AIRBORNE, Goal.OFFBOARD) and not state.is_armed:
-            progress.ground = GroundState.DISARMED
-            return True
-        return False
-
-    @abstractmethod
-    def reached(self) -> FlightEvent:
-        """Notes what the last goal means for the flight; returns what has happened."""
-
-
-class LandVehicle(ReachGoals):
+class LandVehicle(Leaf):
     """Lands where the vehicle is, and disarms."""
 
     does = LeafType.LAND
 
-    goals = (Goal.LANDED,)
-
     def initialise(self) -> None:
         """Lets the vehicle come to rest first."""
-        super().initialise()
         self._wait = LandingWait(self._flight)
+        self._way = WayDown(self._flight)
 
     def update(self) -> Status:
         """SUCCESS on the ground."""
-        is_held = self._wait.tick() is Progress.RUNNING
-        return Status.RUNNING if is_held else super().update()
+        if self._wait.tick() is Progress.RUNNING:
+            return Status.RUNNING
+        outcome = self._way.tick()
+        if outcome is Progress.DONE:
+            self._flight.report(VehicleLanded())
+        return self.status_of(outcome)
 
-    def reached(self) -> FlightEvent:
-        """Forgets the last setpoint: after taking off, the vehicle will hold where it then is."""
-        self._flight.guidance.forget_setpoint()
-        return VehicleLanded()
 
-
-class TakeOffVehicle(ReachGoals):
+class TakeOffVehicle(Leaf):
     """Arms, climbs to the altitude of its place, and takes control in OFFBOARD."""
 
     does = LeafType.TAKE_OFF
 
-    goals = (Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD)
-
     def initialise(self) -> None:
-        """Takes the height of the climb from where the plan has the vehicle."""
-        super().initialise()
-        task = self._flight.task
-        place = task.running.destination if task.running is not None else None
-        at = next((fact.arguments[0] for fact in task.facts if fact.predicate == AT), None)
-        self.takeoff_up_m = self._flight.symbols.up_m(place or at)
+        """Begins with arming."""
+        self._way = WayUp(self._flight)
 
-    def reached(self) -> FlightEvent:
-        """Allows the plan to be interrupted again."""
-        self._flight.progress.leave_ground()
-        return VehicleAirborne()
+    def update(self) -> Status:
+        """SUCCESS in the air."""
+        return self.status_of(self._way.tick())
 
 
-class BeginAgain(TakeOffVehicle):
+class BeginAgain(Leaf):
     """Before each try of a skill that lands or takes off, restores where the first try began.
 
     If the first try began in the air, the vehicle takes off again, if its charge lasts for that. It
@@ -150,6 +78,7 @@ class BeginAgain(TakeOffVehicle):
         super().__init__(flight, "as at first?")
         self._first_at: int | None = None
         self._began_on_ground, self._lasts = False, True
+        self._way: WayUp | None = None
 
     def initialise(self) -> None:
         """Notes where the first try of an action begins; no position is left between its tries."""
@@ -160,7 +89,7 @@ class BeginAgain(TakeOffVehicle):
         self._lasts = True
         if progress.is_landed_by_plan and not self._began_on_ground:
             self._lasts = self._flight.dock.lasts_for_another_try
-            super().initialise()
+            self._way = WayUp(self._flight)
 
     def update(self) -> Status:
         """SUCCESS once the vehicle is where the first try began: in the air, or on the ground."""
@@ -170,7 +99,8 @@ class BeginAgain(TakeOffVehicle):
             return self.fail("not tried again: it began on the ground, and is in the air")
         if not self._lasts:
             return self.fail("not tried again: the charge does not last for it, the reserve left")
-        return super().update()
+        assert self._way is not None
+        return self.status_of(self._way.tick())
 
 
 class ChargeBattery(Leaf):
@@ -198,7 +128,7 @@ class ChargeBattery(Leaf):
     def update(self) -> Status:
         """SUCCESS at the percentage; FAILURE if the charge no longer rises, or rises too slowly."""
         flight, state = self._flight, self._flight.vehicle.state
-        percent = state.battery_percent if state else None
+        percent = state.battery.percent if state else None
         if percent is not None and percent >= self._percent:
             flight.report(BatteryCharged(percent))
             return Status.SUCCESS
@@ -256,7 +186,7 @@ class EnoughCharge(Leaf):
     def update(self) -> Status:
         """SUCCESS in the air with enough charge."""
         flight, state = self._flight, self._flight.vehicle.state
-        percent = state.battery_percent if state else None
+        percent = state.battery.percent if state else None
         if flight.progress.is_landed_by_plan or percent is None:
             return self.fail("the battery has less")
         percent = min(percent, flight.believed_percent)

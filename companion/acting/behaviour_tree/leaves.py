@@ -202,7 +202,8 @@ class UpdateParam(Leaf):
         if self._has_failed:
             flight.symbols.refuse(place, flight.now_s)
         if state is not None:
-            ground, here, advice = flight.symbols.ground, state.position, PlaceFunctions(flight)
+            ground, advice = flight.symbols.ground, PlaceFunctions(flight)
+            here = state.motion.position
             self._grounding = InSlices(lambda: ground(place, here, flight.now_s, advice))
 
     def update(self) -> Status:

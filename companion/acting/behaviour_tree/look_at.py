@@ -45,10 +45,11 @@ class LookAt(Leaf):
         flight, state = self._flight, self._flight.vehicle.state
         if self._before.status is Status.RUNNING or flight.progress.is_landed_by_plan:
             return Status.SUCCESS
-        heading_rad = towards(state.position, self._point.position) if state is not None else None
+        there = self._point.position
+        heading_rad = None if state is None else towards(state.motion.position, there)
         if state is None or heading_rad is None:
             return Status.SUCCESS
-        off_rad = error_rad(state.yaw_rad, heading_rad)
+        off_rad = error_rad(state.attitude.yaw_rad, heading_rad)
         flight.guidance.hold(heading_rad)
         if off_rad <= HEADING_TOLERANCE_RAD:
             return Status.SUCCESS

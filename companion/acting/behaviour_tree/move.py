@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from py_trees.common import Status
 
@@ -26,7 +26,7 @@ from companion.motion.profile import SpeedLimits
 from companion.motion.routes import CELLS_PER_TICK
 from companion.motion.trajectory import Sample, Stop, Trajectory, motion_of
 from companion.tick import TICK_S
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 
 ARRIVAL_M = 0.3
 """How near the vehicle has to come to a place in order to be there."""
@@ -44,6 +44,17 @@ trajectory is slowed, and waits for it."""
 ASTRAY_SHARE = 14 / 15
 """Share of the gate's greatest distance: if a resting vehicle is so far off, it gets a new route.
 The gate would soon hold it there, away from a trajectory that waits for it."""
+
+
+@dataclass(frozen=True, slots=True)
+class AwaitedRoute:
+    """The vehicle holds, or comes to rest along an earlier path, until its route can begin.
+
+    Attributes:
+        is_turning: when it began to wait, the path along which it comes to rest led round a corner.
+    """
+
+    is_turning: bool
 
 
 class MoveCommand(Leaf):
@@ -81,7 +92,6 @@ class MoveCommand(Leaf):
     ) -> None:
         super().__init__(flight, f"move_cmd {place}")
         self.failed_at: int | None = None
-        self._is_searching = False  # for the routes that the last request needs
         self._place = place
         self._timeout_s = timeout_s
         self._heading = FlightHeading(flight, place, look_at)
@@ -89,8 +99,7 @@ class MoveCommand(Leaf):
     def initialise(self) -> None:
         """Finds the route from where the vehicle is now, at its present speed."""
         state = self._flight.vehicle.state
-        self._trajectory: Trajectory | Stop | None = None
-        self._is_waiting = False
+        self._flown: Trajectory | Stop | AwaitedRoute | None = None  # None without a route
         self._updated_s: float | None = None
         if state is not None:
             self._begin(state)
@@ -103,41 +112,42 @@ class MoveCommand(Leaf):
         While routes are being searched, the vehicle holds.
         """
         departure = self._flight.guidance.departure_of(state)
-        now, is_stopping = departure.now, departure.stop is not None
-        self._is_turning = departure.is_turning
+        now, is_turning = departure.now, departure.is_turning
         limits = gentle(self._flight.speed_limit.for_trajectory, now)
-        self._trajectory = None if self._is_turning else self._from_motion(now, limits)
-        is_possible = not is_stopping and (self._trajectory or self._knows_ways(now.position))
-        self._is_waiting = self._trajectory is None and not is_possible
         self._time_s = 0.0
-        if self._trajectory is None and not self._is_waiting:
-            self._trajectory = self._from_rest(now.position)
+        self._flown = None
+        if not is_turning and self._knows_ways_of(now, limits):
+            self._flown = self._from_motion(now, limits)
+        if self._flown is None and departure.stop is None and self._knows_ways(now.position):
+            self._flown = self._from_rest(now.position)
             self._time_s = -TICK_S  # its acceleration is sent early, so it grows more gently
-        self._is_braking = False
+        elif self._flown is None:
+            self._flown = AwaitedRoute(is_turning)
         self._flown_s, self._rate = self._time_s, 1.0
         self._told: RouteBlocked | None = None
         self._map_version = self._flight.routes.version
         self._updated_s = None
         self._in_time_s = self._flight.now_s
 
-    def _wait(self, state: VehicleState) -> None:
+    def _wait(self, awaited: AwaitedRoute, state: VehicleState) -> None:
         """Begins when a stop has ended, or when it leads straight on."""
-        is_straight = self._is_turning and not self._flight.guidance.departure_of(state).is_turning
+        is_straight = (
+            awaited.is_turning and not self._flight.guidance.departure_of(state).is_turning
+        )
         if self._flight.guidance.stop is None or is_straight:
             self._begin(state)
 
     def _knows_ways(self, start: Ned) -> bool:
         """Whether a route from there needs no further search; if it does, searches for a tick."""
-        is_known = self._flight.routes.search(start, self._place, CELLS_PER_TICK)
-        self._is_searching = not is_known
-        return is_known
+        return self._flight.routes.search(start, self._place, CELLS_PER_TICK)
+
+    def _knows_ways_of(self, now: Sample, limits: SpeedLimits) -> bool:
+        """The same for a route that begins at some speed; a slow vehicle has none."""
+        return is_slow(now) or self._knows_ways(stopping_point(now, limits))
 
     def _from_motion(self, now: Sample, limits: SpeedLimits) -> Trajectory | None:
-        """A trajectory that begins at some speed; None without one, or while routes are unknown."""
-        self._is_searching = False
+        """A trajectory that begins at some speed, over known routes; None if there is none."""
         if is_slow(now):
-            return None
-        if not self._knows_ways(stopping_point(now, limits)):
             return None
         return from_motion(self._flight.routes, now, self._place, limits)
 
@@ -149,34 +159,34 @@ class MoveCommand(Leaf):
     def update(self) -> Status:
         """Sends one setpoint along the trajectory; SUCCESS at the place."""
         flight, state = self._flight, self._flight.vehicle.state
-        if state is not None and self._is_waiting:
-            self._wait(state)
-            if self._is_waiting:
+        if state is not None and isinstance(self._flown, AwaitedRoute):
+            self._wait(self._flown, state)
+            if isinstance(self._flown, AwaitedRoute):
                 flight.guidance.hold()
                 return Status.RUNNING
         self._advance()
         if state is not None:
             self._follow_map(state)
-        if self._trajectory is None or state is None:
+        if state is None or not isinstance(self._flown, Trajectory | Stop):
             return self._stop_and_fail(f"no clear route to {self._place}")
         elapsed_s = flight.now_s - self._start_s
         if self._timeout_s is not None and elapsed_s > self._timeout_s:
             return self._stop_and_fail(f"not there after {self._timeout_s:.0f} s")
         self._flown_s = self._time_s
-        sample = self._sample()
-        gap_m = distance(flight.guidance.sent(sample.position), state.position)
+        sample = self._sample(self._flown)
+        gap_m = distance(flight.guidance.sent(sample.position), state.motion.position)
         is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
-        if is_astray and math.hypot(*state.velocity) <= SLOW_MPS:
+        if is_astray and math.hypot(*state.motion.velocity) <= SLOW_MPS:
             self._begin(state)
             return self._stop_and_fail(self._stuck) if self._gets_nowhere() else Status.RUNNING
         following = _following(gap_m / flight.profile.carrot_m)
         sample, self._rate = sample.slower(following), self._rate * following
-        is_at_end = sample.is_finished and not self._is_braking
+        is_at_end = sample.is_finished and isinstance(self._flown, Trajectory)
         flight.guidance.fly(sample, self._heading.wanted(sample, state, is_at_end))
         if is_at_end and self._is_there(gap_m, state) and self._heading.is_reached(state):
             return Status.SUCCESS
-        if self._time_s > self._trajectory.duration_s + ARRIVAL_TIMEOUT_S + self._heading.turn_s:
+        if self._time_s > self._flown.duration_s + ARRIVAL_TIMEOUT_S + self._heading.turn_s:
             return self._stop_and_fail(self._why_not_there(gap_m, state))
         self._updated_s = flight.now_s
         self._in_time_s = self._in_time_s if is_behind else flight.now_s
@@ -190,9 +200,9 @@ class MoveCommand(Leaf):
 
     def _gets_nowhere(self) -> bool:
         """Whether a vehicle that begins again, off its path, has come no nearer for too long."""
-        if not isinstance(self._trajectory, Trajectory):
+        if not isinstance(self._flown, Trajectory):
             return False
-        left_m = self._trajectory.path.length_m
+        left_m = self._flown.path.length_m
         if left_m < self._least_left_m - ARRIVAL_M:
             self._least_left_m, self._nearer_s = left_m, self._flight.now_s
         return self._flight.now_s - self._nearer_s > ARRIVAL_TIMEOUT_S
@@ -209,18 +219,17 @@ class MoveCommand(Leaf):
         if self._updated_s is not None:
             self._time_s += self._rate * self._flight.elapsed_s(self._updated_s)
 
-    def _sample(self) -> Sample:
+    def _sample(self, flown: Trajectory | Stop) -> Sample:
         """The moment of the trajectory that may be flown now; sets how fast its time runs."""
-        assert self._trajectory is not None
-        led = self._flight.guidance.led(self._trajectory, self._time_s)
+        led = self._flight.guidance.led(flown, self._time_s)
         slowed, self._rate = self._flight.speed_limit.slowed(led)
         return slowed
 
     def _is_there(self, gap_m: float, state: VehicleState) -> bool:
         """Whether the vehicle is at the place, as far as its position can tell, and slow."""
-        wander_m = ARRIVAL_SIGMAS * state.accuracy_m
+        wander_m = ARRIVAL_SIGMAS * state.motion.accuracy_m
         near_m = max(ARRIVAL_M, min(wander_m, self._flight.symbols.inner_m(self._place)))
-        return gap_m < near_m and math.hypot(*state.velocity) < ARRIVAL_MPS
+        return gap_m < near_m and math.hypot(*state.motion.velocity) < ARRIVAL_MPS
 
     def _why_not_there(self, gap_m: float, state: VehicleState) -> str:
         if not self._is_there(gap_m, state):
@@ -229,33 +238,31 @@ class MoveCommand(Leaf):
 
     def _brake(self) -> None:
         """Brakes along the path, from the last setpoint."""
-        flight, trajectory = self._flight, self._trajectory
-        if isinstance(trajectory, Stop):
-            flight.guidance.stop_along(trajectory, self._flown_s)
-        elif self._is_waiting or trajectory is None or flight.guidance.setpoint is None:
+        flight, flown = self._flight, self._flown
+        if isinstance(flown, Stop):
+            flight.guidance.stop_along(flown, self._flown_s)
+        elif not isinstance(flown, Trajectory) or flight.guidance.setpoint is None:
             flight.guidance.hold()
         else:
-            now = trajectory.sample(self._flown_s).slower(self._rate)
+            now = flown.sample(self._flown_s).slower(self._rate)
             limits = gentle(flight.speed_limit.for_trajectory, now)
-            stop = _stop(trajectory, self._flown_s, now, limits)
+            stop = _stop(flown, self._flown_s, now, limits)
             flight.guidance.stop_along(stop, 0.0) if stop else flight.guidance.hold()
 
     def _follow_map(self, state: VehicleState) -> None:
         """Leaves a trajectory that is no longer clear, and continues from a stop."""
-        routes, trajectory = self._flight.routes, self._trajectory
-        if trajectory is None:
-            return
-        if self._is_braking:
-            has_stopped = math.hypot(*state.velocity) <= SLOW_MPS
+        routes, flown = self._flight.routes, self._flown
+        if isinstance(flown, Stop):
+            has_stopped = math.hypot(*state.motion.velocity) <= SLOW_MPS
             told = self._flight.guidance.departure_of(state).now.position
-            has_stopped = has_stopped and trajectory.sample(self._time_s).is_finished
+            has_stopped = has_stopped and flown.sample(self._time_s).is_finished
             if has_stopped and self._knows_ways(told):
-                self._adopt(self._from_rest(told), is_braking=False)
-        elif isinstance(trajectory, Trajectory) and self._map_version != routes.version:
-            if routes.is_clear(trajectory.ahead(self._time_s)):
+                self._adopt(self._from_rest(told))
+        elif isinstance(flown, Trajectory) and self._map_version != routes.version:
+            if routes.is_clear(flown.ahead(self._time_s)):
                 self._map_version = routes.version
             else:
-                self._avoid(trajectory)
+                self._avoid(flown)
 
     def _avoid(self, trajectory: Trajectory) -> None:
         """Begins another route without a stop, or a stop along the path.
@@ -264,27 +271,24 @@ class MoveCommand(Leaf):
         remains.
         """
         now = trajectory.sample(self._time_s).slower(self._rate)
-        around = self._from_motion(now, self._flight.speed_limit.for_trajectory)
-        if around is not None:
-            self._adopt(around, is_braking=False)
+        limits = self._flight.speed_limit.for_trajectory
+        is_known = self._knows_ways_of(now, limits)
+        if is_known and (around := self._from_motion(now, limits)) is not None:
+            self._adopt(around)
             return
-        braking = replace(
-            self._flight.speed_limit.for_trajectory,
-            acceleration_mps2=self._flight.profile.braking_mps2,
-        )
+        braking = replace(limits, acceleration_mps2=self._flight.profile.braking_mps2)
         stop = _stop(trajectory, self._time_s, now, braking)
-        if stop is not None and self._is_searching:
+        if stop is not None and not is_known:
             room = trajectory.between(self._time_s, self._time_s + stop.duration_s + 2 * TICK_S)
             if self._flight.routes.is_clear(room):
                 return
-        self._adopt(stop, is_braking=True)
+        self._adopt(stop)
 
-    def _adopt(self, trajectory: Trajectory | Stop | None, is_braking: bool) -> None:
-        self._trajectory, self._is_braking = trajectory, is_braking
+    def _adopt(self, flown: Trajectory | Stop | None) -> None:
+        self._flown = flown
         self._map_version = self._flight.routes.version
         self._time_s, self._rate = 0.0, 1.0
-        response = RouteResponse.STOPPING if is_braking else RouteResponse.ANOTHER_ROUTE
-        blocked = RouteBlocked(self._place, response if trajectory else RouteResponse.NO_ROUTE)
+        blocked = RouteBlocked(self._place, _RESPONSES[type(flown)])
         if blocked != self._told:
             self._flight.report(blocked)
         self._told = blocked
@@ -292,6 +296,13 @@ class MoveCommand(Leaf):
     def _stop_and_fail(self, why: str) -> Status:
         self._brake()
         return self.fail(why)
+
+
+_RESPONSES = {
+    Trajectory: RouteResponse.ANOTHER_ROUTE,
+    Stop: RouteResponse.STOPPING,
+    type(None): RouteResponse.NO_ROUTE,
+}
 
 
 def _following(gap_share: float) -> float:

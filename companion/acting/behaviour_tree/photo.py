@@ -18,7 +18,7 @@ from companion.flight_events.tree import LeafType
 from companion.mission.facts import AT, HERE
 from companion.mission.payload_steps import Photo
 from companion.outcomes import Failed, Progress
-from companion.vehicle.camera_port import IntendedShot, PhotoMade, ShotOwner, ShotReady
+from companion.vehicle.ports.cameras import IntendedShot, PhotoMade, ShotOwner, ShotReady
 
 
 class TakePhoto(Leaf):
@@ -100,11 +100,11 @@ class TakePhoto(Leaf):
             running = flight.task.running
             is_flying = running is not None and running.destination is not None
             places = [fact.arguments[0] for fact in flight.task.facts if fact.predicate == AT]
-            north_m, east_m, _ = state.position
+            north_m, east_m, _ = here = state.motion.position
             where = f"{east_m:.1f} m east, {north_m:.1f} m north"
             place = where if is_flying or HERE in places or not places else min(places)
             flight.report(
-                PhotoTaken(made.number, self._photo.camera, place, made.image_index, state.position)
+                PhotoTaken(made.number, self._photo.camera, place, made.image_index, here)
             )
             flight.photos_reported.add(self._owner)
             flight.note(PhotoReported(*self._owner))

@@ -50,7 +50,7 @@ class ChargeReport:
 
     def _tell_measured(self) -> None:
         flight, state = self._flight, self._flight.vehicle.state
-        percent = state.battery_percent if state is not None else None
+        percent = state.battery.percent if state is not None else None
         if percent != self._percent and flight.now_s - self._told_s >= EVERY_S:
             self._percent, self._told_s = percent, flight.now_s
             flight.report(ChargeMeasured(percent))

@@ -52,9 +52,9 @@ class Gauge:
     def listen(self) -> None:
         """Takes the present reading; it may be called any number of times."""
         flight, state = self._flight, self._flight.vehicle.state
-        if state is None or state.battery_percent is None:
+        if state is None or state.battery.percent is None:
             return
-        told = state.battery_percent / 100
+        told = state.battery.percent / 100
         if state.is_landed:
             self._too_much = 0.0  # it was charged, or the battery was changed
         elif self._told is not None and abs(told - self._told) > JUMP:
@@ -69,7 +69,7 @@ class Gauge:
         self._told = told
         self._known = max(0.0, told - self._too_much)
         flight.believed_percent = 100 if not self._too_much else math.floor(100 * self._known)
-        self._known_s = min(state.stamp_s, state.battery_s)
+        self._known_s = min(state.motion.received_s, state.battery.percent_s)
 
     @property
     def is_flown(self) -> bool:
@@ -83,6 +83,6 @@ class Gauge:
         known = self._model.level(min(1.0, max(0.0, self._known + step)))
         if state is None:
             return known
-        silent_s = state.stamp_s - self._known_s
+        silent_s = state.motion.received_s - self._known_s
         taken = self._model.hovering(silent_s) if silent_s > SILENT_S else 0
         return max(0, known - taken)

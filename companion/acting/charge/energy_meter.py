@@ -100,7 +100,7 @@ class EnergyMeter:
     def step(self) -> None:
         """Measures one tick under a plan."""
         flight, state = self.flight, self.flight.vehicle.state
-        if state is None or (state.battery_percent is None and state.power_w is None):
+        if state is None or (state.battery.percent is None and state.battery.power_w is None):
             return  # the battery was not heard yet, so nothing was taken
         before, self._gauge = self._gauge, self.energy.charge.middle()
         elapsed_s, self._now_s = flight.now_s - self._now_s, flight.now_s
@@ -119,7 +119,7 @@ class EnergyMeter:
             self._begin(running)
         if (leg := self._leg) is not None and elapsed_s < 3 * TICK_S:
             leg.seconds += elapsed_s
-            power_w = math.nan if state.power_w is None else state.power_w
+            power_w = math.nan if state.battery.power_w is None else state.battery.power_w
             leg.used += power_w * elapsed_s * UNITS_PER_J
             if flight.now_s - leg.looked_s >= LOOKS_S:
                 leg.looked_s, leg.ahead = flight.now_s, self._ahead(leg.action)
@@ -140,7 +140,7 @@ class EnergyMeter:
         goal, state = action.destination, self.flight.vehicle.state
         if goal is None or state is None or waits_s(action.execute):
             return math.nan
-        left = self.energy.left_to(goal, math.hypot(*state.velocity))
+        left = self.energy.left_to(goal, math.hypot(*state.motion.velocity))
         return math.nan if left is None else left / self.energy.model.factor
 
     def _end(self, leg: _Leg) -> None:

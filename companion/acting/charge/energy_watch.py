@@ -120,7 +120,7 @@ class EnergyWatch:
 
     def _left_to(self, goal: str) -> int:
         state = self._flight.vehicle.state
-        return (self._energy.left_to(goal, math.hypot(*state.velocity)) or 0) if state else 0
+        return (self._energy.left_to(goal, math.hypot(*state.motion.velocity)) or 0) if state else 0
 
 
 def _place(lasso: Lasso, number: int) -> int:

@@ -57,7 +57,7 @@ from companion.planning.energy_check import level_after, of_reserve, place_of
 from companion.planning.explain import Explanation
 from companion.planning.lasso import ChosenPlan, Lasso, Problem
 from companion.tick import TICK_S
-from companion.vehicle.port import Vehicle
+from companion.vehicle.ports.vehicle import Vehicle
 
 
 class HypotheticalFlight:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from companion.geometry import Ned
-from companion.vehicle.port import Mode, VehicleState
+from companion.vehicle.ports.state import Attitude, Heartbeat, MeasuredMotion, Mode, VehicleState
 
 
 class HypotheticalVehicle:
@@ -15,13 +15,8 @@ class HypotheticalVehicle:
     def stand_at(self, position: Ned) -> None:
         """Moves it to another position."""
         self.state = VehicleState(
-            stamp_s=0.0,
-            position=position,
-            velocity=(0.0, 0.0, 0.0),
-            yaw_rad=0.0,
-            mode=Mode.OFFBOARD,
-            is_armed=True,
+            MeasuredMotion(position, velocity=(0.0, 0.0, 0.0)),
+            Attitude(yaw_rad=0.0),
+            Heartbeat(Mode.OFFBOARD, is_armed=True, is_failsafe=False, received_s=0.0),
             is_landed=False,
-            is_failsafe=False,
-            battery_percent=None,
         )

@@ -36,7 +36,7 @@ class DockCheck:
     def tick(self) -> Outcome:
         """DONE at once, after the warning."""
         state = self._flight.vehicle.state
-        if state is not None and state.accuracy_m > EXACT_M:
-            beside_m = ARRIVAL_M + greatest_error_m(state.accuracy_m)
+        if state is not None and state.motion.accuracy_m > EXACT_M:
+            beside_m = ARRIVAL_M + greatest_error_m(state.motion.accuracy_m)
             self._flight.report(DockMayBeMissed(round(beside_m, 1)))
         return Progress.DONE

@@ -50,10 +50,10 @@ class FailsafeCheck:
         """
         vehicle, now_s = self._flight.vehicle, self._flight.now_s
         state = vehicle.state
-        is_heard = state is not None and now_s - state.stamp_s <= FRESH_S
+        is_heard = state is not None and state.motion.silence_s(now_s) <= FRESH_S
         if self._asked_s is None or not is_heard:
             self._asked_s = now_s
-        values = {name: vehicle.parameter(name) for name in parameters_of(self._reserve)}
+        values = {name: vehicle.parameters.read(name) for name in parameters_of(self._reserve)}
         is_late = now_s - self._asked_s > ANSWER_TIMEOUT_S
         if None in values.values() and not is_late:
             return Progress.RUNNING
@@ -68,7 +68,7 @@ class FailsafeCheck:
     def _flown_within(self) -> FlownWithin:
         """How far the mission's limits reach from where the vehicle is armed."""
         state, limits = self._flight.vehicle.state, self._flight.limits
-        begun = (0.0, 0.0) if state is None else state.position[:2]
+        begun = (0.0, 0.0) if state is None else state.motion.position[:2]
         homes = [begun, *(home[:2] for home in self._homes)]
         away_m = (math.dist(home, corner) for home in homes for corner in limits.fence)
         roof_m = max((-home[2] for home in self._homes), default=0.0)

@@ -38,7 +38,7 @@ from companion.geometry import NorthEast
 from companion.mission.places import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.outcomes import Failed
-from companion.vehicle.store_port import AutopilotFence
+from companion.vehicle.ports.stores import AutopilotFence
 
 LISTEN_S = 2.0
 DIRECTIONS = 16
@@ -157,7 +157,8 @@ class FenceJudge:
         state = self._flight.vehicle.state
         if state is None:
             return
-        error_m, (north_m, east_m) = greatest_error_m(state.accuracy_m), state.position[:2]
+        error_m = greatest_error_m(state.motion.accuracy_m)
+        north_m, east_m, _ = state.motion.position
         angles = (math.tau * number / DIRECTIONS for number in range(DIRECTIONS))
         around = [
             (north_m + error_m * math.cos(angle), east_m + error_m * math.sin(angle))
@@ -173,7 +174,7 @@ class FenceJudge:
         if home is not None:
             points.append(("the autopilot's home", home))
         if state is not None:
-            points.append(("the vehicle", state.position[:2]))
+            points.append(("the vehicle", state.motion.position[:2]))
         points += [(place.name, place.position[:2]) for place in self._places]
         for name, point in points:
             for number, area in enumerate(areas, 1):

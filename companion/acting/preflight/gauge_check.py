@@ -27,7 +27,7 @@ class GaugeCheck:
     def tick(self) -> Outcome:
         """DONE when a charge has been reported."""
         state, now_s = self._flight.vehicle.state, self._flight.now_s
-        if state is not None and state.battery_percent is not None:
+        if state is not None and state.battery.percent is not None:
             return Progress.DONE
         if self._asked_s is None:
             self._asked_s = now_s

@@ -38,7 +38,7 @@ def keep_to(flight: Flight, fence: KeptFence) -> bool:
     """Restricts a flight to a fence from now on; returns whether routes then have less room."""
     flight.kept_fence = fence
     flight.note(fence)
-    flight.vehicle.keep_within(fence)
+    flight.vehicle.setpoints.keep_within(fence)
     return flight.routes.keep_within(fence.within, fence.keep_out)
 
 

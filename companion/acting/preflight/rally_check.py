@@ -38,7 +38,7 @@ from companion.mission.otherwise import LandAtSafePlace
 from companion.mission.places import Place
 from companion.outcomes import Failed
 from companion.rally_points import RallyPoint, StoredRally
-from companion.vehicle.store_port import AutopilotRally
+from companion.vehicle.ports.stores import AutopilotRally
 
 NEAR_HOME_M = 10.0
 """PX4 ignores a rally point that is no further than this from home."""
@@ -162,11 +162,11 @@ class RallyJudge:
         if self._asked_s is None:
             self._asked_s = self._flight.now_s
         is_late = self._flight.now_s - self._asked_s > ANSWER_S
-        return self._flight.vehicle.parameter(RETURN_TYPE) is not None or is_late
+        return self._flight.vehicle.parameters.read(RETURN_TYPE) is not None or is_late
 
     def _tell_unused(self) -> None:
         """Rule 4."""
-        value = self._flight.vehicle.parameter(RETURN_TYPE) if self._wanted else None
+        value = self._flight.vehicle.parameters.read(RETURN_TYPE) if self._wanted else None
         if value in WITHOUT_RALLY:
             reason = f"{RETURN_TYPE} is {value:g}; set 0 for home and rally points"
             self._flight.report(RallyUnused(self._names, reason))

@@ -12,14 +12,13 @@ in how the present content is judged (`UploadJudge`).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from enum import Enum
 from typing import Protocol
 
 from companion.acting.preflight.arming_terms import UploadPolicy
 from companion.outcomes import Failed, Outcome, Progress
 from companion.transitions import StateTransition, TransitionTable
-from companion.vehicle.store_port import AutopilotStore
+from companion.vehicle.ports.stores import AutopilotStore
 
 
 class UploadStage(Enum):
@@ -106,14 +105,28 @@ class UploadCheck:
 
     def tick(self) -> Outcome:
         """DONE when the content is as required, or none is required; or why it is not."""
-        if self._stage is UploadStage.DONE:
-            return Progress.DONE
-        step = _WORK[self._stage](self)
+        step = self._work()
         if isinstance(step, Failed):
             return step
         if step is not None:
             self._stage = TRANSITIONS.next(self._stage, step)
         return Progress.DONE if self._stage is UploadStage.DONE else Progress.RUNNING
+
+    def _work(self) -> UploadStep | Failed | None:
+        """The work of the present stage in a tick; returns the step that ends the stage, if any."""
+        match self._stage:
+            case UploadStage.LOCATING:
+                return self._locate()
+            case UploadStage.READING:
+                return self._read()
+            case UploadStage.WRITING:
+                return self._write()
+            case UploadStage.READING_BACK:
+                return self._read_back()
+            case UploadStage.LISTENING:
+                return self._judge.listen()
+            case UploadStage.DONE:
+                return None
 
     def _locate(self) -> UploadStep | Failed | None:
         store = self._judge.store
@@ -142,9 +155,6 @@ class UploadCheck:
             return failure
         return self._judge.compare() or UploadStep.READ_BACK
 
-    def _listen(self) -> UploadStep | Failed | None:
-        return self._judge.listen()
-
     @property
     def _is_done(self) -> bool:
         """Whether the present transfer has ended well."""
@@ -156,13 +166,3 @@ class UploadCheck:
         if not isinstance(outcome, Failed):
             return None
         return self._judge.unanswered(outcome) or UploadStep.GONE_WITHOUT
-
-
-_WORK: dict[UploadStage, Callable[[UploadCheck], UploadStep | Failed | None]] = {
-    UploadStage.LOCATING: UploadCheck._locate,
-    UploadStage.READING: UploadCheck._read,
-    UploadStage.WRITING: UploadCheck._write,
-    UploadStage.READING_BACK: UploadCheck._read_back,
-    UploadStage.LISTENING: UploadCheck._listen,
-}
-"""The work of each stage in a tick; DONE has none."""

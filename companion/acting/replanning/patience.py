@@ -89,7 +89,8 @@ class Patience:
         """Whether no place can be reached from here: then the position, or the map, is wrong."""
         state, routes = self._flight.vehicle.state, self._flight.routes
         return state is not None and not any(
-            routes.is_connected(state.position, place) for place in self._planner.mission.places
+            routes.is_connected(state.motion.position, place)
+            for place in self._planner.mission.places
         )
 
     @property

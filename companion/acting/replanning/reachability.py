@@ -86,7 +86,7 @@ class Reachability:
         """Searches for all routes; if the map has blocked a waypoint, to another waypoint."""
         flight, state = self._flight, self._flight.vehicle.state
         if state is not None:
-            for place in flight.symbols.follow_map(state.position, flight.now_s):
+            for place in flight.symbols.follow_map(state.motion.position, flight.now_s):
                 flight.tell_symbol(place)
         for _ in range(max_parts):
             if flight.routes.find(CELLS_PER_TICK):
@@ -128,7 +128,7 @@ class Reachability:
         state = self._flight.vehicle.state
         if state is None:
             return frozenset()
-        is_connected, here = self._flight.routes.is_connected, state.position
+        is_connected, here = self._flight.routes.is_connected, state.motion.position
         places = self._planner.mission.places
         return frozenset(place for place in places if not is_connected(here, place))
 

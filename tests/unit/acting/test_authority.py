@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from fakes import on_hold
+from states import changed
 
 from companion.acting.authority import (
     is_silent,
@@ -27,11 +28,13 @@ from companion.mission.places import Limits, Place
 from companion.motion.position_error import greatest_error_m
 from companion.motion.region import Disc
 from companion.outcomes import Failed, Refusal
-from companion.vehicle.port import Anchoring, FrameLocation, Mode, Takeover, VehicleState
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.frame import Anchoring, FrameLocation
+from companion.vehicle.ports.state import Mode, VehicleState
 
 NOW_S = 10_000.0
 FLYING = on_hold(NOW_S)
-STANDING = replace(FLYING, is_armed=False, is_landed=True)
+STANDING = changed(FLYING, is_armed=False, is_landed=True)
 ABOUT_TO_FLY = replace(FLYING, is_landed=True)
 HOME = Place("Home", (0.0, 0.0, -2.0), Disc(0.4))
 EPSILON = 1e-6
@@ -46,7 +49,10 @@ def flight(
 ) -> Any:
     return SimpleNamespace(
         now_s=NOW_S,
-        vehicle=SimpleNamespace(takeover=takeover, has_restarted=has_restarted),
+        vehicle=SimpleNamespace(
+            control=SimpleNamespace(takeover=takeover),
+            goals=SimpleNamespace(has_restarted=has_restarted),
+        ),
         progress=PlanProgress(
             ground=GroundState.ON_GROUND if is_landed_by_plan else GroundState.IN_AIR,
             unnoticed_landing=unnoticed,
@@ -67,8 +73,8 @@ def reason(why: CompanionError | Refusal | None) -> str | None:
     ("state", "bound_s"), [(STANDING, 10.0), (ABOUT_TO_FLY, 1800.0), (FLYING, 1800.0)]
 )
 def test_only_what_stands_disarmed_is_given_up_soon(state: VehicleState, bound_s: float) -> None:
-    assert loss_of_link(replace(state, stamp_s=NOW_S - bound_s), NOW_S) is None
-    loss = loss_of_link(replace(state, stamp_s=NOW_S - bound_s - EPSILON), NOW_S)
+    assert loss_of_link(changed(state, motion_received_s=NOW_S - bound_s), NOW_S) is None
+    loss = loss_of_link(changed(state, motion_received_s=NOW_S - bound_s - EPSILON), NOW_S)
     assert isinstance(loss, LinkError)
     assert str(loss) == f"no position from the vehicle for {bound_s:.0f} s"
 
@@ -82,9 +88,9 @@ IN_USE = "the vehicle is armed or flying already; it is left alone"
     [
         (STANDING, None),
         (None, UNKNOWN),
-        (replace(STANDING, stamp_s=NOW_S - 11.0), UNKNOWN),
+        (changed(STANDING, motion_received_s=NOW_S - 11.0), UNKNOWN),
         (ABOUT_TO_FLY, IN_USE),
-        (replace(FLYING, is_armed=False), IN_USE),
+        (changed(FLYING, is_armed=False), IN_USE),
         (FLYING, IN_USE),
     ],
 )
@@ -95,14 +101,14 @@ def test_a_run_begins_with_what_stands_disarmed(
 
 
 def test_a_vehicle_that_was_disarmed_in_the_air_may_still_be_heard() -> None:
-    falling = replace(FLYING, is_armed=False, stamp_s=NOW_S - 11.0)
+    falling = changed(FLYING, is_armed=False, motion_received_s=NOW_S - 11.0)
     assert loss_of_link(falling, NOW_S) is None
 
 
 def test_what_is_not_heard_in_the_air_is_waited_for() -> None:
-    assert not is_silent(replace(FLYING, stamp_s=NOW_S - 3.0), NOW_S)
-    assert is_silent(replace(FLYING, stamp_s=NOW_S - 3.0 - EPSILON), NOW_S)
-    assert not is_silent(replace(ABOUT_TO_FLY, stamp_s=NOW_S - 60.0), NOW_S)
+    assert not is_silent(changed(FLYING, motion_received_s=NOW_S - 3.0), NOW_S)
+    assert is_silent(changed(FLYING, motion_received_s=NOW_S - 3.0 - EPSILON), NOW_S)
+    assert not is_silent(changed(ABOUT_TO_FLY, motion_received_s=NOW_S - 60.0), NOW_S)
 
 
 # -- home ------------------------------------------------------------------------------------------
@@ -112,7 +118,7 @@ def test_what_is_not_heard_in_the_air_is_waited_for() -> None:
 def test_home_is_as_wide_as_its_radius_and_what_the_position_may_be_off_by(
     accuracy_m: float,
 ) -> None:
-    state = replace(STANDING, accuracy_m=accuracy_m)
+    state = changed(STANDING, accuracy_m=accuracy_m)
     wide_m = HOME.inner_m + greatest_error_m(accuracy_m)
     assert not_at_home(wide_m, state, HOME) is None
     assert reason(not_at_home(wide_m + EPSILON, state, HOME)) == (
@@ -124,7 +130,7 @@ def test_home_is_as_wide_as_its_radius_and_what_the_position_may_be_off_by(
 def test_where_no_map_goes_along_it_may_have_landed_further_away(
     accuracy_m: float, further_m: float
 ) -> None:
-    state = replace(STANDING, accuracy_m=accuracy_m)
+    state = changed(STANDING, accuracy_m=accuracy_m)
     wide_m = HOME.inner_m + greatest_error_m(accuracy_m) + further_m
     assert not_at_home(wide_m, state, HOME, Anchoring.FIXED) is None
     refused = not_at_home(wide_m + EPSILON, state, HOME, Anchoring.RECALLED)
@@ -141,13 +147,13 @@ def test_who_stands_at_zero_of_a_mission_that_begins_elsewhere_is_told_what_to_w
     """He may stand at its home, or at its zero: nobody knows, and walls go along with that."""
     home = replace(HOME, position=(3.0, -8.5, -2.0))
     refused = "the vehicle stands 9.0 m from Home, where the mission begins; put it there"
-    at_zero = replace(STANDING, accuracy_m=accuracy_m, position=(0.2, 0.0, 0.0))
+    at_zero = changed(STANDING, accuracy_m=accuracy_m, position=(0.2, 0.0, 0.0))
     assert reason(not_at_home(9.0, at_zero, home)) == (
         f"{refused}\n    it stands at its autopilot's home position, and that is [0, 0] of the"
         " mission\n    if that is Home, write 8.5 m more for all that is east, and 3 m"
         " less for all that is north, its map included"
     )
-    carried = replace(at_zero, position=(4.0, 0.0, 0.0))
+    carried = changed(at_zero, position=(4.0, 0.0, 0.0))
     assert reason(not_at_home(9.0, carried, home)) == refused
     assert reason(not_at_home(9.0, at_zero, home, Anchoring.FIXED)) == refused
     assert reason(not_at_home(9.0, at_zero, HOME)) == refused
@@ -177,7 +183,7 @@ def test_where_both_are_is_told_of_a_vehicle_far_away(
     home_at: tuple[float, float], remedy: str
 ) -> None:
     zero = GlobalOrigin(*home_at, 488.0)
-    state = replace(STANDING, position=zero.to_local(47.3977, 8.54559, 488.0))
+    state = changed(STANDING, position=zero.to_local(47.3977, 8.54559, 488.0))
     location = FrameLocation(zero, zero, is_asked_for=True, residual_m=0.0)
     told = reason(not_at_home(9e6, state, HOME, location=location))
     assert told is not None
@@ -192,7 +198,7 @@ def test_where_both_are_is_told_of_a_vehicle_far_away(
 
 @pytest.mark.parametrize("phase", list(Phase))
 def test_silence_and_a_takeover_end_it_in_every_phase(phase: Phase) -> None:
-    silent = replace(FLYING, stamp_s=NOW_S - 1801.0)
+    silent = changed(FLYING, motion_received_s=NOW_S - 1801.0)
     pilot = Takeover(Mode.POSCTL, is_failsafe=False)
     assert isinstance(loss_of_control(phase, silent, flight(pilot)), LinkError)
     assert reason(loss_of_control(phase, FLYING, flight(pilot))) == str(pilot)
@@ -252,20 +258,20 @@ def test_a_landing_that_the_autopilot_does_not_notice_ends_the_sortie() -> None:
     ("state", "why"),
     [
         (None, "no fresh position"),
-        (replace(FLYING, position_s=NOW_S - 0.5), None),
-        (replace(FLYING, position_s=NOW_S - 0.5 - EPSILON), "no fresh position"),
+        (changed(FLYING, motion_measured_s=NOW_S - 0.5), None),
+        (changed(FLYING, motion_measured_s=NOW_S - 0.5 - EPSILON), "no fresh position"),
         (STANDING, "the vehicle is not in the air"),
         (ABOUT_TO_FLY, "the vehicle is not in the air"),
-        (replace(FLYING, is_armed=False), "the vehicle is not in the air"),
-        (replace(FLYING, mode_s=NOW_S - 1.5), None),
-        (replace(FLYING, mode_s=NOW_S - 1.5 - EPSILON), "the mode is not known"),
-        (replace(FLYING, mode_s=-math.inf), "the mode is not known"),
+        (changed(FLYING, is_armed=False), "the vehicle is not in the air"),
+        (changed(FLYING, heartbeat_received_s=NOW_S - 1.5), None),
+        (changed(FLYING, heartbeat_received_s=NOW_S - 1.5 - EPSILON), "the mode is not known"),
+        (changed(FLYING, heartbeat_received_s=-math.inf), "the mode is not known"),
         (
-            replace(FLYING, mode=Mode.POSCTL),
+            changed(FLYING, mode=Mode.POSCTL),
             "POSCTL is flown; the pilot hands over by choosing hold",
         ),
         (
-            replace(FLYING, mode=Mode.OFFBOARD),
+            changed(FLYING, mode=Mode.OFFBOARD),
             "OFFBOARD is flown; the pilot hands over by choosing hold",
         ),
         (FLYING, None),
@@ -277,7 +283,7 @@ def test_when_control_may_be_taken_back(state: VehicleState | None, why: str | N
 
 
 def test_of_failsafes_only_the_loss_of_our_stream_is_no_obstacle() -> None:
-    held = replace(FLYING, is_failsafe=True)
+    held = changed(FLYING, is_failsafe=True)
     assert (
         reason(not_handed_over(held, NOW_S, False, LIMITS))
         == "a failsafe of the autopilot is active"
@@ -290,7 +296,7 @@ def test_what_a_return_has_carried_far_above_the_mission_is_to_be_brought_down()
 
     def why(up_m: float) -> str | None:
         return reason(
-            not_handed_over(replace(FLYING, position=(0.0, 0.0, -up_m)), NOW_S, True, LIMITS)
+            not_handed_over(changed(FLYING, position=(0.0, 0.0, -up_m)), NOW_S, True, LIMITS)
         )
 
     assert why(4.0 + 1.0) is None
@@ -303,7 +309,7 @@ def test_what_is_outside_the_fence_is_to_be_brought_back() -> None:
     """A breach that the autopilot holds may follow on an interruption of our stream."""
 
     def why(north: float) -> str | None:
-        state = replace(FLYING, position=(north, 0.0, -2.0))
+        state = changed(FLYING, position=(north, 0.0, -2.0))
         return reason(not_handed_over(state, NOW_S, True, LIMITS))
 
     assert why(9.0 - EPSILON) is None
@@ -314,7 +320,7 @@ def test_nor_is_it_taken_back_outside_a_fence_that_the_autopilot_keeps() -> None
     kept = KeptFence((((-5.0, -5.0), (-5.0, 5.0), (5.0, 5.0), (5.0, -5.0)),), ())
 
     def why(north: float) -> str | None:
-        state = replace(FLYING, position=(north, 0.0, -2.0))
+        state = changed(FLYING, position=(north, 0.0, -2.0))
         return reason(not_handed_over(state, NOW_S, True, LIMITS, kept))
 
     assert why(5.0 - EPSILON) is None

@@ -8,17 +8,16 @@ from dataclasses import replace
 from random import Random
 
 import pytest
+from states import changed, flying
 
 from companion.acting.crash_watch import DISARMED_S, OVERTURNED_S, Crash, CrashWatch
 from companion.geometry import Ned
-from companion.vehicle.port import Mode, VehicleState
+from companion.vehicle.ports.state import VehicleState
 from companion.vehicle_profile import VehicleProfile
 from sitl.flight.estimate import Wander
 
 TICK_S = 0.05
-FLYING = VehicleState(
-    0.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.OFFBOARD, True, False, False, 90
-)
+FLYING = flying()
 
 
 def watch(states: Iterable[VehicleState]) -> Crash | None:
@@ -26,27 +25,27 @@ def watch(states: Iterable[VehicleState]) -> Crash | None:
     watch, crash = CrashWatch(VehicleProfile()), None
     for tick, state in enumerate(states):
         now_s = TICK_S * tick
-        crash = watch.step(now_s, replace(state, stamp_s=now_s, measured_s=now_s))
+        crash = watch.step(now_s, changed(state, motion_received_s=now_s, boot_s=now_s))
     return crash
 
 
 def at(velocities: Iterable[Ned], state: VehicleState = FLYING) -> Iterator[VehicleState]:
-    return (replace(state, velocity=velocity) for velocity in velocities)
+    return (changed(state, velocity=velocity) for velocity in velocities)
 
 
 def seconds(state: VehicleState, duration_s: float) -> list[VehicleState]:
     return [state] * round(duration_s / TICK_S)
 
 
-DISARMED = replace(FLYING, is_armed=False)
+DISARMED = changed(FLYING, is_armed=False)
 ON_GROUND = replace(FLYING, is_landed=True)
 DONE = replace(DISARMED, is_landed=True)
-SINKING = replace(FLYING, velocity=(0.0, 0.0, 0.7))
+SINKING = changed(FLYING, velocity=(0.0, 0.0, 0.7))
 
 
 @pytest.mark.parametrize("descent_mps", [0.3, 0.7, 1.0, 1.5])
 def test_a_landing_is_none_however_hard_its_touch_down(descent_mps: float) -> None:
-    sinking = replace(FLYING, velocity=(0.0, 0.0, descent_mps))
+    sinking = changed(FLYING, velocity=(0.0, 0.0, descent_mps))
     bounce = list(at([(0.0, 0.0, -0.3), (0.2, 0.0, 0.2)]))
     landing = [*seconds(sinking, 1.0), *bounce, *seconds(FLYING, 1.0), *seconds(ON_GROUND, 2.0)]
     assert watch([*landing, *seconds(DONE, 5.0)]) is None
@@ -75,9 +74,9 @@ def test_a_clock_that_begins_anew_is_no_impact() -> None:
     for tick in range(140):
         now_s = TICK_S * tick
         before = now_s < 3.0
-        state = replace(FLYING, velocity=(2.0 if before else 0.0, 0.0, 0.0))
+        state = changed(FLYING, velocity=(2.0 if before else 0.0, 0.0, 0.0))
         measured_s = now_s if before else now_s - 3.0
-        crash = watch.step(now_s, replace(state, stamp_s=now_s, measured_s=measured_s))
+        crash = watch.step(now_s, changed(state, motion_received_s=now_s, boot_s=measured_s))
     assert crash is None
 
 
@@ -92,24 +91,24 @@ def test_a_silence_between_two_velocities_is_no_jump() -> None:
     watch = CrashWatch(VehicleProfile())
     for now_s, north_mps in ((0.0, 2.0), (0.05, 2.0), (0.1, 2.0), (0.9, 0.0)):
         velocity = (north_mps, 0.0, 0.0)
-        state = replace(FLYING, stamp_s=now_s, measured_s=now_s, velocity=velocity)
+        state = changed(FLYING, motion_received_s=now_s, boot_s=now_s, velocity=velocity)
         assert watch.step(now_s, state) is None
 
 
 def test_a_vehicle_that_lies_on_its_back_is_overturned_in_the_air_and_on_the_ground() -> None:
     over = math.radians(100.0)
-    for lying in (replace(FLYING, tilt_rad=over), replace(ON_GROUND, tilt_rad=over)):
+    for lying in (changed(FLYING, tilt_rad=over), changed(ON_GROUND, tilt_rad=over)):
         assert watch([*seconds(FLYING, 1.0), *seconds(lying, OVERTURNED_S + 0.2)]) is (
             Crash.OVERTURNED
         )
-    steep = replace(FLYING, tilt_rad=math.radians(45.0))
+    steep = changed(FLYING, tilt_rad=math.radians(45.0))
     assert watch([*seconds(FLYING, 1.0), *seconds(steep, 5.0)]) is None
 
 
 def test_a_later_sign_may_follow_an_impact_and_none_follows_a_fall() -> None:
     cruise = list(at([(2.0, 0.0, 0.0)] * 20))
     assert watch([*cruise, *seconds(FLYING, 1.0), *seconds(DISARMED, 1.0)]) is Crash.DISARMED
-    fall = [replace(FLYING, velocity=(0.0, 0.0, 4.0))]
+    fall = [changed(FLYING, velocity=(0.0, 0.0, 4.0))]
     assert watch([*seconds(FLYING, 1.0), *fall, *seconds(DISARMED, 1.0)]) is Crash.FALL
 
 

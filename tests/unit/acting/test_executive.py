@@ -58,7 +58,7 @@ from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
 from companion.planning.solver import Solver
 from companion.tick import TICK_S
-from companion.vehicle.port import hold_at
+from companion.vehicle.ports.setpoints import hold_at
 
 FOUND, LOW = event("found"), event("low")
 DO = command("do", "at(H)", "done")
@@ -137,7 +137,7 @@ def test_an_interrupted_flight_goes_on_from_where_the_vehicle_is() -> None:
     rig.tick(reading("found"))
     assert rig.task.facts == {"at(here)", "found"}
     assert rig.vehicle.state is not None
-    here = rig.vehicle.state.position
+    here = rig.vehicle.state.motion.position
     assert POSITIONS["H"] != here != POSITIONS["A"]
     for _ in range(40):
         rig.tick()

@@ -34,7 +34,7 @@ def test_after_its_laps_the_vehicle_flies_home_and_lands() -> None:
     assert run.places == ["A", "B", "A", "B"]
     assert run.sortie.failure is None
     state = run.vehicle.state
-    assert state is not None and state.is_landed and abs(state.position[0]) < 0.3
+    assert state is not None and state.is_landed and abs(state.motion.position[0]) < 0.3
 
 
 def test_laps_of_an_earlier_plan_count() -> None:

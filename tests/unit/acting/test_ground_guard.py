@@ -10,6 +10,7 @@ import pytest
 from fakes import on_hold
 from hypothesis import given
 from hypothesis import strategies as st
+from states import changed
 
 from companion.acting.ground_guard import CLEAR_AGAIN_M, RISE_M, GroundGuard
 from companion.flight_events.skills import GroundNear
@@ -19,7 +20,8 @@ from companion.motion.layered_routes import LayeredRoutes
 from companion.motion.profile import SpeedLimits
 from companion.motion.region import Disc
 from companion.motion.routes import PlaceRegion
-from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
+from companion.vehicle.ports.setpoints import Setpoint, hold_at
+from companion.vehicle.ports.state import Mode, VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 PROFILE = VehicleProfile()
@@ -42,7 +44,7 @@ def guard(wall_m: float = 0.0) -> GroundGuard:
 
 
 def flying(below_m: float | None, position: Ned = HERE, mode: Mode = Mode.OFFBOARD) -> VehicleState:
-    return replace(on_hold(0.0), position=position, mode=mode, below_m=below_m)
+    return changed(on_hold(0.0), position=position, mode=mode, below_m=below_m)
 
 
 def told(position: Ned = HERE, down_mps: float = 0.0) -> Setpoint:

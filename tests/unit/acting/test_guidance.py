@@ -50,7 +50,7 @@ def test_it_begins_with_the_vehicles_own_motion_where_that_is_another_one() -> N
     rig = stopping()
     guidance, vehicle = rig.flight.guidance, rig.vehicle
     assert vehicle.state is not None
-    north, east, down = vehicle.state.position
+    north, east, down = vehicle.state.motion.position
     away = (north, east + LAG_SHARE * rig.flight.profile.carrot_m + 0.1, down)
     vehicle.change(position=away, velocity=(0.0, 1.0, 0.0))
     assert guidance.departure is not None and guidance.departure.stop is guidance.stop

@@ -17,7 +17,8 @@ from companion.motion.grid import OccupancyGrid
 from companion.motion.trajectory import Sample
 from companion.outcomes import Progress
 from companion.tick import TICK_S
-from companion.vehicle.port import Goal, Mode
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import Mode
 
 WALL_EAST_M = 1.5
 """Where a wall begins; the vehicle hovers at 0, and needs 0.6 m."""
@@ -104,7 +105,10 @@ def test_a_skill_that_lands_waits_too_each_time_anew() -> None:
         assert (land.status, rig.vehicle.pursued) == (Status.RUNNING, [])
         rig.vehicle.change(position=(0.0, 0.0, -2.0))
         land.tick_once()
-        assert (land.status, rig.vehicle.pursued) == (Status.RUNNING, [])  # the middle of a swing
+        assert (land.status, rig.vehicle.pursued) == (
+            Status.RUNNING,
+            [],
+        )  # the middle of a swing
         rig.flight.now_s += STEADY_S
         land.tick_once()
         assert (land.status, rig.vehicle.pursued) == (Status.SUCCESS, [Goal.LANDED])

@@ -23,7 +23,8 @@ from companion.mission.model import Mission
 from companion.mission.otherwise import LandAtSafePlace
 from companion.mission.steps import Charge
 from companion.tick import TICK_S
-from companion.vehicle.port import Mode, Takeover
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.state import Mode
 
 PATROL = "G F at(A) & G F at(B)"
 
@@ -49,7 +50,7 @@ def test_it_flies_home_and_lands_and_the_task_has_not_ended_well() -> None:
     assert run.of(BatteryLow) == [BatteryLow("H")]
     assert run.reports[-1].event == aborted(IN_FLIGHT)
     state = run.vehicle.state
-    assert state is not None and state.is_landed and abs(state.position[0]) < 0.3
+    assert state is not None and state.is_landed and abs(state.motion.position[0]) < 0.3
 
 
 def test_it_flies_to_the_safe_place_that_is_reached_soonest() -> None:
@@ -66,7 +67,7 @@ def test_a_load_that_is_short_does_not_call_it_home() -> None:
     run = flown()
     make_low(run)
     run.run(LOW_S - 2 * TICK_S)
-    run.vehicle.change(battery_low_since_s=float("inf"))
+    run.vehicle.change(battery_low_since_s=None)
     run.run(2 * LOW_S)
     assert (run.sortie.phase, run.of(BatteryLow)) == (Phase.TASK, [])
     make_low(run)
@@ -115,7 +116,7 @@ def test_a_pause_of_a_flight_home_ends_by_it_and_the_flight_ends_as_asked() -> N
 def test_it_waits_for_a_pilot_who_has_the_vehicle() -> None:
     run = flown(may_yield=True)
     run.vehicle.change(mode=Mode.LOITER)
-    run.vehicle.takeover = Takeover(Mode.LOITER, is_failsafe=False)
+    run.vehicle.control.takeover = Takeover(Mode.LOITER, is_failsafe=False)
     make_low(run)
     run.run(2 * LOW_S)
     assert run.sortie.phase is Phase.YIELDED and not run.of(BatteryLow)

@@ -38,7 +38,9 @@ from companion.planning.task_changes import ActionBegun, TaskChange
 from companion.planning.task_replay import TaskReplay
 from companion.planning.task_state import TaskState
 from companion.slices import SLICE_US, spent
-from companion.vehicle.port import Goal, Mode, Takeover
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import Mode
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 NO_WAY_OUT = command("do", "at(A)", "done")
@@ -184,13 +186,13 @@ def test_a_pause_on_the_way_goes_on_to_the_same() -> None:
 
 def test_after_a_takeover_it_goes_to_the_one_that_is_nearest_then() -> None:
     run = leaving(refused(stranded("B", "C"), may_yield=True), "B")
-    run.vehicle.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
-    run.vehicle.change(mode=Mode.POSCTL, mode_s=run.rig.flight.now_s)
+    run.vehicle.control.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
+    run.vehicle.change(mode=Mode.POSCTL, heartbeat_received_s=run.rig.flight.now_s)
     run.run(1.0)
     assert run.sortie.phase is Phase.YIELDED
     run.vehicle.change(position=(0.5, 3.0, -2.0), mode=Mode.LOITER)
-    run.vehicle.change(mode_s=run.rig.flight.now_s)
-    run.vehicle.takeover = None
+    run.vehicle.change(heartbeat_received_s=run.rig.flight.now_s)
+    run.vehicle.control.takeover = None
     assert run.sortie.resume() is None
     landed(run, "C")
 

@@ -27,7 +27,8 @@ from companion.flight_events.sortie import (
 from companion.mission.otherwise import Otherwise
 from companion.mission.steps import Land, TakeOff
 from companion.outcomes import Failed, Refusal
-from companion.vehicle.port import Goal, Mode
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import Mode
 
 SHORT = mission("F at(A)")
 FINISHED = (SortieEvent.REACHED, SortieEvent.FAILED, SortieEvent.SATISFIED)
@@ -55,20 +56,20 @@ def test_a_sortie_that_goes_well() -> None:
 def test_setpoints_are_streamed_before_offboard_is_entered() -> None:
     """PX4 refuses OFFBOARD without them; and they hold the vehicle where it is."""
     run = SortieRig(SHORT)
-    run.vehicle.script[Goal.OFFBOARD] = (2.0, Failed("denied"))
+    run.vehicle.goals.script[Goal.OFFBOARD] = (2.0, Failed("denied"))
     run.until(Phase.OFFBOARD)
     assert run.vehicle.flown == []
     for _ in range(10):
         run.step()
     assert run.vehicle.setpoint is not None and run.vehicle.state is not None
-    assert run.vehicle.setpoint.position == run.vehicle.state.position
+    assert run.vehicle.setpoint.position == run.vehicle.state.motion.position
     assert run.vehicle.setpoint.velocity == (0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("phase", [Phase.ARMING, Phase.TAKE_OFF, Phase.OFFBOARD])
 def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> None:
     run = SortieRig(SHORT)
-    run.vehicle.script[GOALS[phase]] = (1.0, Failed("not there: denied"))
+    run.vehicle.goals.script[GOALS[phase]] = (1.0, Failed("not there: denied"))
     run.until(phase)
     run.until(TRANSITIONS.next(phase, SortieEvent.FAILED))
     assert GoalFailed("not there: denied") in run.events
@@ -79,7 +80,7 @@ def test_a_goal_that_fails_is_followed_by_what_the_table_says(phase: Phase) -> N
 
 def test_a_landing_that_fails_leaves_the_failure_and_ends() -> None:
     run = SortieRig(SHORT)
-    run.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed"))
+    run.vehicle.goals.script[Goal.LANDED] = (1.0, Failed("not landed"))
     run.until(Phase.ENDED)
     left = "setpoints end, so that the autopilot's offboard-loss failsafe takes the vehicle"
     assert run.end == aborted(f"not landed; {left}")
@@ -89,7 +90,7 @@ def test_a_landing_on_the_way_that_the_autopilot_does_not_notice_ends_the_sortie
     """It stands with a height that is wrong: it does not take off again from there."""
     on_the_way = replace(command("rest", "at(H)", "rested"), execute=(Land(), TakeOff()))
     run = SortieRig(mission("F rested", skills=[on_the_way]))
-    run.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed after 120 s"))
+    run.vehicle.goals.script[Goal.LANDED] = (1.0, Failed("not landed after 120 s"))
     run.until(Phase.TASK)
     run.vehicle.change(mode=Mode.LAND)
     run.until(Phase.ENDED)
@@ -100,8 +101,8 @@ def test_a_landing_on_the_way_that_the_autopilot_does_not_notice_ends_the_sortie
 
 def test_the_first_failure_is_the_one_that_counts() -> None:
     run = SortieRig(SHORT)
-    run.vehicle.script[Goal.OFFBOARD] = (0.0, Failed("first"))
-    run.vehicle.script[Goal.LANDED] = (0.0, Failed("second"))
+    run.vehicle.goals.script[Goal.OFFBOARD] = (0.0, Failed("first"))
+    run.vehicle.goals.script[Goal.LANDED] = (0.0, Failed("second"))
     run.until(Phase.ENDED)
     assert run.end == aborted("first")
 
@@ -230,7 +231,7 @@ def test_the_gate_is_reported_when_it_begins_to_refuse_and_not_at_every_tick() -
     run = SortieRig(mission("G F at(A) & G F at(B)")).until(Phase.TASK)
     fence, speed = Refusal("outside the fence"), Refusal("too fast")
     for refusal in (fence, fence, None, speed, None):
-        run.vehicle.refusal = refusal
+        run.vehicle.setpoints.refusal = refusal
         run.step()
     refused = [SetpointRefused("outside the fence"), SetpointRefused("too fast")]
     assert run.of(SetpointRefused) == refused
@@ -241,7 +242,7 @@ def test_a_refusal_that_flickers_is_told_once() -> None:
 
     def flicker(reason: str) -> None:
         for refusal in (Refusal(reason), None, None):
-            run.vehicle.refusal = refusal
+            run.vehicle.setpoints.refusal = refusal
             run.step()
 
     for tenth in range(50, 60):

@@ -23,7 +23,9 @@ from companion.geometry import distance
 from companion.mission.otherwise import Otherwise
 from companion.outcomes import Failed, Progress
 from companion.planning.effort import Effort
-from companion.vehicle.port import Goal, Mode, Takeover
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import Mode
 
 NEVER = (1e9, Progress.RUNNING)
 OTHERWISE = {
@@ -40,8 +42,8 @@ NO_WAY_OUT = command("do", "at(A)", "done")
 
 def hit(run: SortieRig) -> None:
     """The velocity jumps between two measurements."""
-    for measured_s, north_mps in ((7.0, 2.0), (7.1, 0.0)):
-        run.vehicle.change(measured_s=measured_s, velocity=(north_mps, 0.0, 0.0))
+    for boot_s, north_mps in ((7.0, 2.0), (7.1, 0.0)):
+        run.vehicle.change(boot_s=boot_s, velocity=(north_mps, 0.0, 0.0))
         run.sortie.step(run.rig.flight.now_s, ())
 
 
@@ -58,10 +60,10 @@ def give_up_searches(monkeypatch: pytest.MonkeyPatch, effort: str) -> None:
 def test_the_pilot_wins_in_every_phase(phase: Phase) -> None:
     run = SortieRig(SHORT)
     if phase in GOALS:
-        run.vehicle.script[GOALS[phase]] = NEVER
+        run.vehicle.goals.script[GOALS[phase]] = NEVER
     run.until(phase)
     run.step()
-    run.vehicle.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
+    run.vehicle.control.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
     asked = len(run.vehicle.pursued)
     run.step()
     assert run.end == aborted("the pilot has control, in POSCTL")
@@ -76,12 +78,12 @@ def fall_silent(run: SortieRig) -> float:
     """Nothing is heard from now on; returns when the vehicle was heard last."""
     assert run.vehicle.state is not None
     run.vehicle.step = lambda now_s: None  # type: ignore[method-assign]
-    return run.vehicle.state.stamp_s
+    return run.vehicle.state.motion.received_s
 
 
 def test_a_vehicle_that_falls_silent_on_the_ground_is_given_up() -> None:
     run = SortieRig(SHORT)
-    run.vehicle.script[Goal.ARMED] = NEVER
+    run.vehicle.goals.script[Goal.ARMED] = NEVER
     heard_s = fall_silent(run.until(Phase.ARMING))
     run.until(Phase.ENDED)
     assert run.rig.flight.now_s - heard_s == pytest.approx(LINK_LOST_S, abs=0.11)
@@ -107,7 +109,7 @@ def test_a_vehicle_that_falls_silent_in_the_air_is_waited_for(
 def test_a_vehicle_that_is_disarmed_in_flight_is_given_up(phase: Phase) -> None:
     run = SortieRig(SHORT)
     if phase is Phase.OFFBOARD:
-        run.vehicle.script[Goal.OFFBOARD] = NEVER
+        run.vehicle.goals.script[Goal.OFFBOARD] = NEVER
     run.until(phase)
     run.vehicle.change(is_armed=False)
     run.until(Phase.ENDED)
@@ -124,7 +126,7 @@ def test_a_vehicle_that_was_landed_and_disarmed_by_somebody_is_given_up() -> Non
 def test_a_landing_that_ends_disarmed_in_the_air_is_a_crash() -> None:
     """It was "task satisfied, landed": a fallen vehicle is soon said to have landed."""
     run = SortieRig(SHORT)
-    run.vehicle.script[Goal.LANDED] = (1.0, Progress.DONE)
+    run.vehicle.goals.script[Goal.LANDED] = (1.0, Progress.DONE)
     run.until(Phase.LANDING)
     run.vehicle.change(is_armed=False)
     run.until(Phase.ENDED)
@@ -143,7 +145,7 @@ def test_a_vehicle_that_has_hit_something_and_still_flies_is_landed() -> None:
 
 def test_a_hit_while_landing_ends_the_landing_with_exit_code_5() -> None:
     run = SortieRig(SHORT)
-    run.vehicle.script[Goal.LANDED] = (1.0, Progress.DONE)
+    run.vehicle.goals.script[Goal.LANDED] = (1.0, Progress.DONE)
     run.until(Phase.LANDING)
     hit(run)
     run.until(Phase.ENDED)
@@ -152,7 +154,7 @@ def test_a_hit_while_landing_ends_the_landing_with_exit_code_5() -> None:
 
 def test_what_a_pilot_does_is_not_judged() -> None:
     run = SortieRig(SHORT, may_yield=True).until(Phase.TASK)
-    run.vehicle.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
+    run.vehicle.control.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
     run.step()
     assert run.sortie.phase is Phase.YIELDED
     hit(run)
@@ -195,7 +197,7 @@ def test_a_stop_in_the_air_holds_and_lands() -> None:
 
 def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
     run = SortieRig(mission("G F at(A) & G F at(B)"))
-    run.vehicle.script[Goal.HOLDING] = NEVER
+    run.vehicle.goals.script[Goal.HOLDING] = NEVER
     run.until(Phase.TASK)
     for _ in range(40):
         run.step()
@@ -213,7 +215,7 @@ def test_the_vehicle_does_not_fly_on_after_a_stop() -> None:
 
 def test_a_stop_while_landing_changes_nothing() -> None:
     run = SortieRig(SHORT)
-    run.vehicle.script[Goal.LANDED] = (3.0, Failed("not landed"))
+    run.vehicle.goals.script[Goal.LANDED] = (3.0, Failed("not landed"))
     run.until(Phase.LANDING)
     run.sortie.stop()
     run.step()
@@ -238,7 +240,7 @@ def without_plan(otherwise: Otherwise) -> SortieRig:
 def test_otherwise_land_holds_and_lands_where_it_is() -> None:
     run = without_plan(Otherwise.LAND)
     assert run.vehicle.pursued[-2:] == [Goal.HOLDING, Goal.LANDED]
-    assert run.vehicle.state is not None and run.vehicle.state.position[0] > 5.5
+    assert run.vehicle.state is not None and run.vehicle.state.motion.position[0] > 5.5
 
 
 def test_otherwise_hold_leaves_the_vehicle_in_the_air() -> None:
@@ -253,7 +255,7 @@ def test_otherwise_return_home_flies_home_and_lands_there() -> None:
     assert ReturnBegun("H") in run.events and "H" in run.places
     assert Goal.HOLDING not in run.vehicle.pursued
     assert run.vehicle.state is not None and run.vehicle.state.is_landed
-    assert abs(run.vehicle.state.position[0]) < 0.3
+    assert abs(run.vehicle.state.motion.position[0]) < 0.3
 
 
 def test_when_the_way_home_fails_as_well_it_lands_where_it_is() -> None:

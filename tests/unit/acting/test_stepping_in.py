@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from itertools import product
 from typing import Any
 
 import pytest
 from sortie_rig import SortieRig
+from states import changed, flying
 from synthetic import mission
 
 from companion.acting.authority import FRESH_S, not_handed_over
@@ -26,7 +26,9 @@ from companion.flight_events.sortie import (
 from companion.mission.places import Limits
 from companion.outcomes import Refusal
 from companion.tick import TICK_S
-from companion.vehicle.port import MODE_KNOWN_S, Goal, Mode, Takeover, VehicleState
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import MODE_KNOWN_S, Mode
 
 LIMITS = Limits(2.0, (0.5, 4.0), ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)))
 
@@ -104,7 +106,7 @@ def test_a_return_is_not_left_for_the_task(flown: SortieRig) -> None:
 
 def take_over(flown: SortieRig, mode: Mode) -> None:
     flown.vehicle.change(mode=mode)
-    flown.vehicle.takeover = Takeover(mode, is_failsafe=False)
+    flown.vehicle.control.takeover = Takeover(mode, is_failsafe=False)
     flown.run(TICK_S)
 
 
@@ -114,13 +116,16 @@ def test_nothing_is_sent_while_the_pilot_flies(flown: SortieRig) -> None:
     assert flown.one(ControlYielded).loss == "the pilot has control, in POSCTL"
     flown_before, sent = len(flown.vehicle.flown), len(flown.vehicle.pursued)
     flown.run(60.0)
-    assert (len(flown.vehicle.flown), len(flown.vehicle.pursued)) == (flown_before, sent)
+    assert (len(flown.vehicle.flown), len(flown.vehicle.pursued)) == (
+        flown_before,
+        sent,
+    )
     assert flown.vehicle.setpoint is None
 
 
 def test_an_autopilot_that_restarts_while_the_pilot_flies_ends_the_run(flown: SortieRig) -> None:
     take_over(flown, Mode.POSCTL)
-    flown.vehicle.has_restarted = True
+    flown.vehicle.goals.has_restarted = True
     flown.run(TICK_S)
     assert flown.failure.reason == "the autopilot has restarted"
 
@@ -146,13 +151,10 @@ def test_without_somebody_who_may_give_it_back_it_ends() -> None:
 
 def test_it_is_handed_over_only_if_all_is_so() -> None:
     """All combinations: one alone that is wrong, and all of them, is a refusal."""
-    good = VehicleState(
-        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, False, 80, 10.0
-    )
-    good = replace(good, position_s=10.0)
+    good = changed(flying(heard_s=10.0), mode=Mode.LOITER)
     wrong: list[dict[str, Any]] = [
-        {"position_s": 10.0 - FRESH_S - 0.01},
-        {"mode_s": 10.0 - MODE_KNOWN_S - 0.01},
+        {"motion_measured_s": 10.0 - FRESH_S - 0.01},
+        {"heartbeat_received_s": 10.0 - MODE_KNOWN_S - 0.01},
         {"is_armed": False},
         {"is_landed": True},
         {"is_failsafe": True},
@@ -161,18 +163,15 @@ def test_it_is_handed_over_only_if_all_is_so() -> None:
     assert not_handed_over(good, 10.0, False, LIMITS) is None
     assert not_handed_over(None, 10.0, False, LIMITS)
     for one, other in product(wrong, wrong):
-        assert not_handed_over(replace(good, **(one | other)), 10.0, False, LIMITS)
+        assert not_handed_over(changed(good, **(one | other)), 10.0, False, LIMITS)
 
 
 def test_a_failsafe_that_only_no_longer_heard_us_is_no_obstacle() -> None:
-    held = VehicleState(
-        10.0, (0.0, 0.0, -2.0), (0.0, 0.0, 0.0), 0.0, Mode.LOITER, True, False, True, 80, 10.0
-    )
-    held = replace(held, position_s=10.0)
+    held = changed(flying(heard_s=10.0), mode=Mode.LOITER, is_failsafe=True)
     assert not_handed_over(held, 10.0, True, LIMITS) is None
     for mode in Mode:
         if mode is not Mode.LOITER:
-            assert not_handed_over(replace(held, mode=mode), 10.0, True, LIMITS)
+            assert not_handed_over(changed(held, mode=mode), 10.0, True, LIMITS)
 
 
 @pytest.mark.parametrize("is_critical", [False, True])
@@ -181,9 +180,9 @@ def test_with_a_critical_battery_no_hold_is_resumed_by_itself(is_critical: bool)
     flown = SortieRig(mission("G F at(A) & G F at(B)"), resumes=True).until(Phase.TASK).run(1.5)
     for _ in range(round(1.0 / TICK_S)):
         flown.rig.pass_time()
-    held = {"mode": Mode.LOITER, "is_failsafe": True, "is_battery_critical": is_critical}
+    held = {"mode": Mode.LOITER, "is_failsafe": True, "battery_is_critical": is_critical}
     flown.vehicle.change(**held)
-    flown.vehicle.takeover = Takeover(Mode.LOITER, is_failsafe=True)
+    flown.vehicle.control.takeover = Takeover(Mode.LOITER, is_failsafe=True)
     flown.step()
     flown.step()
     assert (flown.of(ControlTakenBack) == []) is is_critical

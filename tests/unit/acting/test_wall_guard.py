@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from fakes import on_hold
 from rig import Rig
+from states import changed
 from synthetic import mission
 
 from companion.acting.wall_guard import WallGuard
@@ -18,7 +19,7 @@ from companion.motion.profile import SpeedLimits
 from companion.motion.region import Disc
 from companion.motion.routes import PlaceRegion
 from companion.motion.trajectory import AT_REST, Sample
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 from companion.vehicle_profile import VehicleProfile
 
 SETPOINT: Ned = (3.0, 1.0, -2.0)
@@ -52,7 +53,7 @@ def routes(
 
 
 def at(east_m: float, *, is_landed: bool = False) -> VehicleState:
-    return replace(on_hold(0.0), position=(3.0, east_m, -2.0), is_landed=is_landed)
+    return changed(on_hold(0.0), position=(3.0, east_m, -2.0), is_landed=is_landed)
 
 
 def told(position: Ned = SETPOINT) -> Sample:
@@ -131,8 +132,8 @@ def test_a_flight_that_is_taken_beside_its_route_keeps_its_margin_to_a_pillar() 
     def is_over() -> bool:
         nonlocal least_m
         assert rig.vehicle.state is not None
-        least_m = min(least_m, asked.grid.clearance_m(rig.vehicle.state.position[:2]))
-        return rig.vehicle.state.position[0] > 5.0
+        least_m = min(least_m, asked.grid.clearance_m(rig.vehicle.state.motion.position[:2]))
+        return rig.vehicle.state.motion.position[0] > 5.0
 
     rig.run(is_over)
     assert least_m >= PROFILE.radius_m + PROFILE.margin_m  # 0.3 m, were it not for the guard

@@ -19,7 +19,8 @@ from companion.geometry import Ned, distance
 from companion.mission.tree_nodes import Act, Fallback, Steps
 from companion.outcomes import Progress
 from companion.tick import TICK_S
-from companion.vehicle.port import Mode, Takeover
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.state import Mode
 
 AT_A = command("do", "at(A)", "done")
 NORTH, EAST, DOWN = POSITIONS["A"]
@@ -58,7 +59,7 @@ def test_blown_away_from_a_place_it_flies_back_before_it_goes_on() -> None:
     rig.vehicle.is_stuck = False
     rig.run_to_the_end()
     assert len(rig.vehicle.payloads.sent) == 2 and rig.of(SkillCompleted)
-    assert distance(rig.vehicle.state.position, POSITIONS["A"]) < RADIUS_M  # type: ignore[union-attr]
+    assert distance(rig.vehicle.state.motion.position, POSITIONS["A"]) < RADIUS_M  # type: ignore[union-attr]
     assert not rig.of(BeliefWithdrawn), "the payload has not failed"
 
 
@@ -159,7 +160,7 @@ def pause(run: SortieRig) -> None:
 
 def take_over(run: SortieRig) -> None:
     run.vehicle.change(mode=Mode.POSCTL)
-    run.vehicle.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
+    run.vehicle.control.takeover = Takeover(Mode.POSCTL, is_failsafe=False)
     run.run(0.5)
     run.vehicle.change(mode=Mode.LOITER)
 

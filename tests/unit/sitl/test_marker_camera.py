@@ -37,7 +37,10 @@ def hovering(**camera: object) -> Wire:
 def test_a_marker_below_is_told_where_it_lies() -> None:
     wire = hovering()
     told = wire.last("LANDING_TARGET")
-    truth, believed = wire.simulation.flight.position, wire.simulation._vehicle.state.position
+    truth, believed = (
+        wire.simulation.flight.position,
+        wire.simulation._vehicle.state.position,
+    )
     assert (told.get_srcComponent(), told.target_num, told.position_valid) == (40, 7, 1)
     assert told.frame == dialect.MAV_FRAME_LOCAL_NED
     off = [b - t for b, t in zip(believed, truth, strict=True)]  # of the estimate

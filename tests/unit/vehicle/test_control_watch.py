@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,22 +13,26 @@ from companion.vehicle.control_watch import (
     PAUSED_S,
     ControlState,
     ControlWatch,
-    Heartbeat,
 )
-from companion.vehicle.port import Mode, Takeover
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.state import Heartbeat, Mode
 
 OURS, DOUBTED, LOST = ControlState
-FLOWN = Heartbeat(Mode.OFFBOARD, is_armed=True, is_failsafe=False)
-PILOT = Heartbeat(Mode.POSCTL, is_armed=True, is_failsafe=False)
-FAILSAFE = Heartbeat(Mode.LOITER, is_armed=True, is_failsafe=True)
-DISARMED = Heartbeat(Mode.LOITER, is_armed=False, is_failsafe=True)
+FLOWN = Heartbeat(Mode.OFFBOARD, is_armed=True, is_failsafe=False, received_s=0.0)
+PILOT = Heartbeat(Mode.POSCTL, is_armed=True, is_failsafe=False, received_s=0.0)
+FAILSAFE = Heartbeat(Mode.LOITER, is_armed=True, is_failsafe=True, received_s=0.0)
+DISARMED = Heartbeat(Mode.LOITER, is_armed=False, is_failsafe=True, received_s=0.0)
+
+
+def hear(watch: ControlWatch, time_s: float, heartbeat: Heartbeat, *, is_our_mode: bool) -> None:
+    watch.take(replace(heartbeat, received_s=time_s), is_our_mode)
 
 
 def states(*heard: tuple[float, Heartbeat]) -> list[ControlState]:
     """The state after each heartbeat, in OFFBOARD."""
     watch, found = ControlWatch(), []
     for time_s, heartbeat in heard:
-        watch.take(time_s, heartbeat, is_our_mode=heartbeat.mode is Mode.OFFBOARD)
+        hear(watch, time_s, heartbeat, is_our_mode=heartbeat.mode is Mode.OFFBOARD)
         found.append(watch.state)
         assert (watch.takeover is None) is (watch.state is not LOST)
     return found
@@ -47,7 +53,9 @@ def test_a_failsafe_of_an_armed_vehicle_needs_no_second() -> None:
 
 def test_a_failsafe_in_our_own_mode_is_none_that_takes_control() -> None:
     """A low battery is told so, in any mode."""
-    assert states((0, Heartbeat(Mode.OFFBOARD, is_armed=True, is_failsafe=True))) == [OURS]
+    assert states(
+        (0, Heartbeat(Mode.OFFBOARD, is_armed=True, is_failsafe=True, received_s=0.0))
+    ) == [OURS]
 
 
 @pytest.mark.parametrize(
@@ -60,7 +68,7 @@ def test_only_one_who_speaks_too_early_is_contradicted(after_s: float, state: Co
 
 def test_a_disarming_contradicts_nothing() -> None:
     """The pilot has landed it within the second, and it has fallen back to a mode of ours."""
-    landed = Heartbeat(Mode.OFFBOARD, is_armed=False, is_failsafe=False)
+    landed = replace(FLOWN, is_armed=False)
     assert states((0, FLOWN), (1, PILOT), (1.5, landed)) == [OURS, DOUBTED, LOST]
     assert states((0, landed), (1, PILOT), (1.5, landed)) == [OURS, DOUBTED, OURS]
 
@@ -72,22 +80,22 @@ def test_each_doubt_is_a_new_one() -> None:
 
 def test_it_is_told_who_has_control() -> None:
     watch = ControlWatch()
-    watch.take(0.0, PILOT, is_our_mode=False)
-    watch.take(2.0, FLOWN, is_our_mode=True)
+    hear(watch, 0.0, PILOT, is_our_mode=False)
+    hear(watch, 2.0, FLOWN, is_our_mode=True)
     assert watch.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
     watch.regain()
-    watch.take(3.0, FAILSAFE, is_our_mode=False)
+    hear(watch, 3.0, FAILSAFE, is_our_mode=False)
     assert watch.takeover == Takeover(Mode.LOITER, is_failsafe=True)
 
 
 def test_what_is_settled_is_not_what_is_lost() -> None:
     watch = ControlWatch()
-    watch.take(0.0, PILOT, is_our_mode=False)
+    hear(watch, 0.0, PILOT, is_our_mode=False)
     watch.settle()
     assert watch.state is OURS
-    watch.take(0.1, PILOT, is_our_mode=False)
+    hear(watch, 0.1, PILOT, is_our_mode=False)
     assert watch.state is DOUBTED
-    watch.take(0.2, PILOT, is_our_mode=False)
+    hear(watch, 0.2, PILOT, is_our_mode=False)
     watch.settle()
     assert watch.state is LOST
     watch.regain()
@@ -111,12 +119,12 @@ def test_after_a_pause_of_ours_the_next_heartbeat_counts_as_the_first(
 ) -> None:
     watch = ControlWatch()
     watch.step(100.0)
-    watch.take(100.0, FLOWN, is_our_mode=True)
+    hear(watch, 100.0, FLOWN, is_our_mode=True)
     watch.step(100.0 + PAUSED_S)
     assert watch.state is DOUBTED and watch.takeover is None
     watch.step(101.0)
     assert watch.state is DOUBTED
-    watch.take(101.0, heard, is_our_mode=heard is FLOWN)
+    hear(watch, 101.0, heard, is_our_mode=heard is FLOWN)
     assert watch.state is state
 
 
@@ -138,5 +146,5 @@ def test_after_a_pause_of_this_program_the_mode_is_heard_first() -> None:
 
 
 def test_before_any_heartbeat_no_disarming_is_told() -> None:
-    on_the_ground = Heartbeat(Mode.OFFBOARD, is_armed=False, is_failsafe=False)
+    on_the_ground = replace(FLOWN, is_armed=False)
     assert states((0, PILOT), (0.5, on_the_ground)) == [DOUBTED, OURS]

@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 from companion.geometry import Ned, distance, is_in_polygon
 from companion.outcomes import Refusal
 from companion.vehicle.gate import SPEED_TOLERANCE, Envelope, Request, Verdict, admit
-from companion.vehicle.port import Mode, Setpoint, VehicleState, hold_at
+from companion.vehicle.ports.setpoints import Setpoint, hold_at
+from companion.vehicle.ports.state import Mode, VehicleState
 
 NOT_FINITE = [math.nan, math.inf, -math.inf]
 
@@ -59,7 +60,7 @@ def test_without_a_position_nothing_is_sent() -> None:
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("number", NOT_FINITE)
 def test_a_position_that_is_not_finite_is_unknown(axis: int, number: float) -> None:
-    state = heard(position=changed(STATE.position, axis, number))
+    state = heard(position=changed(STATE.motion.position, axis, number))
     assert verdict(state=state) == nothing("the position is unknown")
 
 
@@ -70,15 +71,19 @@ def test_a_heading_that_is_not_finite_is_unknown(number: float) -> None:
 
 def test_when_the_position_was_lost_nothing_is_sent() -> None:
     """Only silence lets the autopilot's own failsafe begin."""
-    assert verdict(state=heard(position_s=NOW_S - 3.0)) == held("the position is 3.0 s old")
-    assert verdict(state=heard(position_s=NOW_S - 3.0 - AFTER)) == nothing("no position for 3.0 s")
-    assert verdict(state=heard(position_s=math.nan)) == nothing("no position for nan s")
+    assert verdict(state=heard(motion_measured_s=NOW_S - 3.0)) == held("the position is 3.0 s old")
+    assert verdict(state=heard(motion_measured_s=NOW_S - 3.0 - AFTER)) == nothing(
+        "no position for 3.0 s"
+    )
+    assert verdict(state=heard(motion_measured_s=math.nan)) == nothing("no position for nan s")
 
 
 def test_when_the_mode_was_lost_nothing_is_sent() -> None:
-    assert verdict(state=heard(mode_s=NOW_S - 10.0)) == Verdict(GOOD)
-    assert verdict(state=heard(mode_s=NOW_S - 10.0 - AFTER)) == nothing("no mode for 10.0 s")
-    assert verdict(state=heard(mode_s=math.nan)) == nothing("no mode for nan s")
+    assert verdict(state=heard(heartbeat_received_s=NOW_S - 10.0)) == Verdict(GOOD)
+    assert verdict(state=heard(heartbeat_received_s=NOW_S - 10.0 - AFTER)) == nothing(
+        "no mode for 10.0 s"
+    )
+    assert verdict(state=heard(heartbeat_received_s=math.nan)) == nothing("no mode for nan s")
 
 
 def test_a_vehicle_that_is_not_armed_is_sent_nothing() -> None:
@@ -96,11 +101,17 @@ def test_another_mode_takes_setpoints_only_before_offboard_is_asked_for(mode: Mo
 
 
 def test_old_telemetry_holds() -> None:
-    assert verdict(state=heard(position_s=NOW_S - 0.5, yaw_s=NOW_S - 0.5)) == Verdict(GOOD)
-    assert verdict(state=heard(position_s=NOW_S - 0.5 - AFTER)) == held("the position is 0.5 s old")
-    assert verdict(state=heard(yaw_s=NOW_S - 0.5 - AFTER)) == held("the heading is 0.5 s old")
-    assert verdict(state=heard(yaw_s=-math.inf)) == held("the heading is inf s old")
-    assert verdict(state=heard(yaw_s=math.nan)) == held("the heading is nan s old")
+    assert verdict(
+        state=heard(motion_measured_s=NOW_S - 0.5, attitude_measured_s=NOW_S - 0.5)
+    ) == Verdict(GOOD)
+    assert verdict(state=heard(motion_measured_s=NOW_S - 0.5 - AFTER)) == held(
+        "the position is 0.5 s old"
+    )
+    assert verdict(state=heard(attitude_measured_s=NOW_S - 0.5 - AFTER)) == held(
+        "the heading is 0.5 s old"
+    )
+    assert verdict(state=heard(attitude_measured_s=-math.inf)) == held("the heading is inf s old")
+    assert verdict(state=heard(attitude_measured_s=math.nan)) == held("the heading is nan s old")
 
 
 def test_a_position_that_is_being_lost_holds() -> None:
@@ -146,9 +157,9 @@ def test_a_hold_stays_where_it_began(before: Verdict | None, is_kept: bool) -> N
 
 @pytest.mark.parametrize(("away_m", "is_kept"), [(1.5, True), (1.5 + AFTER, False)])
 def test_a_hold_begins_anew_beyond_the_carrot(away_m: float, is_kept: bool) -> None:
-    state = heard(position=changed(STATE.position, 0, 4.0 + away_m))
+    state = heard(position=changed(STATE.motion.position, 0, 4.0 + away_m))
     told = admit(Request(OUTSIDE, NOW_S), state, NOW_S, ENVELOPE, before=HELD).setpoint
-    assert told == (BEGUN if is_kept else hold_at(state.position, state.yaw_rad))
+    assert told == (BEGUN if is_kept else hold_at(state.motion.position, state.attitude.yaw_rad))
 
 
 def test_a_hold_in_a_frame_in_doubt_does_not_stay() -> None:
@@ -179,7 +190,7 @@ def test_nothing_is_of_the_task_or_violated_unless_that_is_said() -> None:
 
 
 def test_of_two_that_are_old_the_position_is_told() -> None:
-    state = heard(position_s=NOW_S - 1.0, yaw_s=NOW_S - 2.0)
+    state = heard(motion_measured_s=NOW_S - 1.0, attitude_measured_s=NOW_S - 2.0)
     assert verdict(state=state) == held("the position is 1.0 s old")
 
 
@@ -210,7 +221,9 @@ def test_each_side_of_the_fence_holds(edge: tuple[float, float], outwards: tuple
     state = heard(position=(*edge, -2.0))
     at_the_margin = replace(GOOD, position=(*edge, -2.0))
     assert verdict(at_the_margin, state) == Verdict(at_the_margin)
-    expected = Verdict(hold_at(state.position, state.yaw_rad), Refusal("outside the fence"))
+    expected = Verdict(
+        hold_at(state.motion.position, state.attitude.yaw_rad), Refusal("outside the fence")
+    )
     for beyond_m in (AFTER, 1.0):
         north, east = (e + beyond_m * o for e, o in zip(edge, outwards, strict=True))
         assert verdict(replace(GOOD, position=(north, east, -2.0)), state) == expected
@@ -247,8 +260,8 @@ def test_a_vehicle_above_the_band_is_sent_no_higher(up_m: float, is_within: bool
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_the_carrot_reaches_equally_far_in_every_direction(axis: int, sign: int) -> None:
     def beside(gap_m: float) -> Setpoint:
-        along = STATE.position[axis] + sign * gap_m
-        return replace(GOOD, position=changed(STATE.position, axis, along))
+        along = STATE.motion.position[axis] + sign * gap_m
+        return replace(GOOD, position=changed(STATE.motion.position, axis, along))
 
     assert verdict(beside(1.5)).refusal is None
     assert verdict(beside(1.625)) == held("1.6 m from the vehicle")
@@ -299,10 +312,9 @@ VECTOR = st.tuples(ANY, ANY, ANY)
 NEAR = st.tuples(st.floats(-1, 11), st.floats(-21, 21), st.floats(-5, 1))
 SETPOINTS = st.builds(Setpoint, NEAR | VECTOR, VECTOR, VECTOR, ANY)
 STATES = st.builds(
-    replace,
-    st.just(STATE),
-    position_s=st.floats(NOW_S - 5, NOW_S),
-    yaw_s=st.floats(NOW_S - 1, NOW_S),
+    heard,
+    motion_measured_s=st.floats(NOW_S - 5, NOW_S),
+    attitude_measured_s=st.floats(NOW_S - 1, NOW_S),
     position=NEAR | VECTOR,
     yaw_rad=st.floats(-math.pi, math.pi),
     mode=st.sampled_from(Mode),
@@ -317,18 +329,18 @@ def test_what_comes_out_is_within_all_limits_or_exactly_the_hold(
     if found.setpoint is None:
         assert found.refusal
         return
-    assert state is not None and (is_entering or state.mode is Mode.OFFBOARD)
+    assert state is not None and (is_entering or state.heartbeat.mode is Mode.OFFBOARD)
     sent = found.setpoint
     numbers = (*sent.position, *sent.velocity, *sent.acceleration, sent.yaw_rad)
     assert all(map(math.isfinite, numbers))
     if found.refusal:
-        assert sent == hold_at(state.position, state.yaw_rad)
+        assert sent == hold_at(state.motion.position, state.attitude.yaw_rad)
         return
     assert sent == setpoint
-    assert NOW_S - min(state.position_s, state.yaw_s) <= ENVELOPE.max_age_s
+    assert NOW_S - min(state.motion.measured_s, state.attitude.measured_s) <= ENVELOPE.max_age_s
     assert is_in_polygon(sent.position, ENVELOPE.fence)
     assert ENVELOPE.up_m[0] <= -sent.position[2] <= ENVELOPE.up_m[1]
-    assert distance(sent.position, state.position) <= ENVELOPE.carrot_m
+    assert distance(sent.position, state.motion.position) <= ENVELOPE.carrot_m
     assert math.hypot(*sent.velocity) <= ENVELOPE.speed_mps * SPEED_TOLERANCE
     assert -sent.velocity[2] <= ENVELOPE.climb_mps * SPEED_TOLERANCE
     assert sent.velocity[2] <= ENVELOPE.descent_mps * SPEED_TOLERANCE
@@ -340,7 +352,8 @@ def test_a_hold_is_never_refused_for_where_the_vehicle_is_going(
 ) -> None:
     """What the gate puts in place of a setpoint passes it, unless the vehicle itself is outside."""
     found = verdict(setpoint, state)
-    if found.setpoint is None or NOW_S - min(state.position_s, state.yaw_s) > ENVELOPE.max_age_s:
+    measured_s = min(state.motion.measured_s, state.attitude.measured_s)
+    if found.setpoint is None or NOW_S - measured_s > ENVELOPE.max_age_s:
         return
     again = verdict(found.setpoint, state)
     assert again.setpoint == found.setpoint

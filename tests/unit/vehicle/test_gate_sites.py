@@ -7,25 +7,18 @@ from dataclasses import replace
 import at_the_gate
 import pytest
 from at_the_gate import NOW_S, heard
+from states import changed, heard_at
 
 from companion.outcomes import Refusal
 from companion.vehicle.gate import LandingSite, Request, admit
-from companion.vehicle.port import Setpoint, hold_at
+from companion.vehicle.ports.setpoints import Setpoint, hold_at
 
 ENVELOPE = replace(
     at_the_gate.ENVELOPE,
     fence=((0.0, 0.0), (0.0, 20.0), (10.0, 20.0), (10.0, 0.0)),
     fence_margin_m=0.0,
 )
-STATE = heard(
-    stamp_s=NOW_S,
-    position=(5.0, 15.0, -2.0),
-    velocity=(0.0, 0.0, 0.0),
-    mode_s=NOW_S,
-    position_s=NOW_S,
-    yaw_s=NOW_S,
-)
-
+STATE = heard_at(NOW_S, heard(position=(5.0, 15.0, -2.0), velocity=(0.0, 0.0, 0.0)))
 GROUND = LandingSite((5.0, 15.0), 2.0, -0.5)
 ROOF = LandingSite((5.0, 15.0), 2.0, 2.5)
 OUT_OF_BAND = Refusal("outside the altitude band")
@@ -41,7 +34,7 @@ def refusal(
 ) -> Refusal | None:
     position = (5.0, east_m, -up_m)
     here_m = up_m + 0.25 if vehicle_up_m is None else vehicle_up_m
-    state = replace(STATE, position=(5.0, east_m, -here_m))
+    state = changed(STATE, position=(5.0, east_m, -here_m))
     setpoint = Setpoint(position, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.5)
     verdict = admit(
         Request(setpoint, NOW_S, is_landing=is_landing),
@@ -50,7 +43,7 @@ def refusal(
         replace(ENVELOPE, sites=(site,)),
     )
     if verdict.refusal is not None:
-        assert verdict.setpoint == hold_at(state.position, state.yaw_rad)
+        assert verdict.setpoint == hold_at(state.motion.position, state.attitude.yaw_rad)
     return verdict.refusal
 
 

@@ -21,7 +21,7 @@ from companion.motion.line_of_sight import LineOfSight
 from companion.outcomes import Refusal
 from companion.vehicle.gate import Verdict
 from companion.vehicle.gate_polygons import Corner
-from companion.vehicle.port import hold_at
+from companion.vehicle.ports.setpoints import hold_at
 
 SQUARE = ((4.0, 16.0), (4.0, 18.0), (6.0, 18.0), (6.0, 16.0))
 """East of the vehicle, which is at (5, 15)."""
@@ -40,7 +40,9 @@ def refusal(
     if found.refusal is None:
         assert found == Verdict(setpoint)
         return None
-    assert found == Verdict(hold_at(state.position, state.yaw_rad), Refusal(found.refusal.reason))
+    assert found == Verdict(
+        hold_at(state.motion.position, state.attitude.yaw_rad), Refusal(found.refusal.reason)
+    )
     return found.refusal.reason
 
 
@@ -177,7 +179,9 @@ def test_each_area_of_the_autopilots_own_fence_holds(
     for beyond_m in (AFTER, 1.0):
         north, east = (e + beyond_m * o for e, o in zip(edge, outwards, strict=True))
         found = verdict(replace(GOOD, position=(north, east, -2.25)), state, envelope)
-        assert found == Verdict(hold_at(state.position, state.yaw_rad), Refusal(OWN))
+        assert found == Verdict(
+            hold_at(state.motion.position, state.attitude.yaw_rad), Refusal(OWN)
+        )
 
 
 def test_the_missions_fence_holds_beside_it() -> None:

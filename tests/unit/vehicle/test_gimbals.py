@@ -7,11 +7,12 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
+from states import changed, flying
 
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.outcomes import Failed, Outcome, Progress
-from companion.vehicle.gimbal_port import Aim
 from companion.vehicle.gimbals import CONFIGURE, PITCHYAW, TURN_S, MavlinkGimbals
+from companion.vehicle.ports.gimbals import Aim
 from companion.vehicle.services import Moment
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
@@ -26,7 +27,7 @@ class Talk:
     """A manager that answers as it was told; what is sent is in `sent`."""
 
     def __init__(self, manager: int = DEVICE) -> None:
-        telemetry = SimpleNamespace(state=SimpleNamespace(yaw_rad=HEADING_RAD))
+        telemetry = SimpleNamespace(state=changed(flying(), yaw_rad=HEADING_RAD))
         self.gimbals = MavlinkGimbals(
             cast(Wire, SimpleNamespace(system=1)), cast(Telemetry, telemetry)
         )

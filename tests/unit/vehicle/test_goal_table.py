@@ -10,10 +10,12 @@ from dataclasses import replace
 
 import pytest
 from fakes import on_hold
+from states import changed
 
 from companion.mavlink.framing import dialect
 from companion.vehicle.goals import APPROACHES, EFFECT_S, FALLEN_BACK, Pursuit
-from companion.vehicle.port import Goal, Mode
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.state import Mode
 
 NAN = math.nan
 FLYING = replace(on_hold(50.0), landed_since_s=49.0)
@@ -53,7 +55,7 @@ def test_only_what_flies_needs_to_be_armed() -> None:
 @pytest.mark.parametrize("is_landed", [True, False])
 @pytest.mark.parametrize("is_armed", [True, False])
 def test_landed_is_on_the_ground_and_disarmed(is_landed: bool, is_armed: bool) -> None:
-    state = replace(FLYING, is_landed=is_landed, is_armed=is_armed)
+    state = changed(FLYING, is_landed=is_landed, is_armed=is_armed)
     assert APPROACHES[Goal.LANDED].is_reached(state) is (is_landed and not is_armed)
     assert APPROACHES[Goal.ARMED].is_reached(state) is is_armed
 
@@ -62,23 +64,23 @@ def test_landed_is_on_the_ground_and_disarmed(is_landed: bool, is_armed: bool) -
 @pytest.mark.parametrize("mode", list(Mode))
 def test_a_goal_that_is_a_mode_is_reached_in_that_alone(goal: Goal, mode: Mode) -> None:
     wanted = Mode.OFFBOARD if goal is Goal.OFFBOARD else Mode.LOITER
-    assert APPROACHES[goal].is_reached(replace(FLYING, mode=mode)) is (mode is wanted)
+    assert APPROACHES[goal].is_reached(changed(FLYING, mode=mode)) is (mode is wanted)
 
 
 @pytest.mark.parametrize(
-    ("changed", "is_reached"),
+    ("news", "is_reached"),
     [
         ({}, True),
-        ({"mode_s": 49.0}, False),
-        ({"mode_s": 48.0}, False),
+        ({"heartbeat_received_s": 49.0}, False),
+        ({"heartbeat_received_s": 48.0}, False),
         ({"is_landed": True}, False),
         ({"mode": Mode.TAKEOFF}, False),
     ],
 )
 def test_airborne_is_a_hold_heard_after_the_ground_was_left(
-    changed: dict[str, object], is_reached: bool
+    news: dict[str, object], is_reached: bool
 ) -> None:
-    assert APPROACHES[Goal.AIRBORNE].is_reached(replace(FLYING, **changed)) is is_reached  # type: ignore[arg-type]
+    assert APPROACHES[Goal.AIRBORNE].is_reached(changed(FLYING, **news)) is is_reached
 
 
 # -- a goal under way ------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from companion.outcomes import Failed, Progress
 from companion.vehicle.goal_pursuit import ASK_AGAIN_S
 from companion.vehicle.goals import EFFECT_S
 from companion.vehicle.heard_time import QUIET_S
-from companion.vehicle.port import Goal
+from companion.vehicle.ports.goals import Goal
 
 
 def test_the_goals_of_a_flight_and_their_commands(meeting: Meeting) -> None:
@@ -48,7 +48,7 @@ def test_a_goal_that_is_reached_already_sends_nothing(meeting: Meeting) -> None:
 
 
 def test_without_a_state_a_goal_waits(meeting: Meeting) -> None:
-    assert meeting.vehicle.pursue(Goal.ARMED) is Progress.RUNNING
+    assert meeting.vehicle.goals.pursue(Goal.ARMED) is Progress.RUNNING
     assert [m.get_type() for m in meeting.vehicle.transmit(0.0)] == ["TIMESYNC"]
 
 
@@ -56,7 +56,7 @@ def test_a_goal_is_reached_when_it_is_observed_and_not_when_it_is_accepted(
     meeting: Meeting,
 ) -> None:
     meeting.autopilot.is_idle = True
-    sent = meeting.run(10.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    sent = meeting.run(10.0, act=lambda: meeting.vehicle.goals.pursue(Goal.ARMED))
     commands = of_type(sent, "COMMAND_LONG")
     assert len(commands) >= 3
     assert {c.confirmation for c in commands} == {0}  # each of them is a new one
@@ -79,7 +79,7 @@ def test_a_vehicle_on_its_way_has_all_of_its_time(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
     begun_s = meeting.now_s
-    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.tick(act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
     meeting.autopilot.mode = "AUTO.TAKEOFF"
     assert meeting.pursue(Goal.AIRBORNE) == Failed("not airborne after 60 s")
     meeting.autopilot.mode, meeting.autopilot.position[2] = "AUTO.LOITER", -1.2
@@ -94,7 +94,7 @@ def test_a_command_that_was_not_answered_is_not_repeated_once_it_has_its_effect(
 ) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.results[TAKE_OFF] = [None]
-    act = lambda: meeting.vehicle.pursue(Goal.AIRBORNE)  # noqa: E731
+    act = lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE)  # noqa: E731
     assert len(of_type(meeting.run(1.2, act=act), "COMMAND_LONG")) == 3
     meeting.autopilot.mode = "AUTO.TAKEOFF"
     meeting.tick(act=act)
@@ -117,12 +117,12 @@ def test_no_time_passes_and_no_command_leaves_while_nothing_is_heard(
     if goal is not Goal.ARMED:
         meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
-    act = lambda: meeting.vehicle.pursue(goal)  # noqa: E731
+    act = lambda: meeting.vehicle.goals.pursue(goal)  # noqa: E731
     meeting.run(2.0, act=act)
     meeting.is_quiet = True
     sent = meeting.run(60.0, act=act)
     assert [c for c in of_type(sent, "COMMAND_LONG") if c.left_s > 2.0 + 2 * QUIET_S] == []
-    assert meeting.vehicle.pursue(goal) is Progress.RUNNING
+    assert meeting.vehicle.goals.pursue(goal) is Progress.RUNNING
     meeting.is_quiet, meeting.autopilot.is_idle = False, False
     assert meeting.pursue(goal) is Progress.DONE
 
@@ -139,7 +139,7 @@ def test_a_denial_is_final_and_says_what_the_autopilot_said(meeting: Meeting) ->
 def test_a_temporary_rejection_is_asked_again_after_a_second(meeting: Meeting) -> None:
     rejected = dialect.MAV_RESULT_TEMPORARILY_REJECTED
     meeting.autopilot.results[ARM] = [rejected, rejected, ACCEPTED]
-    sent = meeting.run(4.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    sent = meeting.run(4.0, act=lambda: meeting.vehicle.goals.pursue(Goal.ARMED))
     times = [c.left_s for c in of_type(sent, "COMMAND_LONG")]
     assert len(times) == 3
     assert all(1.0 <= later - earlier <= 1.2 for earlier, later in pairwise(times))
@@ -149,7 +149,7 @@ def test_a_temporary_rejection_is_asked_again_after_a_second(meeting: Meeting) -
 def test_a_vehicle_on_its_way_is_not_asked_again(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
-    act = lambda: meeting.vehicle.pursue(Goal.AIRBORNE)  # noqa: E731
+    act = lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE)  # noqa: E731
     meeting.tick(act=act)
     meeting.autopilot.mode = "AUTO.TAKEOFF"
     assert of_type(meeting.run(20.0, act=act), "COMMAND_LONG") == []
@@ -176,6 +176,6 @@ def test_a_goal_that_was_not_reached_in_its_time_has_all_of_it_again(meeting: Me
 
 def test_a_new_goal_ends_the_command_of_the_old_one(meeting: Meeting) -> None:
     meeting.autopilot.results[ARM] = [None]
-    meeting.run(0.3, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
-    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.HOLDING))
+    meeting.run(0.3, act=lambda: meeting.vehicle.goals.pursue(Goal.ARMED))
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.goals.pursue(Goal.HOLDING))
     assert of_type(sent, "COMMAND_LONG") == []  # holding already, and nobody asks to arm

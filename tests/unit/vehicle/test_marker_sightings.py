@@ -10,7 +10,7 @@ import pytest
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.outcomes import Refusal
 from companion.vehicle.marker_sightings import APART_S, FAR_M, MOST, OLD_S, MarkerSightings
-from companion.vehicle.port import MarkerSighting
+from companion.vehicle.ports.markers import MarkerSighting
 from companion.vehicle.pose_messages import keep_pose
 from companion.vehicle.poses import PoseHistory
 from companion.vehicle.services import Moment

@@ -29,7 +29,9 @@ from companion.geofence import KeptFence
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.mission.signals import Signal
 from companion.outcomes import Failed, Progress, Refusal
-from companion.vehicle.port import Goal, Mode, Setpoint, hold_at
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.setpoints import Setpoint, hold_at
+from companion.vehicle.ports.state import Mode
 
 RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
 USER_1 = dialect.MAV_CMD_USER_1
@@ -51,10 +53,10 @@ def test_other_systems_are_ignored(meeting: Meeting) -> None:
     other = Autopilot(system=2)
     other.mode, other.is_armed, other.position = "POSCTL", True, [5.0, 5.0, -1.0]
     meeting.tick(*other.telemetry(), other.codec.pack(named("target", 1)))
-    assert meeting.vehicle.takeover is None
+    assert meeting.vehicle.control.takeover is None
     assert meeting.readings == [(CHARGE, 80.0)]
     assert state is not None and meeting.vehicle.state is not None
-    assert meeting.vehicle.state.position == state.position
+    assert meeting.vehicle.state.motion.position == state.motion.position
 
 
 def test_only_the_autopilot_says_where_the_vehicle_is(meeting: Meeting) -> None:
@@ -63,8 +65,8 @@ def test_only_the_autopilot_says_where_the_vehicle_is(meeting: Meeting) -> None:
     other.position, other.is_armed, other.mode = [5.0, 5.0, -1.0], True, "POSCTL"
     meeting.tick(*other.telemetry())
     assert meeting.vehicle.state is not None
-    assert meeting.vehicle.state.position == (0.0, 0.0, 0.0)
-    assert not meeting.vehicle.state.is_armed
+    assert meeting.vehicle.state.motion.position == (0.0, 0.0, 0.0)
+    assert not meeting.vehicle.state.heartbeat.is_armed
 
 
 # -- setpoints -------------------------------------------------------------------------------------
@@ -72,7 +74,7 @@ def test_only_the_autopilot_says_where_the_vehicle_is(meeting: Meeting) -> None:
 
 def test_a_setpoint_on_the_wire(meeting: Meeting) -> None:
     in_offboard(meeting)
-    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.setpoints.fly(AHEAD)
     (sent,) = of_type(meeting.tick(), SETPOINT)
     assert (sent.target_system, sent.target_component) == (1, 1)
     assert sent.coordinate_frame == dialect.MAV_FRAME_LOCAL_NED
@@ -90,15 +92,15 @@ def test_the_mission_begins_at_home_wherever_the_local_frame_does(meeting: Meeti
     in_offboard(meeting)
     meeting.tick()
     state = meeting.vehicle.state
-    assert state is not None and is_close(state.position, (0.0, 0.0, -2.0))
-    meeting.vehicle.fly(AHEAD)
+    assert state is not None and is_close(state.motion.position, (0.0, 0.0, -2.0))
+    meeting.vehicle.setpoints.fly(AHEAD)
     (sent,) = of_type(meeting.tick(), SETPOINT)
     assert is_close((sent.x, sent.y, sent.z), (3.5, -3.8, -1.5))
 
 
 def test_one_setpoint_leaves_per_transmit_and_none_by_itself(meeting: Meeting) -> None:
     in_offboard(meeting)
-    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.setpoints.fly(AHEAD)
     for _ in range(40):
         assert len(of_type(meeting.tick(), SETPOINT)) == 1
     meeting.vehicle.release()
@@ -107,13 +109,13 @@ def test_one_setpoint_leaves_per_transmit_and_none_by_itself(meeting: Meeting) -
 
 def test_setpoints_pass_the_gate(meeting: Meeting) -> None:
     in_offboard(meeting)
-    meeting.vehicle.fly(Setpoint((50.0, 0.0, -2.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0))
+    meeting.vehicle.setpoints.fly(hold_at((50.0, 0.0, -2.0), 0.0))
     (sent,) = of_type(meeting.tick(), SETPOINT)
     assert is_close((sent.x, sent.y, sent.z), (0.0, 0.0, -2.0))
-    assert meeting.vehicle.refusal == Refusal("outside the fence")
-    meeting.vehicle.fly(AHEAD)
+    assert meeting.vehicle.setpoints.refusal == Refusal("outside the fence")
+    meeting.vehicle.setpoints.fly(AHEAD)
     meeting.tick()
-    assert meeting.vehicle.refusal is None
+    assert meeting.vehicle.setpoints.refusal is None
 
 
 def test_the_gate_keeps_to_a_fence_that_came_later(meeting: Meeting) -> None:
@@ -126,28 +128,28 @@ def test_the_gate_keeps_to_a_fence_that_came_later(meeting: Meeting) -> None:
         (KeptFence((around,), ()), (0.6, 0.0, -2.0), outside),
         (KeptFence((), (ahead,)), (0.0, 0.3, -2.0), Refusal("in a keep-out zone")),
     ):
-        meeting.vehicle.keep_within(fence)
-        meeting.vehicle.fly(hold_at(position, 0.0))
+        meeting.vehicle.setpoints.keep_within(fence)
+        meeting.vehicle.setpoints.fly(hold_at(position, 0.0))
         meeting.tick()
-        assert meeting.vehicle.refusal == refusal
+        assert meeting.vehicle.setpoints.refusal == refusal
 
 
 def test_the_gate_follows_the_speed_limit_in_force(meeting: Meeting) -> None:
     in_offboard(meeting)
     for limit_mps, refusal in ((1.0, Refusal("1.1 m/s is too fast")), (1.2, None)):
-        meeting.vehicle.set_speed_limit(limit_mps)
-        meeting.vehicle.fly(AHEAD)
+        meeting.vehicle.setpoints.set_speed_limit(limit_mps)
+        meeting.vehicle.setpoints.fly(AHEAD)
         meeting.tick()
-        assert meeting.vehicle.refusal == refusal
+        assert meeting.vehicle.setpoints.refusal == refusal
 
 
 def test_the_gate_knows_what_is_of_the_task_and_whether_that_is_violated(meeting: Meeting) -> None:
     in_offboard(meeting)
-    meeting.vehicle.set_violated(True)
+    meeting.vehicle.setpoints.set_violated(True)
     for is_for_task, refusal in ((True, Refusal("the task is violated")), (False, None)):
-        meeting.vehicle.fly(AHEAD, is_for_task=is_for_task)
+        meeting.vehicle.setpoints.fly(AHEAD, is_for_task=is_for_task)
         meeting.tick()
-        assert meeting.vehicle.refusal == refusal
+        assert meeting.vehicle.setpoints.refusal == refusal
 
 
 def test_a_heading_that_is_heard_no_longer_holds(meeting: Meeting) -> None:
@@ -155,23 +157,23 @@ def test_a_heading_that_is_heard_no_longer_holds(meeting: Meeting) -> None:
     meeting.autopilot.unsent = {"ATTITUDE"}
     sent: Any = None
     for _ in range(12):
-        meeting.vehicle.fly(AHEAD)
+        meeting.vehicle.setpoints.fly(AHEAD)
         (sent,) = of_type(meeting.tick(), SETPOINT)
-    assert meeting.vehicle.refusal == Refusal("the heading is 0.6 s old")
+    assert meeting.vehicle.setpoints.refusal == Refusal("the heading is 0.6 s old")
     assert sent.vx == 0.0
 
 
 def test_no_setpoint_leaves_in_another_mode_than_ours(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.pursue(Goal.AIRBORNE)
-    meeting.vehicle.fly(hold_at((0.0, 0.0, -2.0), 0.0))
+    meeting.vehicle.setpoints.fly(hold_at((0.0, 0.0, -2.0), 0.0))
     assert of_type(meeting.run(2.0), SETPOINT) == []
 
 
 def test_setpoints_are_streamed_before_offboard_is_asked_for(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.pursue(Goal.AIRBORNE)
-    meeting.vehicle.fly(hold_at((0.0, 0.0, -2.0), 0.0))
+    meeting.vehicle.setpoints.fly(hold_at((0.0, 0.0, -2.0), 0.0))
     before = len(meeting.autopilot.heard)
     meeting.pursue(Goal.OFFBOARD)
     kinds = [m.get_type() for m in meeting.autopilot.heard[before:]]
@@ -180,7 +182,7 @@ def test_setpoints_are_streamed_before_offboard_is_asked_for(meeting: Meeting) -
 
 def test_stale_telemetry_holds_and_then_is_silent(meeting: Meeting) -> None:
     in_offboard(meeting)
-    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.setpoints.fly(AHEAD)
     meeting.tick()
     meeting.is_quiet = True
     heard_s = meeting.now_s
@@ -196,7 +198,7 @@ def test_stale_telemetry_holds_and_then_is_silent(meeting: Meeting) -> None:
 @pytest.mark.parametrize("number", [math.nan, math.inf])
 def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number: float) -> None:
     in_offboard(meeting)
-    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.setpoints.fly(AHEAD)
     meeting.tick()
     known = meeting.vehicle.state
     meeting.autopilot.yaw_rad = number
@@ -206,7 +208,8 @@ def test_a_position_that_is_not_a_number_is_no_position(meeting: Meeting, number
         sent = of_type(meeting.tick(), SETPOINT)
     state = meeting.vehicle.state
     assert known is not None and state is not None
-    assert (state.position, state.yaw_rad) == (known.position, known.yaw_rad)
+    assert state.motion.position == known.motion.position
+    assert state.attitude.yaw_rad == known.attitude.yaw_rad
     assert [m.vx for m in sent] == [0.0]  # old by now, so it holds
 
 
@@ -285,7 +288,7 @@ def test_an_unknown_charge_is_no_number(meeting: Meeting) -> None:
     meeting.tick()
     assert meeting.readings == []
     assert meeting.vehicle.state is not None
-    assert meeting.vehicle.state.battery_percent is None
+    assert meeting.vehicle.state.battery.percent is None
 
 
 def test_an_unknown_charge_of_the_system_is_no_number_either() -> None:
@@ -333,15 +336,17 @@ SIGNALS = frozenset({TARGET, CHARGE, CALL, Signal("STATUSTEXT", "", "severity")}
 @given(st.lists(frames() | st.binary(max_size=300), max_size=12))
 def test_no_datagram_raises_or_lets_anything_but_good_setpoints_out(datagrams: list[bytes]) -> None:
     meeting = in_offboard(Meeting(ENVELOPE, SIGNALS))
-    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.setpoints.fly(AHEAD)
     sent = meeting.tick(*datagrams)
     assert all(map(math.isfinite, dict(meeting.readings).values()))
     for setpoint in of_type(sent, SETPOINT):
         numbers = [setpoint.x, setpoint.y, setpoint.z, setpoint.vx, setpoint.vy, setpoint.vz]
         assert all(map(math.isfinite, [*numbers, setpoint.yaw]))
     state = meeting.vehicle.state
-    assert state is not None and state.mode in Mode
-    assert all(map(math.isfinite, (*state.position, *state.velocity, state.yaw_rad)))
+    assert state is not None and state.heartbeat.mode in Mode
+    assert all(
+        map(math.isfinite, (*state.motion.position, *state.motion.velocity, state.attitude.yaw_rad))
+    )
 
 
 def test_junk_between_frames_loses_none_of_them(meeting: Meeting) -> None:
@@ -361,4 +366,4 @@ def test_a_frame_with_a_wrong_checksum_changes_nothing(meeting: Meeting) -> None
     heartbeat[-1] ^= 0xFF
     meeting.is_quiet = True
     meeting.tick(bytes(heartbeat))
-    assert meeting.vehicle.takeover is None
+    assert meeting.vehicle.control.takeover is None

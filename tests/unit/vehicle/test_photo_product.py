@@ -23,9 +23,9 @@ from hypothesis import strategies as st
 from companion.geometry import GlobalOrigin
 from companion.mavlink.framing import MavlinkCodec
 from companion.outcomes import Failed
-from companion.vehicle.camera_port import PhotoMade, ShotReady
 from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.photo_shot import PHOTO_S, SHOOT
+from companion.vehicle.ports.cameras import PhotoMade, ShotReady
 from companion.vehicle.services import Moment
 from companion.vehicle.wire import Wire
 from sitl.flight.physics import FlightState

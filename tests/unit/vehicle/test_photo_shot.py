@@ -10,10 +10,10 @@ import pytest
 from companion.mavlink.commands import result_name
 from companion.mavlink.framing import MavlinkCodec, dialect
 from companion.outcomes import Failed
-from companion.vehicle.camera_port import IntendedShot, PhotoMade, ShotOutcome, ShotReady
 from companion.vehicle.cameras import MavlinkCameras
 from companion.vehicle.known_camera import RESEND_S
 from companion.vehicle.photo_shot import PHOTO_S, SHOOT
+from companion.vehicle.ports.cameras import IntendedShot, PhotoMade, ShotOutcome, ShotReady
 from companion.vehicle.services import Moment
 from companion.vehicle.wire import Wire
 

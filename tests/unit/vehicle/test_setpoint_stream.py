@@ -8,16 +8,18 @@ from typing import Any
 
 import pytest
 from fakes import on_hold
+from states import changed
 
-from companion.vehicle.gate import Envelope, Request
-from companion.vehicle.port import Mode, Setpoint
+from companion.vehicle.gate import Envelope
+from companion.vehicle.ports.setpoints import Setpoint
+from companion.vehicle.ports.state import Mode
 from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.velocity_bias import MOST_MPS, VelocityBias
 
 NOW_S = 50.0
 FENCE = ((-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0))
 ENVELOPE = Envelope(FENCE, (0.5, 4.0), 2.0, 1.0, 1.0, 1.5)
-FLYING = replace(on_hold(NOW_S), mode=Mode.OFFBOARD)
+FLYING = changed(on_hold(NOW_S), mode=Mode.OFFBOARD)
 
 
 def bias(off_mps: tuple[float, float]) -> VelocityBias:
@@ -25,7 +27,7 @@ def bias(off_mps: tuple[float, float]) -> VelocityBias:
     known = VelocityBias()
     for number in range(100):
         time_s = NOW_S - 3.3 + number / 30
-        known.take(time_s, time_s, FLYING.position, (*off_mps, 0.0))
+        known.take(time_s, time_s, FLYING.motion.position, (*off_mps, 0.0))
     return known
 
 
@@ -37,13 +39,14 @@ def sent(setpoint: Setpoint, off_mps: tuple[float, float], **differs: Any) -> tu
         velocity_bias=bias(off_mps),
     )
     stream = SetpointStream(telemetry, ENVELOPE)
-    stream.request(Request(setpoint, NOW_S, is_for_task=True))
+    stream.step(NOW_S)
+    stream.fly(setpoint, is_for_task=True)
     (message,) = stream.due(NOW_S, 1, is_entering=False)
     return (message.vx, message.vy, message.vz)
 
 
 def to(north_mps: float, north_m: float = 0.5) -> Setpoint:
-    (north, east, down) = FLYING.position
+    (north, east, down) = FLYING.motion.position
     position = (north + north_m, east, down)
     return Setpoint(position, (north_mps, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
 

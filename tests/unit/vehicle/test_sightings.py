@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
 from typing import Any
 
 import pytest
 from fakes import FakeVehicle
+from states import changed
 
 from companion.flight_events.reports import ReportRefused
 from companion.geometry import GlobalOrigin
 from companion.mission.signals import REPORT, Signal
 from companion.outcomes import Refusal
 from companion.vehicle.detections import Detections
-from companion.vehicle.port import VehicleState
+from companion.vehicle.ports.state import VehicleState
 from companion.vehicle.sightings import (
     FAR_M,
     HISTORY_S,
@@ -34,7 +34,13 @@ def state_at(time_s: float) -> VehicleState:
     state = FakeVehicle((0.0, 0.0, -5.0)).take_off(5.0).state
     assert state is not None
     position, yaw_rad = (2.0 * time_s, 1.0, -5.0), 0.1 * time_s
-    return replace(state, position=position, yaw_rad=yaw_rad, position_s=time_s, yaw_s=time_s)
+    return changed(
+        state,
+        position=position,
+        yaw_rad=yaw_rad,
+        motion_measured_s=time_s,
+        attitude_measured_s=time_s,
+    )
 
 
 @pytest.fixture
@@ -97,7 +103,7 @@ def test_a_latitude_and_longitude_are_those_of_the_earth(sightings: Sightings) -
 def test_a_heading_that_passes_south_is_between_its_neighbours() -> None:
     sightings = Sightings()
     for time_s, yaw_rad in ((0.0, math.pi - 0.1), (1.0, -math.pi + 0.1)):
-        sightings.follow(replace(state_at(time_s), yaw_rad=yaw_rad, position=(0, 0, -5)))
+        sightings.follow(changed(state_at(time_s), yaw_rad=yaw_rad, position=(0, 0, -5)))
     at = sightings.locate(SeenFromVehicle(1.0, 0.0, 0.5e9), 1.0, None, None)
     assert at == pytest.approx((-1.0, 0.0), abs=1e-9)
 

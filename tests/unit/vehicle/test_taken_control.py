@@ -16,7 +16,10 @@ from autopilot import (
 from companion.mavlink.framing import dialect
 from companion.mavlink.px4_modes import custom_mode
 from companion.outcomes import Failed, Progress
-from companion.vehicle.port import Goal, Mode, Setpoint, Takeover
+from companion.vehicle.ports.control import Takeover
+from companion.vehicle.ports.goals import Goal
+from companion.vehicle.ports.setpoints import Setpoint
+from companion.vehicle.ports.state import Mode
 
 SETPOINT = "SET_POSITION_TARGET_LOCAL_NED"
 AHEAD = Setpoint((0.5, 0.2, -2.0), (1.0, 0.5, 0.1), (0.3, 0.2, 0.1), 0.4)
@@ -33,18 +36,18 @@ def heartbeat(meeting: Meeting, mode: str) -> bytes:
 
 def test_a_mode_that_we_did_not_ask_for_ends_all_at_once_and_for_good(meeting: Meeting) -> None:
     in_offboard(meeting)
-    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.setpoints.fly(AHEAD)
     meeting.vehicle.payloads.send(25, dialect.MAV_CMD_USER_1, (1.0,), None)
     meeting.autopilot.mode = "POSCTL"
     meeting.autopilot.is_idle = True
     sent = meeting.run(3.0)
-    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
+    assert meeting.vehicle.control.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
     assert sent == []
-    assert meeting.vehicle.pursue(Goal.OFFBOARD) == Failed("the pilot has control, in POSCTL")
+    assert meeting.vehicle.goals.pursue(Goal.OFFBOARD) == Failed("the pilot has control, in POSCTL")
     meeting.autopilot.mode = "OFFBOARD"
-    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.OFFBOARD))
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.goals.pursue(Goal.OFFBOARD))
     assert sent == []
-    assert meeting.vehicle.takeover is not None
+    assert meeting.vehicle.control.takeover is not None
 
 
 @pytest.mark.parametrize("goal", [Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD, Goal.HOLDING])
@@ -56,18 +59,17 @@ def test_a_single_heartbeat_of_another_mode_stops_and_ends_nothing(
         in_offboard(meeting)
     elif goal is not Goal.ARMED:
         meeting.pursue(Goal.ARMED)
-    meeting.vehicle.fly(AHEAD)
-    meeting.tick(act=lambda: meeting.vehicle.pursue(goal))
+    meeting.vehicle.setpoints.fly(AHEAD)
+    meeting.tick(act=lambda: meeting.vehicle.goals.pursue(goal))
     before, meeting.is_quiet = meeting.vehicle.state, True
-    assert (
-        meeting.tick(heartbeat(meeting, "POSCTL"), act=lambda: meeting.vehicle.pursue(goal)) == []
-    )
-    assert meeting.vehicle.is_doubted and meeting.vehicle.takeover is None
+    goals = meeting.vehicle.goals
+    assert meeting.tick(heartbeat(meeting, "POSCTL"), act=lambda: goals.pursue(goal)) == []
+    assert meeting.vehicle.control.is_doubted and meeting.vehicle.control.takeover is None
     assert meeting.vehicle.state == before
-    assert meeting.run(0.8, act=lambda: meeting.vehicle.pursue(goal)) == []
+    assert meeting.run(0.8, act=lambda: meeting.vehicle.goals.pursue(goal)) == []
     meeting.is_quiet = False
     assert meeting.pursue(goal) is Progress.DONE
-    assert not meeting.vehicle.is_doubted and meeting.vehicle.takeover is None
+    assert not meeting.vehicle.control.is_doubted and meeting.vehicle.control.takeover is None
 
 
 def test_release_ends_a_doubt(meeting: Meeting) -> None:
@@ -75,11 +77,11 @@ def test_release_ends_a_doubt(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.tick(heartbeat(meeting, "POSCTL"))
     meeting.vehicle.release()
-    assert not meeting.vehicle.is_doubted
+    assert not meeting.vehicle.control.is_doubted
     meeting.autopilot.mode = "POSCTL"
     meeting.run(1.0)
-    assert meeting.vehicle.takeover is None
-    assert meeting.vehicle.state is not None and meeting.vehicle.state.mode is Mode.POSCTL
+    assert meeting.vehicle.control.takeover is None
+    assert meeting.vehicle.state is not None and meeting.vehicle.state.heartbeat.mode is Mode.POSCTL
 
 
 def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
@@ -87,14 +89,14 @@ def test_a_failsafe_is_not_called_a_pilot(meeting: Meeting) -> None:
     meeting.autopilot.mode = "AUTO.RTL"
     meeting.autopilot.system_status = dialect.MAV_STATE_CRITICAL
     meeting.tick()
-    assert meeting.vehicle.takeover == Takeover(Mode.RTL, is_failsafe=True)
+    assert meeting.vehicle.control.takeover == Takeover(Mode.RTL, is_failsafe=True)
 
 
 def test_a_mode_that_nobody_knows_was_chosen_by_somebody_else(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.autopilot.mode = "STABILIZED"
     meeting.run(2 * TICK_S)
-    assert meeting.vehicle.takeover == Takeover(Mode.OTHER, is_failsafe=False)
+    assert meeting.vehicle.control.takeover == Takeover(Mode.OTHER, is_failsafe=False)
 
 
 @pytest.mark.parametrize("goal", [Goal.AIRBORNE, Goal.OFFBOARD, Goal.HOLDING, Goal.LANDED])
@@ -104,11 +106,11 @@ def test_the_pilot_wins_while_a_goal_is_pursued(meeting: Meeting, goal: Goal) ->
     else:
         meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
-    meeting.run(0.5, act=lambda: meeting.vehicle.pursue(goal))
-    assert meeting.vehicle.takeover is None
+    meeting.run(0.5, act=lambda: meeting.vehicle.goals.pursue(goal))
+    assert meeting.vehicle.control.takeover is None
     meeting.autopilot.mode = "ALTCTL"
     meeting.run(2 * TICK_S)
-    assert meeting.vehicle.takeover == Takeover(Mode.ALTCTL, is_failsafe=False)
+    assert meeting.vehicle.control.takeover == Takeover(Mode.ALTCTL, is_failsafe=False)
 
 
 @pytest.mark.parametrize("mode", ["AUTO.LOITER", "OFFBOARD", "POSCTL"])
@@ -121,15 +123,15 @@ def test_a_vehicle_that_has_landed_falls_back_to_a_mode_of_its_own(
     meeting.pursue(Goal.LANDED)
     meeting.autopilot.mode = mode
     meeting.tick()
-    assert meeting.vehicle.takeover is None
+    assert meeting.vehicle.control.takeover is None
 
 
 def test_a_pilot_on_the_dock_is_not_overruled(meeting: Meeting) -> None:
     in_offboard(meeting)
     meeting.pursue(Goal.LANDED)
     meeting.autopilot.mode = "MANUAL"
-    sent = meeting.run(3.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
-    assert meeting.vehicle.takeover == Takeover(Mode.MANUAL, is_failsafe=False)
+    sent = meeting.run(3.0, act=lambda: meeting.vehicle.goals.pursue(Goal.ARMED))
+    assert meeting.vehicle.control.takeover == Takeover(Mode.MANUAL, is_failsafe=False)
     assert of_type(sent, "COMMAND_LONG") == []
 
 
@@ -137,11 +139,12 @@ def test_a_pilot_on_the_dock_is_not_overruled(meeting: Meeting) -> None:
 def test_the_pilot_wins_while_the_vehicle_is_armed(meeting: Meeting, mode: str) -> None:
     """From the first command on: three refusals to arm, and then the pilot takes the sticks."""
     meeting.autopilot.results[ARM] = [dialect.MAV_RESULT_TEMPORARILY_REJECTED] * 3 + [ACCEPTED]
-    meeting.run(2.5, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    meeting.run(2.5, act=lambda: meeting.vehicle.goals.pursue(Goal.ARMED))
     meeting.autopilot.mode = mode
-    sent = meeting.run(30.0, act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    sent = meeting.run(30.0, act=lambda: meeting.vehicle.goals.pursue(Goal.ARMED))
     assert of_type(sent, "COMMAND_LONG") == []
-    assert meeting.vehicle.takeover is not None and not meeting.vehicle.takeover.is_failsafe
+    takeover = meeting.vehicle.control.takeover
+    assert takeover is not None and not takeover.is_failsafe
     assert not meeting.autopilot.is_armed
 
 
@@ -149,7 +152,7 @@ def test_before_the_first_goal_any_mode_is_welcome(meeting: Meeting) -> None:
     for mode in ("MANUAL", "POSCTL", "AUTO.LOITER"):
         meeting.autopilot.mode = mode
         meeting.tick()
-    assert meeting.vehicle.takeover is None
+    assert meeting.vehicle.control.takeover is None
     assert meeting.pursue(Goal.ARMED) is Progress.DONE
 
 
@@ -157,9 +160,9 @@ def test_a_vehicle_that_was_disarmed_is_not_asked_to_take_off(meeting: Meeting) 
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_armed = False
     meeting.tick()
-    sent = meeting.run(5.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    sent = meeting.run(5.0, act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
     assert of_type(sent, "COMMAND_LONG") == []
-    outcome = meeting.vehicle.pursue(Goal.AIRBORNE)
+    outcome = meeting.vehicle.goals.pursue(Goal.AIRBORNE)
     assert outcome == Failed("not airborne: disarmed")
 
 
@@ -171,15 +174,15 @@ def test_a_stale_mode_is_not_the_hold_after_the_take_off(meeting: Meeting) -> No
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
     meeting.autopilot.unsent = {"HEARTBEAT"}
-    meeting.run(1.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.run(1.0, act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
     meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
     for _ in range(60):
-        meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
-        assert meeting.vehicle.pursue(Goal.AIRBORNE) is Progress.RUNNING
+        meeting.tick(act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
+        assert meeting.vehicle.goals.pursue(Goal.AIRBORNE) is Progress.RUNNING
     meeting.autopilot.unsent = set()
-    meeting.run(1.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
-    assert meeting.vehicle.takeover is None
-    assert meeting.vehicle.pursue(Goal.AIRBORNE) is Progress.RUNNING
+    meeting.run(1.0, act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
+    assert meeting.vehicle.control.takeover is None
+    assert meeting.vehicle.goals.pursue(Goal.AIRBORNE) is Progress.RUNNING
     meeting.autopilot.mode, meeting.autopilot.position[2] = "AUTO.LOITER", -1.2
     assert meeting.pursue(Goal.AIRBORNE) is Progress.DONE
 
@@ -191,9 +194,9 @@ def test_a_hold_in_the_climb_is_a_pilots_as_far_as_the_height_tells(
     """Seen on a PX4: a take-off to 2 m ends by itself from 1.1 m up on, by its own estimate."""
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
-    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.tick(act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
     meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
-    meeting.run(2.0, act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.run(2.0, act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
     meeting.autopilot.mode, meeting.autopilot.position[2] = "AUTO.LOITER", -up_m
     outcome = meeting.pursue(Goal.AIRBORNE, 5.0)
     assert outcome == (
@@ -207,26 +210,26 @@ def test_no_mode_is_asked_for_while_the_mode_is_not_known(meeting: Meeting) -> N
     meeting.autopilot.unsent = {"HEARTBEAT"}
     meeting.run(2.0)
     meeting.autopilot.mode = "POSCTL"
-    sent = meeting.run(2.0, act=lambda: meeting.vehicle.pursue(Goal.HOLDING))
+    sent = meeting.run(2.0, act=lambda: meeting.vehicle.goals.pursue(Goal.HOLDING))
     assert of_type(sent, "COMMAND_LONG") == []
     meeting.autopilot.unsent = set()
     meeting.run(2 * TICK_S)
-    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
+    assert meeting.vehicle.control.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
 
 
 def test_a_mode_on_the_way_is_not_a_take_over(meeting: Meeting) -> None:
     meeting.pursue(Goal.ARMED)
     meeting.autopilot.is_idle = True
-    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
+    meeting.tick(act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
     for mode in ("AUTO.TAKEOFF", "AUTO.LOITER"):
         meeting.autopilot.mode = mode
-        meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.AIRBORNE))
-    assert meeting.vehicle.takeover is None
+        meeting.tick(act=lambda: meeting.vehicle.goals.pursue(Goal.AIRBORNE))
+    assert meeting.vehicle.control.takeover is None
 
 
 def test_a_parameter_is_asked_for_until_it_is_answered(meeting: Meeting) -> None:
     meeting.autopilot.parameters.clear()
-    sent = meeting.run(2.0, act=lambda: meeting.vehicle.parameter("COM_OF_LOSS_T"))
+    sent = meeting.run(2.0, act=lambda: meeting.vehicle.parameters.read("COM_OF_LOSS_T"))
     questions = of_type(sent, "PARAM_REQUEST_READ")
     assert {(q.target_system, q.target_component, q.param_id) for q in questions} == {
         (1, 1, "COM_OF_LOSS_T")
@@ -234,7 +237,7 @@ def test_a_parameter_is_asked_for_until_it_is_answered(meeting: Meeting) -> None
     assert 3 <= len(questions) <= 4
     meeting.autopilot.parameters["COM_OF_LOSS_T"] = 0.5
     meeting.run(1.0)
-    assert meeting.vehicle.parameter("COM_OF_LOSS_T") == 0.5
+    assert meeting.vehicle.parameters.read("COM_OF_LOSS_T") == 0.5
     assert of_type(meeting.run(2.0), "PARAM_REQUEST_READ") == []
 
 
@@ -244,7 +247,7 @@ def test_the_mode_of_the_start_is_the_pilots_once_it_was_left(meeting: Meeting) 
     meeting.autopilot.is_idle = True
 
     def act() -> object:
-        return meeting.vehicle.pursue(Goal.AIRBORNE)
+        return meeting.vehicle.goals.pursue(Goal.AIRBORNE)
 
     meeting.tick(act=act)
     meeting.autopilot.mode, meeting.autopilot.is_landed = "AUTO.TAKEOFF", False
@@ -252,7 +255,7 @@ def test_the_mode_of_the_start_is_the_pilots_once_it_was_left(meeting: Meeting) 
     meeting.autopilot.mode = "POSCTL"
     sent = meeting.run(5.0, act=act)
     assert of_type(sent, "COMMAND_LONG") == []
-    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
+    assert meeting.vehicle.control.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
 
 
 def test_a_vehicle_left_in_offboard_holds_before_it_arms(meeting: Meeting) -> None:
@@ -262,7 +265,7 @@ def test_a_vehicle_left_in_offboard_holds_before_it_arms(meeting: Meeting) -> No
     hold, arm = of_type(meeting.autopilot.heard, "COMMAND_LONG")
     assert (hold.command, hold.param2, hold.param3) == (SET_MODE, 4.0, 3.0)
     assert arm.command == ARM
-    assert meeting.vehicle.takeover is None
+    assert meeting.vehicle.control.takeover is None
 
 
 def test_a_mode_that_the_pilot_chose_is_armed_in(meeting: Meeting) -> None:
@@ -274,16 +277,16 @@ def test_a_mode_that_the_pilot_chose_is_armed_in(meeting: Meeting) -> None:
 def test_a_pilot_s_mode_instead_of_the_hold_ends_the_arming(meeting: Meeting) -> None:
     meeting.autopilot.mode = "OFFBOARD"
     meeting.autopilot.is_idle = True
-    meeting.tick(act=lambda: meeting.vehicle.pursue(Goal.ARMED))
+    meeting.tick(act=lambda: meeting.vehicle.goals.pursue(Goal.ARMED))
     meeting.autopilot.mode = "POSCTL"
     assert isinstance(meeting.pursue(Goal.ARMED), Failed)
-    assert meeting.vehicle.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
+    assert meeting.vehicle.control.takeover == Takeover(Mode.POSCTL, is_failsafe=False)
     assert ARM not in [c.command for c in of_type(meeting.autopilot.heard, "COMMAND_LONG")]
 
 
 def test_a_landed_vehicle_is_sent_no_setpoint_in_offboard(meeting: Meeting) -> None:
     in_offboard(meeting)
-    meeting.vehicle.fly(AHEAD)
+    meeting.vehicle.setpoints.fly(AHEAD)
     assert meeting.pursue(Goal.LANDED) is Progress.DONE
     meeting.autopilot.heard.clear()
     meeting.autopilot.mode = "OFFBOARD"

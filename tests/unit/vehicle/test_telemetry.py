@@ -8,7 +8,7 @@ import pytest
 from autopilot import Autopilot, battery
 
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.vehicle.port import Mode
+from companion.vehicle.ports.state import Mode
 from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.velocity_bias import IGNORED_MPS
 
@@ -51,11 +51,15 @@ def test_a_state_holds_what_was_said() -> None:
     autopilot.mode, autopilot.is_armed, autopilot.is_landed = "OFFBOARD", True, False
     state = heard(autopilot, now_s=12.5).state
     assert state is not None
-    assert state.stamp_s == 12.5
-    assert (state.position, state.velocity) == ((1.0, 2.0, -3.0), (0.5, -0.5, 0.25))
-    assert (state.yaw_rad, state.battery_percent) == (1.5, 77)
-    assert (state.mode, state.is_armed, state.is_landed) == (Mode.OFFBOARD, True, False)
-    assert not state.is_failsafe
+    assert state.motion.received_s == 12.5
+    assert (state.motion.position, state.motion.velocity) == ((1.0, 2.0, -3.0), (0.5, -0.5, 0.25))
+    assert (state.attitude.yaw_rad, state.battery.percent) == (1.5, 77)
+    assert (state.heartbeat.mode, state.heartbeat.is_armed, state.is_landed) == (
+        Mode.OFFBOARD,
+        True,
+        False,
+    )
+    assert not state.heartbeat.is_failsafe
 
 
 def test_a_velocity_is_what_the_position_tells_in_flight() -> None:
@@ -69,7 +73,7 @@ def test_a_velocity_is_what_the_position_tells_in_flight() -> None:
         )
         take(telemetry, [codec.pack(said)], number / 30)
     assert telemetry.state is not None
-    assert telemetry.state.velocity == pytest.approx((0.0, IGNORED_MPS, 0.0), abs=0.01)
+    assert telemetry.state.motion.velocity == pytest.approx((0.0, IGNORED_MPS, 0.0), abs=0.01)
 
 
 def test_a_critical_charge_is_the_autopilots_own_word() -> None:
@@ -79,7 +83,7 @@ def test_a_critical_charge_is_the_autopilots_own_word() -> None:
         told.charge_state = charge_state
         say(telemetry, told)
         assert telemetry.state is not None
-        assert telemetry.state.is_battery_critical is is_critical
+        assert telemetry.state.battery.is_critical is is_critical
 
 
 def test_the_heading_has_a_stamp_of_its_own() -> None:
@@ -88,14 +92,17 @@ def test_the_heading_has_a_stamp_of_its_own() -> None:
     for yaw_rad, stamp_s in ((math.nan, 3.0), (0.5, 4.0)):
         say(telemetry, dialect.MAVLink_attitude_message(0, 0, 0, yaw_rad, 0, 0, 0), 4.0)
         assert telemetry.state is not None
-        assert (telemetry.state.yaw_s, telemetry.state.stamp_s) == (stamp_s, 3.0)
+        assert (telemetry.state.attitude.measured_s, telemetry.state.motion.received_s) == (
+            stamp_s,
+            3.0,
+        )
 
 
 def test_the_stamp_is_that_of_the_position() -> None:
     telemetry = heard(Autopilot(), now_s=1.0)
     heartbeat, *_ = Autopilot().telemetry()
     take(telemetry, [heartbeat], now_s=9.0)
-    assert telemetry.state is not None and telemetry.state.stamp_s == 1.0
+    assert telemetry.state is not None and telemetry.state.motion.received_s == 1.0
 
 
 def test_positions_are_shifted_to_home_and_back() -> None:
@@ -103,8 +110,8 @@ def test_positions_are_shifted_to_home_and_back() -> None:
     autopilot.home, autopilot.position = [10.0, -20.0, 0.5], [11.0, -18.0, -2.5]
     telemetry = heard(autopilot)
     assert telemetry.state is not None
-    assert telemetry.state.position == (1.0, 2.0, -3.0)
-    assert telemetry.frame.local(telemetry.state.position) == (11.0, -18.0, -2.5)
+    assert telemetry.state.motion.position == (1.0, 2.0, -3.0)
+    assert telemetry.frame.local(telemetry.state.motion.position) == (11.0, -18.0, -2.5)
 
 
 def test_the_mission_s_frame_does_not_follow_a_home_that_moves() -> None:
@@ -155,17 +162,17 @@ def test_a_charge_that_stays_unknown_is_none_again() -> None:
     telemetry = heard(Autopilot())
     for now_s, percent, known in ((1.0, 60, 60), (5.9, -1, 60), (6.1, -1, None), (7.0, 50, 50)):
         say(telemetry, battery(percent), now_s)
-        assert telemetry.state is not None and telemetry.state.battery_percent == known
+        assert telemetry.state is not None and telemetry.state.battery.percent == known
 
 
 def test_an_unknown_charge_is_none_and_later_no_news() -> None:
     autopilot = Autopilot()
     autopilot.battery_percent = -1
     telemetry = heard(autopilot)
-    assert telemetry.state is not None and telemetry.state.battery_percent is None
+    assert telemetry.state is not None and telemetry.state.battery.percent is None
     for percent in (0, -1):
         say(telemetry, battery(percent))
-    assert telemetry.state is not None and telemetry.state.battery_percent == 0
+    assert telemetry.state is not None and telemetry.state.battery.percent == 0
 
 
 @pytest.mark.parametrize(
@@ -181,13 +188,13 @@ def test_a_critical_status_is_a_failsafe(status: int, is_failsafe: bool) -> None
     autopilot = Autopilot()
     autopilot.system_status = status
     state = heard(autopilot).state
-    assert state is not None and state.is_failsafe is is_failsafe
+    assert state is not None and state.heartbeat.is_failsafe is is_failsafe
 
 
 def test_a_mode_without_a_name_here_is_another_one() -> None:
     telemetry = heard(Autopilot())
     say(telemetry, dialect.MAVLink_heartbeat_message(2, 12, 1, 0x00FF0000, 4, 3))
-    assert telemetry.state is not None and telemetry.state.mode is Mode.OTHER
+    assert telemetry.state is not None and telemetry.state.heartbeat.mode is Mode.OTHER
 
 
 def test_messages_that_say_nothing_of_the_state_are_ignored() -> None:
@@ -213,6 +220,6 @@ def test_a_tilt_is_an_acceleration(
     telemetry = heard(Autopilot())
     say(telemetry, dialect.MAVLink_attitude_message(9_000, roll, pitch, yaw, 0.0, 0.0, 0.0))
     assert telemetry.state is not None
-    assert telemetry.state.thrust_mps2 == pytest.approx(thrust, abs=2e-3)
+    assert telemetry.state.attitude.thrust_mps2 == pytest.approx(thrust, abs=2e-3)
     say(telemetry, dialect.MAVLink_attitude_message(9_100, 1.5, 0.0, yaw, 0.0, 0.0, 0.0), 2.0)
-    assert telemetry.state.thrust_mps2 == pytest.approx(thrust, abs=2e-3)
+    assert telemetry.state.attitude.thrust_mps2 == pytest.approx(thrust, abs=2e-3)

@@ -6,7 +6,7 @@ import pytest
 from autopilot import Autopilot, battery, named
 
 from companion.mavlink.framing import MavlinkCodec, dialect
-from companion.vehicle.telemetry import TELEMETRY
+from companion.vehicle.telemetry import Telemetry
 from companion.vehicle.wire import Wire
 
 HEARTBEAT = dialect.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3)
@@ -14,7 +14,7 @@ HEARTBEAT = dialect.MAVLink_heartbeat_message(18, 8, 0, 0, 4, 3)
 
 def wire_of(*wanted: str, continual: frozenset[str] = frozenset()) -> Wire:
     wire = Wire()
-    wire.listen(TELEMETRY | set(wanted), continual)
+    wire.listen(Telemetry().wanted | set(wanted), continual)
     return wire
 
 

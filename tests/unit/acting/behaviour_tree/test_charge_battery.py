@@ -7,6 +7,7 @@ from typing import cast
 
 import pytest
 from py_trees.common import Status
+from states import changed, standing
 
 from companion.acting.behaviour_tree.landing import NO_CHARGE_S, ChargeBattery
 from companion.acting.flight import Flight
@@ -26,7 +27,7 @@ class Charging:
         self.flight = SimpleNamespace(
             now_s=0.0,
             report=self.reports.append,
-            vehicle=SimpleNamespace(state=SimpleNamespace(battery_percent=20)),
+            vehicle=SimpleNamespace(state=changed(standing(), percent=20)),
             dock=self,
             task=SimpleNamespace(is_called=False),
         )
@@ -41,7 +42,8 @@ class Charging:
         for _ in range(round(seconds)):
             self.flight.now_s += 1.0
             self.percent += rate
-            self.flight.vehicle.state.battery_percent = int(self.percent)
+            vehicle = self.flight.vehicle
+            vehicle.state = changed(vehicle.state, percent=int(self.percent))
             if (status := self.leaf.update()) is not Status.RUNNING:
                 return status
         return Status.RUNNING

@@ -194,7 +194,7 @@ def test_a_wait_takes_its_time_and_the_vehicle_stays() -> None:
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.flight.now_s - there_s == pytest.approx(5.0, abs=0.15)
     assert rig.vehicle.state is not None
-    assert distance(rig.vehicle.state.position, POSITIONS["A"]) < 0.1
+    assert distance(rig.vehicle.state.motion.position, POSITIONS["A"]) < 0.1
 
 
 def test_a_subtree_is_what_it_stands_for_each_time() -> None:

@@ -30,7 +30,7 @@ from companion.motion.grid import OccupancyGrid
 from companion.outcomes import Failed, Progress
 from companion.planning.domain import WAIT, Action
 from companion.tick import TICK_S
-from companion.vehicle.port import hold_at
+from companion.vehicle.ports.setpoints import hold_at
 
 ASK = Command(PAYLOAD, USER_1, "MAV_CMD_USER_1", (1.5, -2.0))
 

@@ -80,7 +80,7 @@ def test_a_vehicle_that_does_not_turn_has_not_arrived() -> None:
 def test_a_flight_that_is_interrupted_amid_its_turn_keeps_the_heading() -> None:
     rig = heading_at("A", SOUTH)
     leaf = MoveCommand(rig.flight, "A", None)
-    while error_rad(rig.vehicle.state.yaw_rad, 0.0) < 1.0:  # type: ignore[union-attr]
+    while error_rad(rig.vehicle.state.attitude.yaw_rad, 0.0) < 1.0:  # type: ignore[union-attr]
         tick(rig, leaf)
     leaf.stop(Status.INVALID)
     stopped_rad = told(rig)[-1]
@@ -123,7 +123,7 @@ def test_a_command_is_sent_when_the_vehicle_looks_there() -> None:
     while not rig.vehicle.payloads.sent:
         tick(rig, tree)
     assert rig.vehicle.state is not None
-    assert error_rad(rig.vehicle.state.yaw_rad, WEST) <= HEADING_TOLERANCE_RAD
+    assert error_rad(rig.vehicle.state.attitude.yaw_rad, WEST) <= HEADING_TOLERANCE_RAD
     assert rig.flight.now_s == approx(math.pi / 2 / RATE, abs=3 * TICK_S)
 
 
@@ -158,7 +158,7 @@ def test_a_skill_of_steps_lands_as_it_stands_and_looks_there_after_the_take_off(
     ]
     run(rig, tree)
     assert rig.vehicle.state is not None
-    assert error_rad(rig.vehicle.state.yaw_rad, WEST) <= HEADING_TOLERANCE_RAD
+    assert error_rad(rig.vehicle.state.attitude.yaw_rad, WEST) <= HEADING_TOLERANCE_RAD
 
 
 def test_a_skill_that_refines_another_one_looks_where_it_says_or_where_that_one_does() -> None:

@@ -25,7 +25,7 @@ from companion.geometry import distance
 from companion.motion.grid import OccupancyGrid
 from companion.planning.flight_times import route_map
 from companion.tick import TICK_S
-from companion.vehicle.port import Setpoint, hold_at
+from companion.vehicle.ports.setpoints import Setpoint, hold_at
 from companion.vehicle_profile import VehicleProfile
 
 QUAD = VehicleProfile()
@@ -41,7 +41,7 @@ def test_a_move_starts_where_the_vehicle_is_and_ends_at_the_place() -> None:
     assert first is not None and distance(first.position, (2.0, 1.0, -1.5)) < 1e-9
     assert last is not None and last.position == POSITIONS["A"]
     assert rig.vehicle.state is not None
-    assert distance(rig.vehicle.state.position, POSITIONS["A"]) < ARRIVAL_M
+    assert distance(rig.vehicle.state.motion.position, POSITIONS["A"]) < ARRIVAL_M
 
 
 def test_a_move_sends_one_setpoint_per_tick_within_the_speed_limit() -> None:
@@ -88,7 +88,7 @@ def test_the_setpoint_waits_for_a_vehicle_that_falls_behind() -> None:
     for _ in range(200):
         assert tick(rig, leaf) is Status.RUNNING
     assert rig.vehicle.setpoint is not None and rig.vehicle.state is not None
-    gap_m = distance(rig.vehicle.setpoint.position, rig.vehicle.state.position)
+    gap_m = distance(rig.vehicle.setpoint.position, rig.vehicle.state.motion.position)
     assert LAG_M <= gap_m <= WAITS_SHARE * QUAD.carrot_m
     rig.vehicle.is_stuck = False
     assert run(rig, leaf) is Status.SUCCESS
@@ -101,13 +101,13 @@ def test_a_vehicle_that_came_to_rest_far_away_begins_again_from_there() -> None:
     for _ in range(20):
         tick(rig, leaf)
     assert rig.vehicle.state is not None
-    north, east, down = rig.vehicle.state.position
+    north, east, down = rig.vehicle.state.motion.position
     rig.vehicle.is_stuck = True
     rig.vehicle.change(position=(north, east + 2.0, down))
     tick(rig, leaf)
     tick(rig, leaf)
     assert rig.vehicle.setpoint is not None
-    assert distance(rig.vehicle.setpoint.position, rig.vehicle.state.position) < LAG_M
+    assert distance(rig.vehicle.setpoint.position, rig.vehicle.state.motion.position) < LAG_M
     rig.vehicle.is_stuck = False
     assert run(rig, leaf) is Status.SUCCESS
 
@@ -122,7 +122,7 @@ def test_a_vehicle_that_is_pushed_back_for_ever_is_stuck() -> None:
 
     def pushed() -> Status:
         assert rig.vehicle.state is not None
-        north, east, down = rig.vehicle.state.position
+        north, east, down = rig.vehicle.state.motion.position
         rig.vehicle.change(position=(north - 0.1 * TICK_S, east, down))
         return tick(rig, leaf)
 
@@ -217,7 +217,7 @@ def a_finer_rig() -> Rig:
 def fly_until(rig: Rig, leaf: Behaviour, north_m: float) -> None:
     """Ticks until the vehicle has come so far north, on its way from H to A."""
     assert rig.vehicle.state is not None
-    while rig.vehicle.state.position[0] < north_m:
+    while rig.vehicle.state.motion.position[0] < north_m:
         assert tick(rig, leaf) is Status.RUNNING
 
 

@@ -26,7 +26,7 @@ from companion.mission.steps import Charge, Command, Do, Fly, Land, TakeOff, Wai
 from companion.outcomes import Failed, Progress
 from companion.planning.instances import instantiate
 from companion.planning.lasso import ChosenPlan, Lasso
-from companion.vehicle.port import Goal
+from companion.vehicle.ports.goals import Goal
 
 LOW = event("low")
 PHOTO = Command(25, 31010, "MAV_CMD_USER_1", ())
@@ -113,7 +113,7 @@ def test_charging_lands_waits_for_the_battery_and_goes_on_in_the_air() -> None:
     rig = Rig(charging("F (charged & F at(B))")).begin()
     rig.vehicle.change(battery_percent=20)
     rig.run_until(VehicleLanded)
-    assert rig.vehicle.state is not None and not rig.vehicle.state.is_armed
+    assert rig.vehicle.state is not None and not rig.vehicle.state.heartbeat.is_armed
     for _ in range(200):
         rig.tick()
     assert VehicleAirborne() not in rig.events
@@ -165,7 +165,7 @@ def test_a_charger_that_gives_nothing_is_given_up_and_the_sortie_takes_off_again
 
 def test_a_landing_that_fails_is_a_failed_skill() -> None:
     rig = Rig(charging("F charged | G F at(B)")).begin()
-    rig.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed after 120 s"))
+    rig.vehicle.goals.script[Goal.LANDED] = (1.0, Failed("not landed after 120 s"))
     rig.run_until(SkillFailed, action="charge(H, A)", reason="not landed after 120 s")
     assert rig.task.withdrawn == {"pad(A)"}
 

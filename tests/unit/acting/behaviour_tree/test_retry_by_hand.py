@@ -28,7 +28,7 @@ from companion.mission.tree_nodes import (
     Watch,
 )
 from companion.outcomes import Failed, Progress
-from companion.vehicle.port import Goal
+from companion.vehicle.ports.goals import Goal
 
 DENIED = (0.1, Failed("denied"))
 DONE = (0.1, Progress.DONE)

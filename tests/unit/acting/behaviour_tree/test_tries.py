@@ -20,7 +20,7 @@ from companion.flight_events.sortie import VehicleAirborne, VehicleLanded
 from companion.mission.skills import Skill
 from companion.mission.steps import Charge, Command, Do, Execution, Fly, Land, TakeOff, Wait
 from companion.outcomes import Failed, Progress
-from companion.vehicle.port import Goal
+from companion.vehicle.ports.goals import Goal
 
 DENIED = (0.1, Failed("denied"))
 DONE = (0.1, Progress.DONE)
@@ -178,9 +178,9 @@ def test_without_the_charge_for_it_a_landing_is_not_tried_again() -> None:
 
 def test_a_landing_that_fails_is_begun_again_from_the_air() -> None:
     rig = dock(Fly("to"), Land(), TakeOff(), tries=2)
-    rig.vehicle.script[Goal.LANDED] = (1.0, Failed("not landed"))
+    rig.vehicle.goals.script[Goal.LANDED] = (1.0, Failed("not landed"))
     rig.run_until(VehicleAirborne)
-    del rig.vehicle.script[Goal.LANDED]
+    del rig.vehicle.goals.script[Goal.LANDED]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.task.withdrawn == frozenset()
 

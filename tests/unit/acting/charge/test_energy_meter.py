@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from states import changed, flying
 
 from companion.acting.charge.energy_meter import UNITS_PER_J, EnergyMeter
 from companion.flight_events.energy import EnergyUsed
@@ -29,11 +30,7 @@ class Stretch:
 
     def __init__(self, more: float, is_told: bool = True, ages: float = 1.0) -> None:
         self._power_w, self._ages, self.level = POWER_W * more, ages, 6000.0
-        state = SimpleNamespace(
-            power_w=self._power_w if is_told else None,
-            battery_percent=50.0,
-            velocity=(0.0, 0.0, 0.0),
-        )
+        state = changed(flying(), power_w=self._power_w if is_told else None, percent=50)
         self.reports: list[Any] = []
         self.ahead = math.nan
         self.execute: tuple[Fly | Wait, ...] = (Fly("A"),)

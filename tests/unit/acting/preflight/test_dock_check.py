@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -20,7 +19,7 @@ from companion.outcomes import Progress
 def test_how_far_beside_it_may_land(accuracy_m: float, beside_m: float | None) -> None:
     told: list[Any] = []
     vehicle = FakeVehicle()
-    vehicle.state = replace(vehicle.state, accuracy_m=accuracy_m)  # type: ignore[type-var]
+    vehicle.change(accuracy_m=accuracy_m)
     flight: Any = SimpleNamespace(vehicle=vehicle, report=told.append)
     assert DockCheck(flight).tick() is Progress.DONE
     assert told == ([] if beside_m is None else [DockMayBeMissed(beside_m)])

@@ -213,7 +213,6 @@ def test_a_vehicle_near_the_fence_is_told_of_if_its_position_may_lie_across(
     """The mission's is 1.0 m away from where it stands, the kept one 1.3 m."""
     near = StoredFence((FenceArea(FenceCircle((28.0, 3.0), 30.0), True),), 1)
     run = rig(policy, near if policy is UploadPolicy.KEEP else None)
-    assert run.vehicle.state is not None
-    run.vehicle.state = replace(run.vehicle.state, position=(-0.5, 0.0, 0.0), accuracy_m=accuracy_m)
+    run.vehicle.change(position=(-0.5, 0.0, 0.0), accuracy_m=accuracy_m)
     armed(run)
     assert [event.error_m for event in run.of(FenceNear)] == told_m

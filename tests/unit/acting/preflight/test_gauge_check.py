@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from fakes import FakeVehicle
+from states import changed
 
 from companion.acting.preflight.failsafe_check import ANSWER_TIMEOUT_S
 from companion.acting.preflight.gauge_check import GaugeCheck
@@ -25,14 +25,14 @@ def test_a_charge_that_is_told_is_enough(flight: Any) -> None:
 
 def test_one_that_comes_late_is_waited_for(flight: Any) -> None:
     state, check = flight.vehicle.state, GaugeCheck(flight)
-    flight.vehicle.state = replace(state, battery_percent=None)
+    flight.vehicle.state = changed(state, battery_percent=None)
     assert check.tick() is Progress.RUNNING
     flight.now_s, flight.vehicle.state = 3.0, state
     assert check.tick() is Progress.DONE
 
 
 def test_without_one_it_says_what_to_do(flight: Any) -> None:
-    flight.vehicle.state = replace(flight.vehicle.state, battery_percent=None)
+    flight.vehicle.state = changed(flight.vehicle.state, battery_percent=None)
     check = GaugeCheck(flight)
     check.tick()
     flight.now_s = ANSWER_TIMEOUT_S + 1

@@ -58,7 +58,7 @@ def test_a_fence_that_holds_all_of_the_missions_own_changes_no_plan() -> None:
     run.until(Phase.TAKE_OFF)
     run.one(FenceKept)
     assert run.of(PlanReplaced) == [] and ways(run) == [(6.0, 0.0), (6.0, 6.0)]
-    assert run.vehicle.kept_fence == KeptFence.of([WIDE])
+    assert run.vehicle.setpoints.kept_fence == KeptFence.of([WIDE])
 
 
 def test_routes_lead_around_its_zones_and_keep_away_from_them() -> None:
@@ -66,8 +66,9 @@ def test_routes_lead_around_its_zones_and_keep_away_from_them() -> None:
     run.until(Phase.TAKE_OFF)
     south = min(north for north, _ in ways(run))
     assert south < 5.0 - ASKED.vehicle.clearance_m + 0.1
-    assert run.vehicle.kept_fence is not None
-    assert run.vehicle.kept_fence.keep_out == (((5.0, 2.5), (5.0, 3.5), (9.0, 3.5), (9.0, 2.5)),)
+    kept = run.vehicle.setpoints.kept_fence
+    assert kept is not None
+    assert kept.keep_out == (((5.0, 2.5), (5.0, 3.5), (9.0, 3.5), (9.0, 2.5)),)
 
 
 def test_another_plan_is_made_where_the_first_one_leads_out() -> None:
@@ -116,7 +117,7 @@ def test_whoever_goes_on_with_the_flight_has_it_from_the_journal() -> None:
     begun = (0.0, FlightBegun("m", "m.yaml", "0a", 0.0))
     flight = put_together([begun, *run.journal.entries])  # type: ignore[attr-defined]
     assert flight is not None and flight.fence is not None
-    assert flight.fence == run.vehicle.kept_fence
+    assert flight.fence == run.vehicle.setpoints.kept_fence
     again = rig()
     assert keep_to(again.rig.flight, flight.fence)
     assert ways(again) == ways(run)

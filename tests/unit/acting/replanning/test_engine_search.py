@@ -90,7 +90,7 @@ def test_the_vehicle_holds_until_the_engine_has_answered(rig: Rig, engine: SlowE
     for _ in range(40):
         assert rig.tick() is TaskStatus.RUNNING
     assert rig.vehicle.state is not None and held is not None
-    assert rig.vehicle.state.position == pytest.approx(held.position, abs=0.05)
+    assert rig.vehicle.state.motion.position == pytest.approx(held.motion.position, abs=0.05)
     assert len(engine.jobs) == 1 and not rig.of(PlanReplaced)
     engine.answer()
     rig.tick()
