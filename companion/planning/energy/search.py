@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from companion.errors import SearchLimit
+from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search, accepting_components
 from companion.planning.effort import Effort
 from companion.planning.energy.energy_product import EnergyProduct
@@ -51,6 +52,14 @@ class BatterySearch:
             yield from self.plain.solutions(problem, Objective.LAP, effort)
             return
         product = self.plain.product(problem, effort, min_goals=sys.maxsize)
+        yield from self.within(product, problem, effort)
+
+    def within(self, product: Product, problem: Problem, effort: Effort) -> Iterator[Solution]:
+        """The same for a problem with energy whose product is known, whatever time bounds it has.
+
+        Args:
+            product: with all one-shot goals in it.
+        """
         graph = EnergyProduct(problem, product)
         lassos = EnergyLassos(graph, self.loops, effort.proves_laps)
         yield from lassos.solutions(accepting_components(product))

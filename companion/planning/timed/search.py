@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from companion.errors import SearchLimit
+from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import accepting_components
 from companion.planning.effort import Effort
 from companion.planning.energy.search import BatterySearch
@@ -71,20 +72,21 @@ class TimedSearch:
         if not problem.clocks_ms or not may_any_run(problem):
             yield from self._untimed.solutions(problem, effort)
             return
+        product = self._untimed.plain.product(problem, effort, min_goals=sys.maxsize)
         if problem.energy is None:
-            yield from self._searched(problem, effort)
+            yield from self._searched(problem, product, effort)
         else:
-            yield from self._on_a_battery(problem, effort)
+            yield from self._on_a_battery(problem, product, effort)
 
-    def _on_a_battery(self, problem: Problem, effort: Effort) -> Iterator[Solution]:
+    def _on_a_battery(
+        self, problem: Problem, product: Product, effort: Effort
+    ) -> Iterator[Solution]:
         """The best plan for the battery, if it keeps the bounds; otherwise one with few levels.
 
         Raises:
             SearchLimit: as in `solutions`, or a plan with other levels of charge may exist.
         """
-        conjuncts = tuple(replace(each, bound=None) for each in problem.conjuncts)
-        unbounded = replace(problem, conjuncts=conjuncts, clocks_ms=())
-        *_, best = None, *self._untimed.solutions(unbounded, effort)
+        *_, best = None, *self._untimed.within(product, problem, effort)
         if best is None:
             return
         if time_fault(_as_planned(problem), best.lasso) is None:
@@ -94,23 +96,27 @@ class TimedSearch:
         self.known.keep_loop(best.lasso.loop)  # its levels are not among the few
         actions = (*best.lasso.prefix, *best.lasso.loop)
         levels = frozenset(a.charge_to for a in actions if a.charge_to is not None)
-        for solution in self._searched(problem, effort, levels):
+        for solution in self._searched(problem, product, effort, levels):
             has_found = True
             yield replace(solution, bound_ms=min(best.bound_ms, solution.cost_ms))
         if not has_found and self.is_solvable(replace(problem, energy=None), effort) is not False:
             raise SearchLimit(f"{LEVELS} levels of charge, with bounds in time", ADVICE)
 
     def _searched(
-        self, problem: Problem, effort: Effort, levels: frozenset[int] = frozenset()
+        self,
+        problem: Problem,
+        product: Product,
+        effort: Effort,
+        levels: frozenset[int] = frozenset(),
     ) -> Iterator[Solution]:
         """Searches by label setting.
 
         Args:
             problem: a problem with time bounds.
+            product: its product.
             effort: the limits of the search.
             levels: levels to charge to, in addition to a few.
         """
-        product = self._untimed.plain.product(problem, effort, min_goals=sys.maxsize)
         components = accepting_components(product)
         if not components:
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from random import Random
+from typing import Any
 
 import pytest
 from energy_problems import energy_problem
@@ -18,9 +19,10 @@ from companion.errors import SearchLimit
 from companion.ltl.parser import parse
 from companion.ltl.time_bounds import Response, Revisit, TimeBound, Within
 from companion.mission.loader import load_mission
+from companion.planning.builtin.product import Product
 from companion.planning.builtin.search import Search
 from companion.planning.check import fault
-from companion.planning.effort import BEFORE_FLIGHT
+from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.energy.search import BatterySearch
 from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Problem, Solution
@@ -119,3 +121,21 @@ def test_the_lap_of_the_battery_alone_is_entered_where_the_bounds_allow_it() -> 
     plan = Planner(load_mission(data)).plan()
     assert [action.name for action in plan.loop].count("recharge(W)") == 1
     assert plan.is_optimal or plan.bound_ms == plan.cost_ms
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_one_product_is_searched_with_bounds_and_without(
+    seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[Product] = []
+
+    def noted(self: Search, *arguments: Any, **keys: Any) -> Product:
+        made.append(product(self, *arguments, **keys))
+        return made[-1]
+
+    product = Search.product
+    monkeypatch.setattr(Search, "product", noted)
+    asked = bounded(seed, share=0.9)
+    search = TimedSearch(BatterySearch(Search(asked.actions)))
+    found = search.is_solvable(asked, IN_FLIGHT)
+    assert len(made) == 1 or not found  # one more without a battery, if there is no plan
