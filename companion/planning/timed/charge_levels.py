@@ -183,6 +183,11 @@ def charging(step: TimedStep, charger: Charger, needs: int, leaves: int) -> Time
     return step._replace(cost_ms=took_ms, duration_ms=took_ms, charge=(needs, leaves))
 
 
+def levels_of(actions: Sequence[Action]) -> frozenset[int]:
+    """The levels to which some actions of a plan charge."""
+    return frozenset(action.charge_to for action in actions if action.charge_to is not None)
+
+
 def _choices(charger: Charger, more: frozenset[int]) -> Iterator[tuple[int, int]]:
     room = charger.highest - charger.floor
     if room <= 0:

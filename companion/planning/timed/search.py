@@ -26,7 +26,7 @@ from companion.planning.energy.search import BatterySearch
 from companion.planning.lasso import Problem, Solution
 from companion.planning.time_check import time_fault
 from companion.planning.timed.bound_readings import may_any_run
-from companion.planning.timed.charge_levels import LEVELS
+from companion.planning.timed.charge_levels import LEVELS, levels_of
 from companion.planning.timed.component import TimedComponent
 from companion.planning.timed.known_laps import KnownLaps
 from companion.planning.timed.label_budget import ADVICE
@@ -94,9 +94,8 @@ class TimedSearch:
             return
         has_found = False
         self.known.keep_loop(best.lasso.loop)  # its levels are not among the few
-        actions = (*best.lasso.prefix, *best.lasso.loop)
-        levels = frozenset(a.charge_to for a in actions if a.charge_to is not None)
-        for solution in self._searched(problem, product, effort, levels):
+        in_lap, before_lap = levels_of(best.lasso.loop), levels_of(best.lasso.prefix)
+        for solution in self._searched(problem, product, effort, in_lap, before_lap):
             has_found = True
             yield replace(solution, bound_ms=min(best.bound_ms, solution.cost_ms))
         if not has_found and self.is_solvable(replace(problem, energy=None), effort) is not False:
@@ -107,7 +106,8 @@ class TimedSearch:
         problem: Problem,
         product: Product,
         effort: Effort,
-        levels: frozenset[int] = frozenset(),
+        in_lap: frozenset[int] = frozenset(),
+        before_lap: frozenset[int] = frozenset(),
     ) -> Iterator[Solution]:
         """Searches by label setting.
 
@@ -115,20 +115,23 @@ class TimedSearch:
             problem: a problem with time bounds.
             product: its product.
             effort: the limits of the search.
-            levels: levels to charge to, in addition to a few.
+            in_lap: levels to charge to, in addition to a few.
+            before_lap: more of them for the path into a lap. They may depend on the charge now, as
+                laps do not.
         """
         components = accepting_components(product)
         if not components:
             return
         has_found, limit = False, None
         for is_late in (False, True) if any(problem.clocks_ms) else (False,):
-            graph = TimedProduct(problem, product, is_late, levels=levels)
+            graph = TimedProduct(problem, product, is_late, levels=in_lap)
             if not graph.bounds:
                 yield from self._untimed.solutions(problem, effort)
                 return
             parts = [TimedComponent(graph, nodes) for nodes in components]
             into = graph
-            if problem.energy is not None and problem.energy.is_short:
+            if not before_lap <= in_lap or (problem.energy is not None and problem.energy.is_short):
+                levels = before_lap | in_lap
                 into = TimedProduct(problem, product, is_late, in_loop=False, levels=levels)
             try:
                 lassos = TimedLassos(problem, graph, parts, effort, self.known, into)

@@ -28,6 +28,9 @@ from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Problem, Solution
 from companion.planning.planner import Planner
 from companion.planning.time_check import time_fault
+from companion.planning.timed import lassos
+from companion.planning.timed.charge_levels import levels_of
+from companion.planning.timed.lap_search import LapSearch
 from companion.planning.timed.search import TimedSearch
 
 LAPS = 20
@@ -139,3 +142,27 @@ def test_one_product_is_searched_with_bounds_and_without(
     search = TimedSearch(BatterySearch(Search(asked.actions)))
     found = search.is_solvable(asked, IN_FLIGHT)
     assert len(made) == 1 or not found  # one more without a battery, if there is no plan
+
+
+def test_with_another_charge_laps_are_not_searched_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lower charge makes the way into the lap charge, to a level that depends on it."""
+    made: list[LapSearch] = []
+
+    def noted(*arguments: Any, **keys: Any) -> LapSearch:
+        made.append(LapSearch(*arguments, **keys))
+        return made[-1]
+
+    monkeypatch.setattr(lassos, "LapSearch", noted)
+    asked = bounded(34, share=0.35)
+    assert asked.energy is not None
+    full, lower = (replace(asked, energy=replace(asked.energy, level=level)) for level in (21, 10))
+    battery = BatterySearch(Search(asked.actions))
+    best = [next(battery.solutions(each, IN_FLIGHT)).lasso for each in (full, lower)]
+    assert levels_of(best[1].prefix) - levels_of(best[1].loop)
+    assert levels_of(best[0].loop) == levels_of(best[1].loop)
+    search = TimedSearch(battery)
+    assert search.is_solvable(full, IN_FLIGHT) is None
+    assert made
+    made.clear()
+    assert search.is_solvable(lower, IN_FLIGHT) is None
+    assert not made
