@@ -252,12 +252,16 @@ class Product:
     def _demanded(self, parts: Sequence[RestrictedConjunct]) -> tuple[int, int]:
         """The facts (bits) that may be demanded to be true, and those to be false.
 
-        On a battery, where the vehicle is may matter either way, because of the floors.
+        If not only the lap counts, each fact that is read may matter either way, because a fact
+        that is not undone may have to be made in the prefix. So may the vehicle's place on a
+        battery, because of the floors.
         """
         energy = self._problem.energy
-        places = set[str]() if energy is None else set(map(at, energy.floors))
-        positive = places.union(*(part.literals.positive for part in parts))
-        negative = places.union(*(part.literals.negative for part in parts))
+        read = set[str](() if energy is None else map(at, energy.floors))
+        if not self._takes:  # other objectives are for problems without battery and time bounds
+            read.update(*(part.automaton.propositions for part in parts))
+        positive = read.union(*(part.literals.positive for part in parts))
+        negative = read.union(*(part.literals.negative for part in parts))
         return self._bits.mask(positive), self._bits.mask(negative)
 
     def _better_than_rest(self) -> frozenset[int]:

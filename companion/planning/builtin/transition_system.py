@@ -75,7 +75,9 @@ class TransitionSystem:
         """Drops actions that do nothing for the task, and enable no action that does.
 
         Such an action makes no wanted fact true and no unwanted fact false. If the problem has a
-        rest, that can replace it at no extra cost.
+        rest, that can replace it at no extra cost. An action that undoes what is wanted also has to
+        cost more, and no other action may undo it: then no shortest lap contains it, and a lap that
+        closes after it also closes without it.
 
         Args:
             wanted: the facts (bits) that may be demanded to be true.
@@ -86,13 +88,14 @@ class TransitionSystem:
         if rest_ms is None:
             return
         idle, needed = set(self._possible), self._possible
+        added = deleted = 0  # by actions that stay
         while needed:
             spent(_GROUP_US * len(idle))
             needed = [
                 group
                 for group in idle
-                if group.may_add & wanted
-                or group.deletes & unwanted
+                if group.may_add & (wanted | unwanted & added)
+                or group.deletes & (unwanted | wanted & deleted)
                 or not kept.isdisjoint(group.numbers)
             ]
             idle.difference_update(needed)
@@ -100,7 +103,15 @@ class TransitionSystem:
                 of_effects = group.reads if group.conditional else 0  # an effect may be bad or good
                 wanted |= group.requires | of_effects
                 unwanted |= group.forbids | of_effects
-        if gone := {g for g in idle if not g.rests_ms and min(g.costs) >= rest_ms}:
+                added, deleted = added | group.may_add, deleted | group.deletes
+        gone = {
+            group
+            for group in idle
+            if not group.rests_ms
+            and min(group.costs)
+            >= rest_ms + bool(group.may_add & unwanted or group.deletes & wanted)
+        }
+        if gone:
             self._possible = [group for group in self._possible if group not in gone]
             self._always, self._by_fact = _indexed(self._possible)
             self._successors.clear()

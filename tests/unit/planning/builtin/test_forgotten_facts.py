@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import random
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 from problems import action, asking, find_lasso, histories, problem, random_legs
@@ -25,6 +26,11 @@ def shots(places: Sequence[str]) -> list[Action]:
 
 def seen(places: Sequence[str], more: str = "") -> str:
     return " & ".join(f"F shot({p})" for p in places) + more
+
+
+def on_the_clock(asked: Problem) -> Problem:
+    """The same with clocks that never run: only its lap counts, and then its prefix."""
+    return replace(asked, clocks_ms=(None,) * len(asked.conjuncts))
 
 
 def best(asked: Problem, effort: Effort = IN_FLIGHT) -> Solution:
@@ -158,14 +164,15 @@ def drawn_actions(chance: random.Random) -> list[Action]:
     return drawn
 
 
+@pytest.mark.parametrize("is_timed", [False, True])
 @pytest.mark.parametrize("seed", range(150))
-def test_nothing_is_lost_with_actions_on_which_nothing_depends(seed: int) -> None:
+def test_nothing_is_lost_with_actions_on_which_nothing_depends(seed: int, is_timed: bool) -> None:
     """The reference has all actions, and loops that leave all facts as they were."""
     chance = random.Random(seed)
     legs = random_legs(chance, "HAB")
     asked = problem("HAB", legs, chance.choice(TASKS), drawn_actions(chance))
     reference = best_lap_and_prefix(asked)
-    found = find_lasso(asked)
+    found = find_lasso(on_the_clock(asked) if is_timed else asked)
     assert (found is None) == (reference is None)
     if found is not None and reference is not None:
         assert fault(asked, found, histories(asked)) is None
@@ -189,8 +196,11 @@ def test_what_takes_away_only_what_lines_want_is_not_done(task: str) -> None:
     trees = [f"t{i}" for i in range(4)]
     legs = random_legs(random.Random(4), ["H", *trees])
     sent = [action(f"send({p})", f"at(H) & shot({p})", f"!shot({p})") for p in trees]
-    asked = problem(["H", *trees], legs, f"{seen(trees)} & {task}", [*shots(trees), *sent])
-    kept = problem(["H", *trees], legs, f"{seen(trees)} & {task}", shots(trees))
+    demanded = f"{seen(trees)} & {task}"
+    asked, kept = (
+        on_the_clock(problem(["H", *trees], legs, demanded, extra))
+        for extra in ([*shots(trees), *sent], shots(trees))
+    )
     found, without = (Search(each.actions).product(each, IN_FLIGHT) for each in (asked, kept))
     assert (found.nodes, len(found.ends)) == (without.nodes, len(without.ends))
     assert best(asked).lasso == best(kept).lasso
@@ -199,5 +209,5 @@ def test_what_takes_away_only_what_lines_want_is_not_done(task: str) -> None:
 def test_what_a_line_wants_away_is_taken_away() -> None:
     legs = random_legs(random.Random(4), "HA")
     sent = action("send(A)", "at(H) & shot(A)", "!shot(A)")
-    asked = problem("HA", legs, "G F shot(A) & G F !shot(A)", [*shots("A"), sent])
+    asked = on_the_clock(problem("HA", legs, "G F shot(A) & G F !shot(A)", [*shots("A"), sent]))
     assert sent in best(asked).lasso.loop
