@@ -16,8 +16,8 @@ LEAST_APART = 0.06
 ABOVE_PERCENT = 3.0
 
 
-def draw_charge(axis: Axes, trail: ChargeTrail) -> None:
-    """Draws the charge of a flight that has measurements."""
+def draw_charge(axis: Axes, trail: ChargeTrail, legend_columns: int) -> None:
+    """Draws the charge of a flight that has measurements, with at most so many legend columns."""
     unit_s, unit = (60.0, "min") if trail.end_s >= LONG_S else (1.0, "s")
     for number, (begin_s, end_s) in enumerate(trail.charging):
         label = "charging" if number == 0 else None
@@ -52,7 +52,11 @@ def draw_charge(axis: Axes, trail: ChargeTrail) -> None:
     axis.set_xlabel(f"time [{unit}]")
     axis.set_ylabel("charge [%]")
     axis.legend(
-        loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize="small", frameon=False
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=legend_columns,
+        fontsize="small",
+        frameon=False,
     )
 
 

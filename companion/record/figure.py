@@ -29,6 +29,8 @@ PANEL_INCHES = (5.4, 4.2)
 CHARGE_INCHES = 2.1
 """Height of the strip with the charge."""
 LEGEND_INCHES = 0.35
+LEGEND_COLUMNS = 3
+"""Most columns of a legend, for each panel above it: more would be wider than the figure."""
 COLUMNS = 3
 """Most panels side by side."""
 SETTLING_DRAWS = 2
@@ -67,7 +69,7 @@ def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
     heights = [PANEL_INCHES[1]] * rows + [strip] * bool(strip)
     grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
     if strip:
-        draw_charge(figure.add_subplot(grid[rows, :]), trail.charge)
+        draw_charge(figure.add_subplot(grid[rows, :]), trail.charge, LEGEND_COLUMNS * columns)
     parts = [(title, _east_north(positions)) for title, positions in trail.parts]
     axes = [figure.add_subplot(grid[divmod(i, columns)]) for i in range(panels)]
     for i, axis in enumerate(axes):
@@ -82,7 +84,7 @@ def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
     figure.legend(
         handles=handles,
         loc="outside lower center",
-        ncols=min(len(handles), 3 * columns),
+        ncols=min(len(handles), LEGEND_COLUMNS * columns),
         fontsize="small",
         frameon=False,
     )

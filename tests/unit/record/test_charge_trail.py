@@ -144,6 +144,7 @@ def test_the_strip_shows_what_is_known(tmp_path: Path) -> None:
     draw_flight(backdrop_of(mission("F at(A)")), trail, tmp_path / "flight.png")
     with Image.open(tmp_path / "flight.png") as image:
         assert image.height > 550
+    assert strip.get_window_extent().width > 0.7 * strip.figure.bbox.width
 
 
 @pytest.mark.parametrize("happened", [[], MEASURED, [(1.0, PLAN)]])
