@@ -3,7 +3,8 @@
 1. Writing: polygons come first. PX4 misreads a polygon behind a circle: it takes each corner for
    the first corner of another polygon.
 2. Reading: items are interpreted as PX4 interprets them, and a flaw that PX4 does not report is
-   named.
+   named. PX4 compares longitudes as they are, so a polygon across the 180th meridian, from 179.9 to
+   -179.9 degrees, contains nothing there.
 
 Source: PX4 1.16, src/modules/navigator/geofence.cpp (_updateFence).
 """
@@ -22,6 +23,8 @@ _POLYGONS = {5001: True, 5002: False}
 _CIRCLES = {5003: True, 5004: False}
 """MAV_CMD -> whether the area is one of inclusion."""
 _RETURN_POINT = 5000
+_HALF_TURN = 180 * 10**7
+"""Degrees of longitude, as items count them."""
 _COMMANDS = {
     (FencePolygon, True): 5001,
     (FencePolygon, False): 5002,
@@ -85,17 +88,27 @@ def fence_of(items: Sequence[StoredItem], from_earth: FromEarth) -> StoredFence 
         elif item.command in _POLYGONS:
             corners = max(int(_number(item)), 1)
             is_whole = at + corners <= len(items)
-            shape = FencePolygon(tuple(points[at : at + corners]) if is_whole else ())
+            is_across = _is_across_180(items[at : at + corners])
+            is_sound = is_whole and not is_across
+            shape = FencePolygon(tuple(points[at : at + corners]) if is_sound else ())
             areas.append(FenceArea(shape, _POLYGONS[item.command]))
             count = 1 if has_circle else corners
             if has_circle:
                 flaw = "a circle stands before a polygon, and PX4 misreads what follows it"
             elif not is_whole:
                 flaw = "a polygon is not whole"
+            elif is_across:
+                flaw = "a polygon crosses the 180th meridian, where PX4 takes it for another one"
         elif item.command != _RETURN_POINT:
             flaw = f"it has an item of the command {item.command}"
         at += count
     return StoredFence(tuple(areas), len(items), flaw)
+
+
+def _is_across_180(corners: Sequence[StoredItem]) -> bool:
+    """Whether a polygon lies on both sides of the 180th meridian."""
+    longitudes = [corner.y for corner in corners]
+    return max(longitudes) - min(longitudes) > _HALF_TURN
 
 
 def _number(item: StoredItem) -> float:

@@ -4,6 +4,7 @@
    contain its home. It reports this by an EVENT, and by a STATUSTEXT where a ground station is
    heard. This service listens to both.
 2. PX4 does not reload identical items. So a fence that is written again begins with another corner.
+3. A fence that PX4 would interpret otherwise than it is drawn is not written.
 
 Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/navigator/geofence.cpp.
 """
@@ -68,12 +69,16 @@ class FenceService(ItemStore):
         return tuple(self._objections)
 
     def write(self, areas: Sequence[FenceArea]) -> None:
-        """Begins to replace the stored fence; applies rule 2."""
+        """Begins to replace the stored fence; applies rules 2 and 3."""
         on_earth = self._telemetry.frame.on_earth
         items = items_of(areas, on_earth)
         if items is not None and items == self.items:
             items = items_of(areas, on_earth, first=1)
         self._objections = []
+        read = None if items is None else self._fence(items)
+        if read is not None and read.flaw is not None:
+            self._refuse(f"PX4 cannot keep the mission's fence: {read.flaw}")
+            return
         points = "" if items is None else f" of {len(items)} points"
         self._write(items, f"the autopilot does not take a fence{points}")
 

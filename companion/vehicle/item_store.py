@@ -105,11 +105,15 @@ class ItemStore:
             purpose: the sentence that begins the failure message.
         """
         if items is None:
-            self._refusal = Failed(f"{purpose}: it is not known where on the earth that lies")
+            self._refuse(f"{purpose}: it is not known where on the earth that lies")
             return
         self._own.note(items)
         self.written = items
         self._begin(purpose, items)
+
+    def _refuse(self, reason: str) -> None:
+        """Writes nothing, and says why as the outcome."""
+        self._refusal = Failed(reason)
 
     def is_as_written(self) -> bool:
         """Whether the items read last are those written last.
@@ -133,7 +137,7 @@ class ItemStore:
         self._heard_s = moment.heard_s
         if self._telemetry.is_flown and self._transfer is not None:
             self._transfer = None
-            self._refusal = Failed(f"{self._purpose}: the vehicle is armed or in the air")
+            self._refuse(f"{self._purpose}: the vehicle is armed or in the air")
 
     def take(self, moment: Moment, message: Message) -> None:
         """Takes one of TRANSFER_MESSAGES; only those of the autopilot count."""

@@ -168,7 +168,8 @@ def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[FenceAre
 
     Polygons have to come first. After a circle PX4 continues item by item, so each corner of a
     polygon begins a polygon of its own with as many of the following items. A polygon that extends
-    beyond the last item contains nothing.
+    beyond the last item contains nothing. Nor does one across the 180th meridian, at places near
+    it: PX4 compares longitudes as they are.
     """
     areas: list[FenceArea] = []
     points = [_place(item, origin) or (0.0, 0.0) for item in items]
@@ -181,12 +182,19 @@ def areas_from(items: Sequence[WireItem], origin: GlobalOrigin) -> list[FenceAre
             circle = FenceCircle(points[at], number)
             areas.append(FenceArea(circle, _CIRCLES[item.command]))
         elif item.command in _POLYGONS:
-            corners = tuple(points[at : at + int(number)])
-            polygon = FencePolygon(corners if len(corners) == int(number) else ())
+            drawn = slice(at, at + int(number))
+            corners = tuple(points[drawn])
+            is_sound = len(corners) == int(number) and not _is_across_180(items[drawn])
+            polygon = FencePolygon(corners if is_sound else ())
             areas.append(FenceArea(polygon, _POLYGONS[item.command]))
             count = 1 if has_circle else int(number)
         at += count
     return areas
+
+
+def _is_across_180(corners: Sequence[WireItem]) -> bool:
+    longitudes = [corner.y or 0.0 for corner in corners]
+    return max(longitudes) - min(longitudes) > 180.0
 
 
 def _place(item: WireItem, origin: GlobalOrigin) -> NorthEast | None:

@@ -70,13 +70,17 @@ def start(
 
 def station_uploads(flight: Lockstep, *items: tuple[int, float, Ned]) -> None:
     """A ground station writes a fence of (command, param1, point)."""
+    upload(flight, *((command, first, PX4_HOME.to_global(at)) for command, first, at in items))
+
+
+def upload(flight: Lockstep, *items: tuple[int, float, tuple[float, float, float]]) -> None:
+    """The same with latitudes and longitudes."""
     kind = dialect.MAV_MISSION_TYPE_FENCE
     flight.is_companion_alive = False
     flight.run(0.2)
     flight.station_says(dialect.MAVLink_mission_count_message(VEHICLE, 1, len(items), kind))
-    for seq, (command, first, point) in enumerate(items):
+    for seq, (command, first, (lat_deg, lon_deg, _)) in enumerate(items):
         flight.run(0.05)
-        lat_deg, lon_deg, _ = PX4_HOME.to_global(point)
         x, y = round(lat_deg * 1e7), round(lon_deg * 1e7)
         head = (VEHICLE, 1, seq, dialect.MAV_FRAME_GLOBAL, command, 0, 1, first, 0.0, 0.0, 0.0)
         flight.station_says(dialect.MAVLink_mission_item_int_message(*head, x, y, 0.0, kind))

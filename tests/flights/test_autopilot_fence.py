@@ -24,9 +24,10 @@ from meadow import (
     refused,
     start,
     station_uploads,
+    upload,
 )
 
-from companion.acting.preflight.arming_terms import UploadPolicy
+from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
 from companion.flight_events.sortie import (
     AutopilotSaid,
@@ -100,6 +101,33 @@ def test_it_lies_where_it_was_drawn_wherever_the_origin_is(frame: str) -> None:
     else:
         drawn = [origin.to_local(*each, 0.0)[:2] for each in degrees]
     assert FencePolygon(tuple(drawn)).is_like(area.shape, within_m=0.1)
+
+
+def test_a_fence_across_the_180th_meridian_is_not_written_because_px4_misreads_it() -> None:
+    home = GlobalOrigin(-16.8, 179.9999, 5.0)
+    degrees = [home.to_global((*corner, 0.0))[:2] for corner in SQUARE]
+    asked = mission_on_earth(home, degrees)
+    world = world_of(asked, {"version": 1, "home": at(home)})
+    flight = Lockstep(asked, world)
+    assert refused(flight) == (
+        "PX4 cannot keep the mission's fence: a polygon crosses the 180th meridian, where PX4 "
+        "takes it for another one\n    --autopilot-fence none leaves it alone"
+    )
+    assert areas(flight) == ()
+    flight = Lockstep(asked, world, arming=ArmingTerms(fence=UploadPolicy.NONE))
+    flight.until_the_end()
+    assert flight.exit_code == 0
+
+
+def test_the_autopilot_leaves_out_an_area_across_the_180th_meridian() -> None:
+    """A ground station has drawn it; it does not contain home, and nothing else near it."""
+    home = GlobalOrigin(-16.8, 179.9999, 5.0)
+    corners = [(POLYGON, 4.0, home.to_global((*corner, 0.0))) for corner in SQUARE]
+    world = world_of(mission(), {"version": 1, "home": at(home)})
+    flight = Lockstep(mission(), world, has_station=True)
+    upload(flight, *corners)
+    assert areas(flight) == ()
+    assert "a polygon crosses the 180th meridian" in refused(flight)
 
 
 def test_somebody_elses_fence_is_refused_with_both_ways_out() -> None:
