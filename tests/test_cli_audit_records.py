@@ -291,4 +291,4 @@ def test_a_damaged_record_is_refused_with_its_place(
 def test_a_folder_that_is_none_is_refused(companion: Companion, tmp_path: Path) -> None:
     ended = companion("audit", tmp_path / "nowhere")
     assert ended.code == 2
-    assert "is not a run folder" in ended.err
+    assert "there is no run folder" in ended.err

@@ -72,7 +72,7 @@ def test_it_is_drawn_beside_the_run(companion: Companion, run_folder: Path, name
 
 
 def test_mistakes_are_answered(companion: Companion, run_folder: Path, tmp_path: Path) -> None:
-    assert "none of .pdf, .svg, .png" in companion("figure", run_folder, "-o", "a.doc").err
+    assert "not one of .pdf, .svg, .png" in companion("figure", run_folder, "-o", "a.doc").err
     assert "is not a run folder: scene.json cannot be read" in companion("figure", tmp_path).err
     ended = companion("figure", run_folder, "-o", tmp_path / "nowhere" / "a.pdf")
     assert ended.code == 1 and "cannot write" in ended.err

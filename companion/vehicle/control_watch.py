@@ -52,6 +52,7 @@ class ControlWatch:
 
     Implements `ports.control.VehicleControl`.
 
+    >>> from companion.vehicle.ports.state import Mode
     >>> watch = ControlWatch()
     >>> watch.take(Heartbeat(Mode.POSCTL, True, False, received_s=5.0), is_our_mode=False)
     >>> watch.state, watch.takeover

@@ -142,7 +142,7 @@ def test_rows_of_another_release_are_another_campaign(tmp_path: Path) -> None:
     with pytest.raises(MissionError, match="holds another campaign: its format is 0"):
         RowFile(tmp_path, HEADER)
     path.write_text(before.decode().replace('"0"', '"1"', 1))
-    with pytest.raises(MissionError, match="no row of a campaign"):
+    with pytest.raises(MissionError, match="not a row of a campaign"):
         RowFile(tmp_path, HEADER)
     assert path.read_bytes() == before.replace(b'"0"', b'"1"', 1)
 

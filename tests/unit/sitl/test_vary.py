@@ -69,8 +69,8 @@ def test_all_kinds_of_distributions_are_read() -> None:
         ("wind.esat_mps: [-3, 3]", "unknown key 'esat_mps' in wind"),
         ("obstacles.crat.circle.east_m: [1, 2]", "no entry crat"),
         ("happens.2.at_s: [1, 2]", "no entry 2"),
-        ("obstacles.crate: [1, 2]", "no single value"),
-        ("wind: {chance: 0.5}", "no single value"),
+        ("obstacles.crate: [1, 2]", "not a single value"),
+        ("wind: {chance: 0.5}", "not a single value"),
         ("wind.east_mps.more: [1, 2]", "leads into a value"),
         (
             "happens.1.at_s: [1, 2], happens.01.at_s: [1, 2]",
