@@ -1,4 +1,4 @@
-"""200,000 fuzzed datagrams in two flights over sockets, with and without a key.
+"""200,000 fuzzed datagrams in two flights over sockets, without a key and (long) with one.
 
 The same is flown as without them, setpoints keep their pace, and memory does not grow. A machine
 may stand still for a moment, also for one program alone: so 99 of 100 periods are compared with an
@@ -84,7 +84,10 @@ def period_s(times_s: list[float], share: float) -> float:
     return float(np.quantile([b - a for a, b in pairwise(times_s)], share))
 
 
-@pytest.mark.parametrize("is_signed", [True, False], ids=["signed", "unsigned"])
+@pytest.mark.parametrize(
+    "is_signed",
+    [pytest.param(True, marks=pytest.mark.long, id="signed"), pytest.param(False, id="unsigned")],
+)
 def test_a_flight_is_as_without_them(is_signed: bool, run: Run, tmp_path: Path) -> None:
     instance, key = free_instance(), tmp_path / "vehicle.key"
     make_key(key, None)
