@@ -68,9 +68,8 @@ task: {patrol: "patrolling(A, B) | F alarm", leave: "G (alarm -> F G at(Home))"}
 """
 
 
-BOUNDED = """\
+FIELD = """\
 version: 1
-name: bounded
 limits: {speed_mps: 4, up_m: [1, 15], fence: [[-20, -20], [60, -20], [60, 60], [-20, 60]]}
 places:
   Home: {east_m: 0, north_m: 0, up_m: 6}
@@ -85,6 +84,10 @@ skills:
     assumes: trans_ok(from, to)
     effect: at(to) & !at(from)
     execute: fly(to)
+"""
+
+BOUNDED = f"""\
+{FIELD}name: bounded
 initially: [at(Home)]
 task:
   often: revisit(A) <= 45 s
@@ -92,26 +95,11 @@ task:
   other: "G F at(B)"
 """
 
-RESTING = """\
-version: 1
+RESTING = f"""\
+{FIELD}  rest: {{precondition: at(Home), effect: rested, execute: [land(), wait(5), take_off()]}}
 name: resting
-limits: {speed_mps: 4, up_m: [1, 15], fence: [[-20, -20], [60, -20], [60, 60], [-20, 60]]}
-places:
-  Home: {east_m: 0, north_m: 0, up_m: 6}
-  A: {east_m: 40, north_m: 0, up_m: 6}
-  B: {east_m: 40, north_m: 40, up_m: 6}
-sets: {Place: [Home, A, B]}
-events: {alarm: {when: COMMAND.MAV_CMD_USER_1}}
-skills:
-  move:
-    parameters: {from: Place, to: Place}
-    precondition: at(from)
-    assumes: trans_ok(from, to)
-    effect: at(to) & !at(from)
-    execute: fly(to)
-  rest: {precondition: at(Home), effect: rested, execute: [land(), wait(5), take_off()]}
 initially: [at(Home)]
-task: {rest: F rested, visit: F at(A), answer: "G (alarm -> F at(B))"}
+task: {{rest: F rested, visit: F at(A), answer: "G (alarm -> F at(B))"}}
 """
 
 
