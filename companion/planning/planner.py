@@ -5,8 +5,7 @@ flight, the task's state makes problems (task_state.py), and `solver` is asked f
 
 Formulas are translated and skills are instantiated when the planner is made. In flight only the
 initial state changes (Section V, last paragraph): the facts, the states of the automata after the
-history, and the moves from `here`. When the map changes, the moves are instantiated again: with new
-costs, and without those that have no route.
+history, and the moves from `here`. When the map changes, so do costs, and which moves there are.
 """
 
 from __future__ import annotations
@@ -112,9 +111,6 @@ class Planner:
         self.solver = Solver(mission, self.model.actions)
         self._unread_rises = UnreadRises()
         log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
-        for name, automaton in ((c.name, c.automaton) for c in self.conjuncts):
-            sizes = automaton.states, len(automaton.transitions), automaton.marks
-            log.debug("automaton of %s: %d states, %d transitions, %d marks", name, *sizes)
         if self.translating_s:  # it was measured
             times_ms = 1000 * self.instantiating_s, 1000 * self.translating_s
             log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
@@ -185,6 +181,7 @@ class Planner:
         is_en_route: bool = False,
         unread: frozenset[Fact] = frozenset(),
         clocks_ms: tuple[int | None, ...] = NO_CLOCKS,
+        barred: frozenset[str] = frozenset(),
     ) -> Problem:
         """The planning problem in a given state.
 
@@ -195,11 +192,14 @@ class Planner:
             is_en_route: whether the vehicle is between places; if so, adds the moves from `here`.
             unread: events that have risen and fallen since the last letter was read.
             clocks_ms: per conjunct, what its clock shows after reading it; () without bounds.
+            barred: names of actions that it leaves out, with `*` for where they begin.
         """
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
             extra = self.departures()
             actions, beliefs = (*actions, *extra), beliefs.union(*(a.assumes for a in extra))
+        if barred:
+            actions = tuple(a for a in actions if a.from_anywhere not in barred)
         held = facts | (beliefs - withdrawn)
         every, energy = actions, None
         actions = self._readiness.allowed(every, withdrawn)
@@ -208,7 +208,7 @@ class Planner:
             actions, energy = self._readiness.on_battery(actions, now, withdrawn)
             energy = self.energy.with_reserve(energy, place_of(held), actions)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
-        problem = replace(problem, clocks_ms=clocks_ms, energy=energy)
+        problem = replace(problem, clocks_ms=clocks_ms, energy=energy, barred=barred)
         if self._readiness.lines:
             problem = replace(problem, with_ruled_out=every)
         return self._unread_rises.with_unread(problem, unread) if unread else problem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 
 from companion.ltl.budget import Budget, TranslationLimit
@@ -13,6 +14,8 @@ from companion.planning.lasso import Conjunct
 MOST_OF_IT = 0.5
 """Share of the budget. If earlier lines have used more, the error says that there are too many
 lines."""
+
+log = logging.getLogger(__name__)
 
 
 def translated(mission: Mission) -> Iterator[Conjunct]:
@@ -26,8 +29,11 @@ def translated(mission: Mission) -> Iterator[Conjunct]:
         before = budget.share
         for part, bound in parts(line):
             try:
-                yield Conjunct(name, part, translate(part, budget=budget), bound)
+                automaton = translate(part, budget=budget)
             except TranslationLimit as limit:
                 if budget.share > 1 and before > MOST_OF_IT:
                     limit = limit.after_others(before)
                 raise limit.located(mission.lines_at[name]) from None
+            sizes = automaton.states, len(automaton.transitions), automaton.marks
+            log.debug("automaton of %s: %d states, %d transitions, %d marks", name, *sizes)
+            yield Conjunct(name, part, automaton, bound)

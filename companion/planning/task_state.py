@@ -144,10 +144,8 @@ class TaskState:
             is_en_route=AT_HERE in facts,
             unread=self.risen - facts if self._is_read else frozenset(),
             clocks_ms=word.clocks_ms,
+            barred=self.barred,
         )
-        if self.barred:
-            allowed = tuple(a for a in problem.actions if a.from_anywhere not in self.barred)
-            problem = replace(problem, actions=allowed, barred=self.barred)
         if self.completed:
             problem = replace(problem, waiting_since_ms=word.waiting_since_ms)
         return problem, word.histories

@@ -11,6 +11,7 @@ from companion.mission.loader import load_mission
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
+from companion.planning.task_state import TaskState
 
 FAR = 50
 """Units above the reserve, or below."""
@@ -64,7 +65,7 @@ def test_a_plan_charges_first_where_that_takes_the_least(missing: int) -> None:
 
 
 BOUNDED = {"task": {"a": "revisit(A) <= 900 s", "b": "G F at(B)"}}
-READY = {
+READY: dict[str, Any] = {
     "task": {"patrol": "patrolling(A, B)", "answer": "G (alarm -> F[<=60s] at(A))"},
     "events": {"alarm": {"when": "COMMAND.MAV_CMD_USER_1"}},
     "ready": ["answer"],
@@ -130,3 +131,31 @@ def test_of_two_docks_the_nearer_one_counts_in_whatever_order_they_are_named(pla
         sets = {**given["sets"], "Pad": docks}
         found.append(lent(planner_at(FAR, place, skills=skills, sets=sets), place))
     assert found[0] == found[1] < FAR + 5
+
+
+def test_a_barred_dock_does_not_decide_how_much_is_lent() -> None:
+    """Nobody charges there, so the landing alone counts."""
+    planner = planner_at(FAR)
+    state = TaskState(planner)
+    move = next(a for a in planner.all_actions() if a.name == "move(Home, B)")
+    state.begin(move)
+    state.complete(move, 10.0)
+    assert FAR < lent_in(state.problem()[0])
+    state.bar(next(a for a in planner.all_actions() if a.name == "recharge(E)"))
+    problem, histories = state.problem()
+    assert lent_in(problem) == FAR
+    assert planner.solver.replan(problem, histories) is None
+
+
+def test_after_an_answer_nobody_goes_on_to_a_barred_dock() -> None:
+    """W is nearer to A, where the answer is, so E demands more."""
+    planner = planner_at(-FAR, **READY)
+    asked, states = problem_at(planner), problem_at(planner).automaton_states
+    barred = planner.problem(asked.facts, states, barred=frozenset({"recharge(W)"}))
+    assert asked.energy is not None and barred.energy is not None
+    assert asked.energy.ready["A"] < barred.energy.ready["A"]
+
+
+def lent_in(problem: Problem) -> int:
+    assert problem.energy is not None
+    return problem.energy.lent
