@@ -17,10 +17,10 @@ from companion.acting.event_detector import EventDetector
 from companion.acting.found_places import FoundPlaces
 from companion.acting.journal import (
     FlightBegun,
+    FlightCounts,
     Journal,
     JournalledFlight,
     OperatorSettings,
-    PlanNumbered,
     VehicleSeen,
 )
 from companion.acting.kept_clearance import KeptClearance
@@ -31,7 +31,7 @@ from companion.acting.sight_limit import SightLimit
 from companion.acting.sortie import Sortie
 from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
 from companion.flight_events.event import Stamped
-from companion.flight_events.plans import NoPlanFound, PlanReplaced
+from companion.flight_events.plans import LapCompleted, NoPlanFound, PlanReplaced
 from companion.flight_events.reports import SignalHeard, SignalSilent
 from companion.flight_events.sortie import AutopilotSaid, Phase
 from companion.flight_events.word import since
@@ -180,7 +180,8 @@ class Run:
             flight.task.on_change = lambda change: journal.note(flight.now_s, change)
             return
         self.start_s = journalled.begun.start_s
-        self.executive.replans = journalled.replans
+        counts = journalled.counts
+        self.executive.replans, self.executive.laps = counts.replans, counts.laps
         self._found.restore(journalled.found, planner)
         self._report(restore(journalled, flight, planner, self._detector))
         if (seen := journalled.seen) is not None:
@@ -291,8 +292,9 @@ class Run:
         if state is not None and self.vehicle.frame.doubt is None:
             self.recorder.position(now_s - self.start_s, state.motion.position)
         for stamped in reports:
-            if isinstance(stamped.event, PlanReplaced | NoPlanFound):
-                self.recorder.journal.note(now_s, PlanNumbered(stamped.event.number))
+            if isinstance(stamped.event, PlanReplaced | NoPlanFound | LapCompleted):
+                counts = FlightCounts(self.executive.replans, self.executive.laps)
+                self.recorder.journal.note(now_s, counts)
         self._report(reports)
         for reading in self._clocks.due(now_s, self.start_s, self.sortie.has_ended):
             self.recorder.clocks(reading)

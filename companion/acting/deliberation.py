@@ -79,9 +79,9 @@ class Deliberation:
             flight, self.assumptions, self.replanner, energy=planner.energy
         )
 
-    def adopt(self, lasso: Lasso, laps: int = 0) -> None:
-        """Begins to follow a plan, of which some laps are done; its assumptions are noted."""
-        self._flight.progress = PlanProgress(laps=laps)
+    def adopt(self, lasso: Lasso) -> None:
+        """Begins to follow a plan, whose assumptions are noted."""
+        self._flight.progress = PlanProgress()
         self.triggers.adopt(lasso)
 
     def abandon(self) -> None:

@@ -68,6 +68,7 @@ class Executive:
     Attributes:
         state: what it is doing.
         replans: number of replans.
+        laps: number of laps of the task, over all plans that do not end.
         planner: the mission's planner.
         deliberation: decides about its plans.
 
@@ -79,7 +80,7 @@ class Executive:
 
     def __init__(self, prepared: PreparedMission, flight: Flight, detector: EventDetector) -> None:
         self.state: ExecutiveState = Idle()
-        self.replans = 0
+        self.replans = self.laps = 0
         self.planner = planner = prepared.planner
         self._flight = flight
         self._detector = detector
@@ -216,7 +217,7 @@ class Executive:
 
     def _tick_plan(self, plan: PlanUnderWay) -> None:
         triggers, progress = self.deliberation.triggers, self._flight.progress
-        laps = progress.laps
+        laps, task_laps = progress.laps, self._flight.task.laps
         triggers.look(plan)
         if reason := triggers.before_the_tree(plan):
             self._replan(reason, LeftPlan(plan.lasso, plan.is_leaving))
@@ -224,8 +225,9 @@ class Executive:
         plan.tree.tick()
         plan.tree.tell()
         tell_positions(self._flight)
-        is_lap_done = progress.laps > laps
-        is_over = is_lap_done and plan.lasso.ends_at_rest
+        if not plan.is_leaving and not plan.lasso.ends_at_rest:
+            self._count_laps(self._flight.task.laps - task_laps)
+        is_over = progress.laps > laps and plan.lasso.ends_at_rest
         if is_over:
             self._flight.task.leave()
         if reason := triggers.after_the_tree(plan):
@@ -235,8 +237,11 @@ class Executive:
         elif is_over:
             self._rest()
             self.state = Satisfied(plan, self.failure)
-        elif is_lap_done:
-            self._flight.report(LapCompleted(progress.laps))
+
+    def _count_laps(self, more: int) -> None:
+        for _ in range(more):
+            self.laps += 1
+            self._flight.report(LapCompleted(self.laps))
 
     def _tick_by_hand(self, tree: TickedTree) -> None:
         """One tick of a tree that was written by hand: it is not replaced when it fails.
@@ -244,10 +249,12 @@ class Executive:
         After a skill has failed on the ground, it continues in the air, as a new plan would.
         """
         flight = self._flight
+        task_laps = flight.task.laps
         tree.tick()
         flight.hold_unless_told()
         tree.tell()
         tell_positions(flight)
+        self.laps += flight.task.laps - task_laps
         if tree.has_succeeded:
             self._rest()
             self.state = Satisfied(None, failure_at_the_end(flight.task))
@@ -290,17 +297,16 @@ class Executive:
         flight, plan = self._flight, chosen.plan
         drop(flight, plan.dropped)
         is_landed = flight.progress.is_landed_by_plan
-        laps = flight.progress.laps if chosen.is_rest else 0
-        executing = Executing(self._adopt(plan.lasso, laps))
+        executing = Executing(self._adopt(plan.lasso))
         if not chosen.is_rest:
             self.replans += 1
             tell_replaced(flight, self.replans, chosen.reason, plan)
         self._take_up(executing, is_landed)
 
-    def _adopt(self, lasso: Lasso, laps: int = 0, is_leaving: bool = False) -> PlanUnderWay:
+    def _adopt(self, lasso: Lasso, is_leaving: bool = False) -> PlanUnderWay:
         """Begins a plan, whose assumptions are already noted."""
         deliberation = self.deliberation
-        deliberation.adopt(lasso, laps)
+        deliberation.adopt(lasso)
         relied_on = None if is_leaving else deliberation.assumptions
         return PlanUnderWay(lasso, self._ticked(build(self._flight, lasso, relied_on)), is_leaving)
 

@@ -18,8 +18,8 @@ class FlightLimit:
     (None, '3 laps', '600 s')
 
     Attributes:
-        laps: number of laps of the task, over all its plans; a lap meets everything that has to be
-            met again and again. None for no limit.
+        laps: number of laps of the task, over all its plans that do not end; a lap meets everything
+            that has to be met again and again. None for no limit.
         duration_s: seconds since the vehicle was to arm; None for no limit.
 
     Raises:
@@ -71,10 +71,9 @@ class LimitWatch:
         """Notes that the vehicle is called home for a limit."""
         self.called_home_for = limit
 
-    @property
-    def due(self) -> str | None:
-        """The limit that is reached, in words; None if none is."""
-        return self._limit.reached(self._flight.task.laps, self._flight.now_s - self._begun_s)
+    def due(self, laps: int) -> str | None:
+        """The limit that is reached after so many laps, in words; None if none is."""
+        return self._limit.reached(laps, self._flight.now_s - self._begun_s)
 
     def ending(self) -> EndedAtLimit | None:
         """How the flight ended, with the status of the task; None if not at its limit."""

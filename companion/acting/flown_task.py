@@ -175,7 +175,7 @@ class FlownTask:
         """
         if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
             return None
-        if limit := self._limit.due:
+        if limit := self._limit.due(self._executive.laps):
             self._limit.call_home(limit)
             self._flight.report(FlightLimitReached(limit))
             self.call_home()

@@ -119,10 +119,11 @@ class PhotoReported:
 
 
 @dataclass(frozen=True, slots=True)
-class PlanNumbered:
-    """A plan was made, or none was found; so many plans had been made before."""
+class FlightCounts:
+    """So many replans and laps of the task there had been."""
 
-    number: int
+    replans: int
+    laps: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +165,7 @@ JournalEntry = (
     | OperatorSettings
     | PhotoReported
     | PlaceFound
-    | PlanNumbered
+    | FlightCounts
     | TaskChange
 )
 
@@ -209,7 +210,7 @@ class JournalledFlight:
         shots: the newest photos, `KEPT_SHOTS` at most, that were about to be requested.
         photos: what the photos were for that were made and reported.
         settings: the operator's settings; None for the initial ones.
-        replans: number of replans.
+        counts: the numbers of replans and laps.
         found: places that were found in flight, each with its newest position, the newest last.
         fence: somebody else's fence in the autopilot, to which it keeps; None without one.
         energy: the learnt energy; None if nothing was learnt.
@@ -228,7 +229,7 @@ class JournalledFlight:
     shots: tuple[IntendedShot, ...]
     photos: frozenset[ShotOwner]
     settings: OperatorSettings | None
-    replans: int
+    counts: FlightCounts
     found: tuple[PlaceFound, ...]
     fence: KeptFence | None
     energy: EnergyLearnt | None
@@ -289,7 +290,6 @@ def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFli
     phases = [entry.phase for entry in noted if isinstance(entry, PhaseBegun)]
     if begun is None or armed_s is None or phases[-1] is Phase.ENDED:
         return None
-    plan = _last(PlanNumbered, noted)
     return JournalledFlight(
         begun=begun,
         phase=phases[-1],
@@ -302,7 +302,7 @@ def put_together(entries: Iterable[tuple[float, JournalEntry]]) -> JournalledFli
         shots=_all(IntendedShot, noted)[-KEPT_SHOTS:],
         photos=frozenset(photo.owner for photo in _all(PhotoReported, noted)),
         settings=_last(OperatorSettings, noted),
-        replans=plan.number if plan is not None else 0,
+        counts=_last(FlightCounts, noted) or FlightCounts(0, 0),
         found=_newest(noted),
         fence=_last(KeptFence, noted),
         energy=_last(EnergyLearnt, noted),

@@ -78,7 +78,8 @@ Laps = Annotated[
     int | None,
     typer.Option(
         help="For missions without an end: fly home and land after this many laps. In a lap, "
-        "everything that the task demands again and again is done once.",
+        "everything that the task demands again and again is done once. A plan that comes to "
+        "rest has no laps.",
         min=1,
         show_default="no limit",
     ),

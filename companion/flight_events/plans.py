@@ -185,9 +185,9 @@ class PlanAwaited(FlightEvent):
 
 @dataclass(frozen=True, slots=True)
 class LapCompleted(FlightEvent):
-    """A lap of the plan's loop was completed."""
+    """Everything that the task demands again and again was done once more."""
 
     kind = "lap"
     template = "lap {lap} done"
 
-    lap: Annotated[int, Doc("how many laps are done")]
+    lap: Annotated[int, Doc("how many laps are done, over all plans of the flight")]

@@ -19,6 +19,7 @@ from companion.acting.journal import CommandIntended, VehicleSeen
 from companion.errors import Aborted, NoPlanError
 from companion.flight_events.event import Stamped
 from companion.flight_events.facts import BeliefWithdrawn
+from companion.flight_events.plans import LapCompleted
 from companion.flight_events.skills import OutcomeUnknown, PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (
     ControlRegained,
@@ -91,6 +92,15 @@ def test_a_companion_that_was_killed_goes_on(flight: Lockstep) -> None:
     assert flight.ending == TaskSatisfied() and flight.armings == 1
     assert [e.action for e in flight.of(SkillCompleted)] == ["upload(r2)"]
     assert flight.places[0] == "A" and flight.places[-2:] == ["r2", "Home"]
+
+
+def test_laps_are_counted_on(surveillance: Mission, short_hall: World) -> None:
+    scenario, walls = short_hall
+    quiet = replace(scenario, events=())
+    flight = Lockstep(surveillance, (quiet, walls), has_station=True, resumes=True)
+    cut_off(flight.until_reported(LapCompleted))
+    flight.until_reported(LapCompleted, lap=2)
+    assert [event.lap for event in flight.of(LapCompleted)] == [1, 2]
 
 
 @pytest.mark.parametrize(

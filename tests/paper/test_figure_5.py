@@ -13,7 +13,6 @@ from synthetic import command, mission
 
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.replanning.assumptions import Assumptions
-from companion.flight_events.plans import LapCompleted
 from companion.mission.model import Mission
 from companion.motion.layered_routes import LayeredRoutes
 
@@ -91,6 +90,6 @@ def test_a_command_and_rest_have_the_same_shape() -> None:
 
 def test_the_prefix_is_executed_once_and_the_suffix_for_ever() -> None:
     rig = Rig(mission("G F at(A) & G F at(B)")).begin()
-    rig.run_until(LapCompleted, lap=3)
+    rig.run(lambda: rig.flight.progress.laps == 3)
     assert rig.places == ["A", *["B", "A"] * 3]
     assert str(rig.executive.lasso) == "move(H, A), (move(A, B), move(B, A))^w"

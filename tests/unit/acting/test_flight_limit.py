@@ -53,7 +53,7 @@ def test_laps_of_an_earlier_plan_count() -> None:
 
 
 def test_laps_that_no_plan_flies_to_its_end_count() -> None:
-    """An interruption on every leg: no plan has a lap, the flight has."""
+    """An interruption on every leg: no plan is flown to the end of its loop."""
     found = event("found")
     task = f"{PATROL} & G (found -> F at(H))"
     asked = mission(task, events=[found])
@@ -65,9 +65,25 @@ def test_laps_that_no_plan_flies_to_its_end_count() -> None:
         run.step(reading("found"), reading("found", 0.0))
         while not run.sortie.has_ended and run.places[seen:][-2:-1] != ["H"]:
             run.step()
-    assert not run.of(LapCompleted)
+    assert [event.lap for event in run.of(LapCompleted)] == [1, 2, 3]
     assert min(map(run.places.count, "AB")) == 3
     assert run.reports[-1].event == EndedAtLimit("3 laps", "the task holds so far")
+
+
+def test_a_plan_that_ends_has_no_laps_and_is_flown_to_its_end() -> None:
+    """Nothing recurs in it, so each of its positions counted as a lap, and it was cut short."""
+    search = "G (F (at(A) | found) & F (at(B) | found))"
+    tell = command("tell", "at(B)", "told")
+    task = f"{search} & G (found -> F told & F G at(H))"
+    asked = mission(task, events=[event("found")], skills=[tell])
+    run = SortieRig(asked, limit=FlightLimit(laps=2)).until(Phase.TASK)
+    while run.places != ["A", "B", "A"]:
+        run.step()
+    run.step()
+    run.step(reading("found"))
+    run.until(Phase.ENDED)
+    assert run.places == ["A", "B", "A", "B", "H"]
+    assert run.reports[-1].event == TaskSatisfied()
 
 
 def test_after_its_time_in_the_middle_of_a_leg() -> None:
