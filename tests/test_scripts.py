@@ -16,7 +16,7 @@ import pytest
 from first_installation import environment, hidden_modules, shown_extras
 
 ROOT = Path(__file__).parents[1]
-TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir", "mktemp", "rm")
+TOOLS = ("bash", "cat", "chmod", "cmp", "cp", "dirname", "flock", "mkdir", "mktemp", "nice", "rm")
 
 PYTHON = """#!/usr/bin/env bash
 # Is new enough, makes environments that hold itself and our tools, installs by a note.
@@ -168,7 +168,8 @@ def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) ->
 LINT, CHECKS = ["ruff check .", "ruff format --check ."], ["mypy", "lint-imports --no-logo"]
 ALL_CORES = "pytest --quiet --numprocesses logical --dist worksteal -m "
 ALONE = "alone and not long"
-AT_ONCE = "--numprocesses 4 --dist worksteal"
+APART = "--override-ini cache_dir=.pytest_cache/sockets"
+AT_ONCE = f"{APART} --numprocesses 4 --dist worksteal"
 NOT_READ = "--ignore tests/flights --ignore tests/browser --ignore tests/properties"
 """Folders without a fast test, which take seconds to import."""
 FAST = "not flight and not slow and not sockets and not long"
@@ -188,8 +189,20 @@ FAST = "not flight and not slow and not sockets and not long"
         (
             ["--sockets", "-x"],
             [
-                f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py -x",
-                f"pytest --quiet -m sockets and {ALONE} tests/test_a.py -x",
+                f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py "
+                "tests/test_b.py -x",
+                f"pytest --quiet -m sockets and {ALONE} tests/test_b.py -x",
+            ],
+        ),
+        (
+            ["--all"],
+            [
+                f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py "
+                "tests/test_b.py",
+                *LINT,  # from here to the checks as without an argument, told when all has ended
+                f"{ALL_CORES}not sockets and not long and not soak",
+                *CHECKS,
+                f"pytest --quiet -m sockets and {ALONE} tests/test_b.py",
             ],
         ),
         (["--fast"], [*LINT, *CHECKS, f"{ALL_CORES}{FAST} {NOT_READ}"]),
@@ -200,9 +213,7 @@ FAST = "not flight and not slow and not sockets and not long"
 def test_what_the_tests_are_asked_for(clone: Path, arguments: list[str], ran: list[str]) -> None:
     """As `scripts/test --fast`, and without it."""
     provide(clone, PYTHON)
-    (clone / "tests").mkdir()
-    (clone / "tests" / "test_a.py").write_text("pytestmark = pytest.mark.sockets", "utf-8")
-    (clone / "tests" / "test_b.py").write_text("", "utf-8")
+    has_tests(clone)
     process = start(clone, *arguments, script="test")
     out, err = process.communicate(timeout=60)
     assert process.returncode == 0, err
@@ -214,17 +225,40 @@ def test_what_fails_beside_others_is_run_again_alone(clone: Path) -> None:
     told = 'echo "${@:2}"\n        ;;\nesac'
     assert told in PYTHON
     provide(clone, PYTHON.replace(told, 'echo "${@:2}"; [[ "$*" != *numprocesses* ]];;\nesac'))
-    (clone / "tests").mkdir()
-    (clone / "tests" / "test_a.py").write_text("@pytest.mark.sockets\n", "utf-8")
+    has_tests(clone)
     process = start(clone, "--sockets", script="test")
     out, err = process.communicate(timeout=60)
     assert process.returncode == 0, err
     assert out.splitlines() == [
-        f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py",
+        f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py tests/test_b.py",
         "again, one at a time:",
-        f"pytest --quiet --last-failed -m sockets and not {ALONE} tests/test_a.py",
-        f"pytest --quiet -m sockets and {ALONE} tests/test_a.py",
+        f"pytest --quiet {APART} --last-failed -m sockets and not {ALONE} tests/test_a.py "
+        "tests/test_b.py",
+        f"pytest --quiet -m sockets and {ALONE} tests/test_b.py",
     ]
+
+
+def test_of_both_at_once_either_may_fail(clone: Path) -> None:
+    """The tests that fly nothing in real time have failed; what is measured is not begun then."""
+    told = 'echo "${@:2}"\n        ;;\nesac'
+    provide(clone, PYTHON.replace(told, 'echo "${@:2}"; [[ "$*" != *logical* ]];;\nesac'))
+    has_tests(clone)
+    process = start(clone, "--all", script="test")
+    out, _ = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert out.splitlines() == [
+        f"pytest --quiet {AT_ONCE} -m sockets and not {ALONE} tests/test_a.py tests/test_b.py",
+        *LINT,
+        f"{ALL_CORES}not sockets and not long and not soak",
+    ]
+
+
+def has_tests(clone: Path) -> None:
+    """Two files over sockets, of which one is flown alone, and one that is not read for them."""
+    (clone / "tests").mkdir()
+    for name, marks in (("a", ["sockets"]), ("b", ["sockets", "alone"]), ("c", [])):
+        text = "".join(f"@pytest.mark.{mark}\n" for mark in marks)
+        (clone / "tests" / f"test_{name}.py").write_text(text, "utf-8")
 
 
 @pytest.mark.slow
