@@ -96,7 +96,10 @@ def test_the_loop_hangs(seed: int) -> None:
     assert flight.simulation.collisions == 0
 
 
-@pytest.mark.parametrize("mode", ["AUTO.LOITER", "AUTO.LAND", "ALTCTL"])
+@pytest.mark.parametrize(
+    "mode",
+    ["AUTO.LOITER", *(pytest.param(m, marks=pytest.mark.long) for m in ("AUTO.LAND", "ALTCTL"))],
+)
 def test_the_pilot_takes_over_while_the_vehicle_waits_on_the_ground(mode: str) -> None:
     """Disarmed, in the middle of a skill that lands: hold and land are chosen there as well."""
     mission = meadow.stay("land()", "wait(20)", "take_off()")
@@ -111,8 +114,14 @@ def test_the_pilot_takes_over_while_the_vehicle_waits_on_the_ground(mode: str) -
     assert ending.reason == f"the pilot has control, in {mode}"
 
 
-@pytest.mark.parametrize("cut_s", [(-1.0, 4.0), (-1.0, 8.0), (0.3, 5.0), (1.5, 5.0), (4.0, 8.0)])
-@pytest.mark.parametrize("holds", [True, False])
+@pytest.mark.parametrize(
+    ("cut_s", "holds"),
+    sweep(
+        ((-1.0, 4.0), (-1.0, 8.0), (0.3, 5.0), (1.5, 5.0), (4.0, 8.0)),
+        (True, False),
+        few=lambda cut_s, holds: cut_s == (-1.0, 8.0) or (holds and cut_s == (1.5, 5.0)),
+    ),
+)
 def test_the_pilot_holds_on_the_ground_while_nothing_is_heard(
     cut_s: tuple[float, float], holds: bool
 ) -> None:

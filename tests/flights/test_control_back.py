@@ -137,7 +137,7 @@ def test_control_is_back_five_seconds_after_the_later_key(
     assert flight.armings == 1
 
 
-@pytest.mark.parametrize("above_m", [0.2, 0.9])
+@pytest.mark.parametrize("above_m", [pytest.param(0.2, marks=pytest.mark.long), 0.9])
 def test_a_vehicle_that_is_given_back_above_its_altitudes_comes_down_and_flies_on(
     above_m: float,
 ) -> None:
@@ -164,7 +164,9 @@ def test_a_vehicle_that_is_given_back_above_its_altitudes_comes_down_and_flies_o
     assert flight.now_s - continued_s < 30.0 and not flight.of(SetpointRefused)
 
 
-@pytest.mark.parametrize("mode", ["AUTO.LAND", "AUTO.TAKEOFF"])
+@pytest.mark.parametrize(
+    "mode", [pytest.param("AUTO.LAND", marks=pytest.mark.long), "AUTO.TAKEOFF"]
+)
 def test_who_is_taken_over_in_a_landing_by_the_plan_needs_no_take_off(mode: str) -> None:
     """Given back in the air the vehicle is in OFFBOARD, and flies on from there."""
     flight = meadow.start(meadow.stay("land()", "take_off()"), resumes=True)
@@ -181,7 +183,9 @@ def test_who_is_taken_over_in_a_landing_by_the_plan_needs_no_take_off(mode: str)
     assert flight.until_the_end().exit_code == 0
 
 
-@pytest.mark.parametrize("after_s", [0.5, 3.0, 4.5])
+@pytest.mark.parametrize(
+    "after_s", [3.0, *(pytest.param(s, marks=pytest.mark.long) for s in (0.5, 4.5))]
+)
 def test_killed_in_a_take_off_by_the_plan_it_is_told_that_an_operator_is_waited_for(
     after_s: float,
 ) -> None:

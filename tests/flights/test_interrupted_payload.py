@@ -103,7 +103,15 @@ def call(flight: Lockstep, air: Cut) -> None:
     flight.station_commands(USER_2, component=COMPANION)
 
 
-@pytest.mark.parametrize("interruption", [pause, short_pause, pilot, lost_link, call])
+@pytest.mark.parametrize(
+    "interruption",
+    [
+        short_pause,
+        lost_link,
+        call,
+        *(pytest.param(i, marks=pytest.mark.long) for i in (pause, pilot)),
+    ],
+)
 def test_it_is_commanded_once_and_its_answer_counts(interruption: Interruption) -> None:
     air = Cut()
     task = {"work": "F done", "come": "G (called -> F at(A))", "home": "F G at(Home)"}
@@ -129,7 +137,7 @@ def test_killed_after_a_pause_it_is_not_commanded_again() -> None:
     assert flight.of(PlaceReached)[-1].place == "Home"
 
 
-@pytest.mark.parametrize("interruption", [short_pause, pilot])
+@pytest.mark.parametrize("interruption", [pytest.param(short_pause, marks=pytest.mark.long), pilot])
 def test_a_skill_that_flies_there_itself_goes_on_from_here_with_its_command(
     interruption: Interruption,
 ) -> None:

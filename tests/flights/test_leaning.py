@@ -36,8 +36,8 @@ def windy(world: World, wind_mps: float, **about: Any) -> World:
 @pytest.mark.parametrize(
     ("up_m", "wind_mps", "about"),
     [
-        (0.8, 0.0, {}),
-        (0.8, 8.0, {}),
+        pytest.param(0.8, 0.0, {}, marks=pytest.mark.long),
+        pytest.param(0.8, 8.0, {}, marks=pytest.mark.long),
         pytest.param(
             *(2.0, 4.0, {"airframe": "px4_sih", "wander": Wander(0.25, 0.3, 0.3)}),
             marks=pytest.mark.long,

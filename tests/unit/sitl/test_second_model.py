@@ -89,6 +89,7 @@ def test_the_mission_exercises_the_model(mission: Recording) -> None:
     assert not any(state.is_on_ground for state in mission.states)
 
 
+@pytest.mark.long  # each second of it is, which is sharper
 def test_a_mission_is_the_same_in_both_models(mission: Recording) -> None:
     model, cascade, rate_loop = mission.model(0), Cascade(), SecondRateLoop()
     wanted, apart_m = RateSetpoint(0.0, (0.0, 0.0, 0.0)), 0.0

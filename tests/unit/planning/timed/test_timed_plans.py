@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import pytest
 from problems import action, histories, problem, unit_legs
 from reference_time import TimeReference
@@ -30,6 +32,12 @@ def planned(asked: Problem) -> Solution | None:
     return found[-1] if found else None
 
 
+@cache
+def planned_for(seed: int) -> Solution | None:
+    """For a random problem."""
+    return planned(timed_problem(seed))
+
+
 @pytest.mark.parametrize(
     "seed",
     [*SEEDS, *(pytest.param(seed, marks=pytest.mark.long) for seed in SEEDS_OF_SWEEPS)],
@@ -37,7 +45,7 @@ def planned(asked: Problem) -> Solution | None:
 def test_a_plan_is_found_if_there_is_one_and_no_lap_is_shorter(seed: int) -> None:
     asked = timed_problem(seed)
     best_ms = TimeReference(asked).best_ms()
-    solution = planned(asked)
+    solution = planned_for(seed)
     assert (solution.cost_ms if solution else None) == best_ms
     if solution is not None:
         assert solution.bound_ms <= solution.cost_ms == solution.lasso.lap_cost_ms
@@ -74,7 +82,7 @@ def test_bounded_laps_may_visit_a_place_several_times() -> None:
     without, longer = 0, 0
     for seed in SEEDS:
         asked = timed_problem(seed)
-        solution = planned(asked)
+        solution = planned_for(seed)
         if solution is None:
             without += 1
             continue
