@@ -20,7 +20,7 @@ from ports import free_instance, own_ports
 from pymavlink import mavutil
 from test_mavproxy import MAVProxy
 from test_mavsdk_client import mavsdk
-from test_sockets import COMPANION, GROUND_STATION, START_S, SURVEILLANCE, Run, run
+from test_sockets import COMPANION, GROUND_STATION, SPEED, START_S, SURVEILLANCE, Run, run
 
 from companion.mavlink.framing import dialect
 
@@ -184,7 +184,7 @@ def test_mavproxy_starts_it_and_shows_what_happens(run: Run, instance: int, tmp_
 
 def test_mavsdk_hears_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
     """It is there before the first word: nothing is told again."""
-    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance))
+    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance), "--speed", SPEED)
     simulator.until_printed("ground station on UDP", START_S)
 
     def fly() -> None:

@@ -7,7 +7,7 @@ from lockstep import Lockstep
 from shipped import MISSIONS
 from test_leaning import low, windy
 
-from companion.flight_events.skills import ClearanceChanged
+from companion.flight_events.skills import ClearanceChanged, SkillCompleted
 from companion.flights.simulated_world import world_of
 from companion.mission.loader import load_mission
 from sitl.flight.estimate import Wander
@@ -30,6 +30,5 @@ def test_past_a_pillar_at_1_m_in_4_mps(seed: int) -> None:
 
 def test_without_wind_and_with_an_exact_position_nothing_is_added() -> None:
     mission = load_mission(MISSIONS / "inspection.yaml")
-    flight = Lockstep(mission, world_of(mission))
-    flight.until_the_end()
-    assert flight.exit_code == 0 and not flight.of(ClearanceChanged)
+    flight = Lockstep(mission, world_of(mission)).until_reported(SkillCompleted)
+    assert not flight.of(ClearanceChanged)

@@ -125,7 +125,7 @@ def start(run: Run) -> Iterator[Start]:
     [
         "in_c",
         pytest.param("in_a_long_regular_expression", marks=pytest.mark.long),
-        "deadlocked",
+        pytest.param("deadlocked", marks=pytest.mark.long),
         pytest.param("in_a_loop", marks=pytest.mark.long),
         "from_outside",
     ],
@@ -141,7 +141,9 @@ def test_a_process_that_hangs_is_silent_and_the_vehicle_holds(way: str, start: S
     assert hung_s - 1.0 < flown.wire.setpoints_s[-1] <= hung_s + SILENT_WITHIN_S
 
 
-@pytest.mark.parametrize("way", ["for_a_while", "from_outside"])
+@pytest.mark.parametrize(
+    "way", [pytest.param("for_a_while", marks=pytest.mark.long), "from_outside"]
+)
 def test_a_process_that_wakes_up_leaves_the_vehicle_to_its_failsafe(way: str, start: Start) -> None:
     """Much has arrived meanwhile, the oldest first: what it says is not taken for the present.
 

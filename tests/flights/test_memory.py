@@ -44,7 +44,7 @@ def test_150_mb_are_enough_after_several_uploads(run: Run, tmp_path: Path) -> No
         sent = run("companion", "upload", MISSIONS / f"{name}.yaml", "--connect", ground, *options)
         assert sent.exit_code() == 0, sent.printed
 
-    for name in ("hall_of_20", "surveillance", "persistent_patrol"):
+    for name in ("hall_of_20", "persistent_patrol"):
         upload(name)
     upload("delivery", "--start")
     companion.until_printed("at Depot")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from lockstep import Lockstep
 from ports import free_instance, own_ports
-from test_sockets import START_S, SURVEILLANCE, Run, run
+from test_sockets import SPEED, START_S, SURVEILLANCE, Run, run
 
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.reports import ReportRefused, ReportUnknown, SignalHeard, SignalSilent
@@ -106,7 +106,7 @@ def test_the_script_of_the_docs_is_a_detector(run: Run, tmp_path: Path) -> None:
     flown = run(
         *("companion", "sim", mission, "--scenario", SURVEILLANCE.with_suffix(".sim.yaml")),
         *(*own_ports(free_instance()), "--events", f"unix:{address}", "--monitor", "off"),
-        *("--log-dir", tmp_path / "runs"),
+        *("--log-dir", tmp_path / "runs", "--speed", SPEED),
     )
     flown.until_printed("waiting    for a vehicle", START_S)
     with subprocess.Popen([sys.executable, detector], cwd=tmp_path) as program:

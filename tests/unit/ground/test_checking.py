@@ -67,7 +67,7 @@ def test_an_uploaded_mission_may_call_what_was_installed_and_nothing_else(
     assert "weigh(Rack)" in answer.text if is_installed else "is not installed" in answer.text
 
 
-@pytest.mark.parametrize("hears_reports", [True, False])
+@pytest.mark.parametrize("hears_reports", [pytest.param(True, marks=pytest.mark.long), False])
 def test_reports_that_nobody_hears_are_noticed(hears_reports: bool) -> None:
     with closing(CheckChildren(hears_reports=hears_reports)) as children:
         answer = answer_of(children.begin(MISSIONS, "lost_person.yaml"))

@@ -116,10 +116,15 @@ def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
     ("old", "new", "told"),
     [
         (b"F (at(A) |", b"F (at(D) |", "surveillance.yaml:"),
-        (b"maps/hall.yaml", b"maps/none.yaml", "surveillance.yaml:11:6: "),
         (b"maps/hall.yaml", b"../../../../etc/hosts", "lies outside the mission's folder"),
-        (b"maps/hall.yaml", b"/etc/hosts", "lies outside the mission's folder"),
-        (b"version: 1", b"versoin: 1", "surveillance.yaml:8:1: "),
+        *(
+            pytest.param(*each, marks=pytest.mark.long)
+            for each in (
+                (b"maps/hall.yaml", b"maps/none.yaml", "surveillance.yaml:11:6: "),
+                (b"maps/hall.yaml", b"/etc/hosts", "lies outside the mission's folder"),
+                (b"version: 1", b"versoin: 1", "surveillance.yaml:8:1: "),
+            )
+        ),
         (MISSION[-300:], b"", "a part may be missing"),
         (b"\n", b"\r", "not UTF-8 text whose lines end with LF"),
         (MISSION, MISSION.decode().encode("utf-16-le"), "not UTF-8 text whose lines end with LF"),
@@ -294,8 +299,8 @@ def test_of_two_that_were_accepted_only_the_newest_is_started(tmp_path: Path) ->
     "text",
     [
         b"a: &a [x, x, x]\nb: &b [*a, *a, *a, *a]\nc: [*b, *b, *b]\n",
-        b"[" * 60_000 + b"\n",
-        b"\xff\0" * 9000 + b"\n",
+        pytest.param(b"[" * 60_000 + b"\n", marks=pytest.mark.long),
+        pytest.param(b"\xff\0" * 9000 + b"\n", marks=pytest.mark.long),
         b"task: " + b"(" * 30_000 + b"\n",
     ],
 )

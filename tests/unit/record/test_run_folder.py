@@ -343,8 +343,19 @@ def position(number: int) -> PositionLeft:
     return PositionLeft(number, ("at(A)",), (), 0.0, (), (), for_ever=False)
 
 
-@pytest.mark.parametrize("recorded", [1, 2, 3])
-@pytest.mark.parametrize("torn", ["", '{"t_s": 1.2, "ki'])
+TORN = '{"t_s": 1.2, "ki'
+
+
+@pytest.mark.parametrize(
+    ("recorded", "torn"),
+    [
+        (1, ""),
+        (2, TORN),
+        *(pytest.param(*each, marks=pytest.mark.long) for each in [(1, TORN), (2, "")]),
+        (3, ""),
+        pytest.param(3, TORN, marks=pytest.mark.long),
+    ],
+)
 def test_a_run_that_was_cut_off_is_gone_on_with(
     run: RunFolder, told: list[Stamped], recorded: int, torn: str
 ) -> None:
