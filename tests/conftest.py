@@ -106,14 +106,15 @@ def flies(item: pytest.Item) -> bool:
 def tests_are_set_aside() -> Generator[None, None, None]:
     """All that was collected is searched for garbage once, and not before each flight again.
 
-    That takes longer than most flights. So a flight does not end it either; that it sets aside what
-    is there by then is shown with the true `gc` (tests/unit/test_driving.py).
+    That takes longer than most flights, the longer the more tests have been run. So a flight does
+    not end it either; that it collects, and sets aside what is there by then, is shown with the
+    true `gc` (tests/unit/test_driving.py).
     """
     gc.collect()
     gc.freeze()
     with pytest.MonkeyPatch.context() as patched:
-        kept = SimpleNamespace(collect=gc.collect, freeze=lambda: None, unfreeze=lambda: None)
-        patched.setattr(driving, "gc", kept)
+        nothing = dict.fromkeys(("collect", "freeze", "unfreeze"), lambda: None)
+        patched.setattr(driving, "gc", SimpleNamespace(**nothing))
         yield
 
 
