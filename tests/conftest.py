@@ -13,7 +13,7 @@ import gc
 import os
 import re
 import sys
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,6 +23,7 @@ from commands import Companion, Ended
 from drawn import EXPLORES, number
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
+from pictures import not_drawn, truly_drawn
 
 from companion import app, driving
 from companion.cli import main
@@ -115,6 +116,19 @@ def tests_are_set_aside() -> Generator[None, None, None]:
     with pytest.MonkeyPatch.context() as patched:
         nothing = dict.fromkeys(("collect", "freeze", "unfreeze"), lambda: None)
         patched.setattr(driving, "gc", SimpleNamespace(**nothing))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def runs_are_not_drawn() -> Iterator[None]:
+    with not_drawn():
+        yield
+
+
+@pytest.fixture
+def drawn() -> Iterator[None]:
+    """Runs are drawn, for a test of their pictures."""
+    with truly_drawn():
         yield
 
 

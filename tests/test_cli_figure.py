@@ -18,6 +18,8 @@ from companion.flights.cut_off_runs import CutOffRun
 from companion.flights.run_folders import RunFolders
 from companion.record.backdrop import backdrop_of
 
+pytestmark = pytest.mark.usefixtures("drawn")
+
 MISSIONS = Path(__file__).parents[1] / "missions"
 
 

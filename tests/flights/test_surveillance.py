@@ -22,6 +22,7 @@ import pytest
 from happened import Happened
 from lockstep import SETPOINT, World
 from notes import Notes
+from pictures import truly_drawn
 from pymavlink import mavutil
 
 from companion.acting.journal import NoJournal
@@ -115,7 +116,8 @@ def fly(mission: Mission, hall: World, seed: int, path: Path) -> Flown:
     flight = lockstep(Companion(OnlyRun(mission, witness)), hall, seed=seed)
     flown = witness.flown = Flown(path, flight.simulation)
     flight.fly()
-    folder.close()
+    with truly_drawn():
+        folder.close()
     companion = flight.companion
     flown.exit_code = companion.failure.exit_code if companion.failure else 0
     return flown

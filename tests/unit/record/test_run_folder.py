@@ -189,6 +189,7 @@ def size_of(path: Path) -> tuple[int, int]:
         return image.size
 
 
+@pytest.mark.usefixtures("drawn")
 def test_the_flight_is_drawn_with_a_panel_for_each_plan(run: RunFolder) -> None:
     for number in range(3):
         event = PlanReplaced(number, "denied", REST) if number else PlanMade({}, REST)
@@ -201,6 +202,7 @@ def test_the_flight_is_drawn_with_a_panel_for_each_plan(run: RunFolder) -> None:
     assert 300 < height < 700
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_run_without_a_plan_is_drawn_as_well(run: RunFolder) -> None:
     run.position(0.0, (0.0, 0.0, 0.0))
     run.close()
@@ -443,6 +445,7 @@ def test_frames_behind_a_torn_one_are_read(run: RunFolder, told: list[Stamped], 
     assert times_s == [*whole, 5.0, 6.0]  # the newest waits for a later one
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_child_draws_the_same(tmp_path: Path) -> None:
     trail = Trail()
     trail.begin("first plan")
