@@ -24,6 +24,7 @@ from drawn import EXPLORES, number
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 from pictures import not_drawn, truly_drawn
+from remembered_searches import searches_remembered
 
 from companion import app, driving
 from companion.cli import main
@@ -122,6 +123,12 @@ def tests_are_set_aside() -> Generator[None, None, None]:
 @pytest.fixture(scope="session", autouse=True)
 def runs_are_not_drawn() -> Iterator[None]:
     with not_drawn():
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def maps_are_searched_once() -> Iterator[None]:
+    with searches_remembered():
         yield
 
 
