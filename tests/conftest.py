@@ -61,7 +61,7 @@ FLIGHTS = (
     API / "simulating.py",
 )
 """Where all tests fly; those of a module are its doctests."""
-FLOWN = frozenset({"surveillance_run"})
+FLOWN = frozenset({"section_v_run", "surveillance_run"})
 """Fixtures that fly."""
 SIMULATOR = frozenset(
     {
@@ -158,12 +158,22 @@ def surveillance_routes(surveillance: Mission) -> LayeredRoutes:
 @pytest.fixture(scope="session")
 def surveillance_run(surveillance: Mission, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The run folder of the paper's mission, flown in lockstep; to be read only."""
-    run = RunFolder(
-        tmp_path_factory.mktemp("runs") / "run", surveillance, 1_700_000_000.0, lambda report: None
-    )
-    lockstep(app.Companion(OnlyRun(surveillance, run)), world_of(surveillance)).fly()
+    return _recorded(surveillance, tmp_path_factory)
+
+
+@pytest.fixture(scope="session")
+def section_v_run(section_v: Mission, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """That of the paper's mission with its task as printed; to be read only."""
+    return _recorded(section_v, tmp_path_factory)
+
+
+def _recorded(mission: Mission, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Flies a mission in its world; the run folder."""
+    folder = tmp_path_factory.mktemp("runs") / "run"
+    run = RunFolder(folder, mission, 1_700_000_000.0, lambda report: None)
+    lockstep(app.Companion(OnlyRun(mission, run)), world_of(mission)).fly()
     run.close()
-    return run.folder
+    return folder
 
 
 @pytest.fixture

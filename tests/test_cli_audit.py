@@ -74,11 +74,10 @@ def test_the_surveillance_mission_is_satisfied(companion: Companion, good: Path)
 
 
 def test_the_paper_s_task_is_violated_over_the_whole_flight_and_satisfied_since(
-    companion: Companion, tmp_path: Path
+    companion: Companion, section_v_run: Path
 ) -> None:
-    run = fly(MISSIONS / "paper_section_v.yaml", tmp_path)
-    assert outcomes(companion, run)[0] == 0
-    answer = json.loads(companion("audit", run, "--json").out)
+    assert outcomes(companion, section_v_run)[0] == 0
+    answer = json.loads(companion("audit", section_v_run, "--json").out)
     assert [p["number"] for p in answer["positions"] if p["restarted"]] == [5]
     told = {(c["formula"], c["since"], c["outcome"], c["whole"]) for c in answer["conjuncts"][:3]}
     assert told == {

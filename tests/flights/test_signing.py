@@ -65,11 +65,6 @@ class Attacker:
 Fly = Callable[..., Lockstep]
 
 
-@pytest.fixture(scope="module")
-def undisturbed(surveillance: Mission, short_hall: World) -> Lockstep:
-    return Lockstep(surveillance, short_hall).until_the_end()
-
-
 def test_a_flight_with_keys_is_the_flight_without(
     surveillance: Mission, short_hall: World, undisturbed: Lockstep
 ) -> None:

@@ -18,19 +18,17 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from companion.app import Companion
+from companion.api.figures import trail_of_run
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.facts import BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import PlanMade, PlanReplaced
+from companion.flight_events.reading import read_line
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
-from companion.flights.simulated_world import lockstep, world_of
 from companion.geometry import Ned, horizontal_distance
 from companion.mission.model import Mission
 from companion.record.backdrop import backdrop_of
 from companion.record.figure import figure_of
-from companion.record.run_folder import RunFolder
 from companion.record.trail import Trail
-from companion.run_sources.only_run import OnlyRun
 
 SCENARIO = Path(__file__).parents[2] / "missions" / "paper_section_v.sim.yaml"
 
@@ -62,13 +60,9 @@ class Flown:
 
 
 @pytest.fixture(scope="module")
-def flown(section_v: Mission, tmp_path_factory: pytest.TempPathFactory) -> Flown:
-    reports: list[Stamped] = []
-    path = tmp_path_factory.mktemp("figure7")
-    folder = RunFolder(path, section_v, 0.0, reports.append)
-    lockstep(Companion(OnlyRun(section_v, folder)), world_of(section_v)).fly()
-    folder.close()
-    return Flown(path, folder.trail, reports)
+def flown(section_v_run: Path) -> Flown:
+    lines = (section_v_run / "events.jsonl").read_text(encoding="utf-8").splitlines()
+    return Flown(section_v_run, trail_of_run(section_v_run), [read_line(line) for line in lines])
 
 
 def entered(mission: Mission, trail: list[Ned]) -> list[str]:
