@@ -17,7 +17,14 @@ from hypothesis import strategies as st
 
 from companion.geometry import Ned, distance, is_in_polygon
 from companion.outcomes import Refusal
-from companion.vehicle.gate import SPEED_TOLERANCE, Envelope, Request, Verdict, admit
+from companion.vehicle.gate import (
+    EXTRAPOLATED_S,
+    SPEED_TOLERANCE,
+    Envelope,
+    Request,
+    Verdict,
+    admit,
+)
 from companion.vehicle.ports.setpoints import Setpoint, hold_at
 from companion.vehicle.ports.state import Mode, VehicleState
 
@@ -47,7 +54,7 @@ def test_the_limits_that_no_mission_chooses() -> None:
     ages_s = (made.max_age_s, made.lease_s, made.lost_s, made.mode_lost_s)
     assert ages_s == (0.5, 0.5, 3.0, 10.0)
     assert made.fence_margin_m == 0.0
-    assert SPEED_TOLERANCE == 1.01
+    assert (SPEED_TOLERANCE, EXTRAPOLATED_S) == (1.01, 0.2)
 
 
 # -- nothing is sent -------------------------------------------------------------------------------
@@ -256,6 +263,9 @@ def test_a_vehicle_above_the_band_is_sent_no_higher(up_m: float, is_within: bool
     assert found.refusal == (None if is_within else Refusal("outside the altitude band"))
 
 
+JUST_NOW = heard(motion_measured_s=NOW_S)
+
+
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_the_carrot_reaches_equally_far_in_every_direction(axis: int, sign: int) -> None:
@@ -263,13 +273,45 @@ def test_the_carrot_reaches_equally_far_in_every_direction(axis: int, sign: int)
         along = STATE.motion.position[axis] + sign * gap_m
         return replace(GOOD, position=changed(STATE.motion.position, axis, along))
 
-    assert verdict(beside(1.5)).refusal is None
-    assert verdict(beside(1.625)) == held("1.6 m from the vehicle")
+    assert verdict(beside(1.5), JUST_NOW).refusal is None
+    assert verdict(beside(1.625), JUST_NOW) == held("1.6 m from the vehicle")
 
 
 def test_the_carrot_is_a_ball_and_not_a_box() -> None:
     corner = replace(GOOD, position=(6.0, 16.0, -3.25))
-    assert verdict(corner) == held("1.7 m from the vehicle")
+    assert verdict(corner, JUST_NOW) == held("1.7 m from the vehicle")
+
+
+@pytest.mark.parametrize(
+    ("velocity", "age_s", "flown_m"),
+    [
+        ((2.0, 0.0, 0.0), 0.125, 0.25),
+        ((-2.0, 0.0, 0.0), 0.125, -0.25),
+        ((0.0, 2.0, 0.0), 0.125, 0.0),
+        ((2.0, 0.0, 0.0), 0.5, 2 * EXTRAPOLATED_S),
+        ((8.0, 0.0, 0.0), 0.125, 0.25),
+        ((2.0, 0.0, 0.0), -0.125, 0.0),
+    ],
+    ids=["on", "back", "aside", "old", "faster than allowed", "clock ahead"],
+)
+def test_the_carrot_begins_where_the_vehicle_is_by_now(
+    velocity: Ned, age_s: float, flown_m: float
+) -> None:
+    """Where it was measured it is no longer; but no old position lets a setpoint run ahead."""
+    state = heard(motion_measured_s=NOW_S - age_s, velocity=velocity)
+    here = (5.0 + flown_m, 15.0 + (0.25 if velocity[1] else 0.0), -2.25)
+
+    def along(gap_m: float) -> Setpoint:
+        return replace(GOOD, position=(here[0] + gap_m, here[1], here[2]))
+
+    for sign in (-1, 1):
+        assert verdict(along(sign * 1.499), state).refusal is None
+        assert verdict(along(sign * 1.501), state) == held("1.5 m from the vehicle")
+
+
+@pytest.mark.parametrize("number", NOT_FINITE)
+def test_a_velocity_that_is_not_finite_holds(number: float) -> None:
+    assert verdict(GOOD, heard(velocity=(number, 0.0, 0.0))).refusal is not None
 
 
 @pytest.mark.parametrize("velocity", [(0.0, 0.0, -2.1), (1.5, -1.5, 0.0), (-2.1, 0.0, 0.0)])
