@@ -17,7 +17,7 @@ from dataclasses import replace
 from companion.acting.ground_guard import GroundGuard
 from companion.acting.wall_guard import WallGuard
 from companion.flight_events.event import FlightEvent
-from companion.geometry import Ned, distance, times
+from companion.geometry import Ned, moved, times
 from companion.mission.places import Limits
 from companion.motion.departure import Departure, at_rest
 from companion.motion.drag_estimate import DragEstimate
@@ -109,24 +109,36 @@ class Guidance:
         """
         told, stop, t_s = self._setpoint, self._stop, self.stopping_s
         within_m = LAG_SHARE * self._profile.carrot_m
-        if told is None or distance(self.sent(told.position), state.motion.position) >= within_m:
+        if told is None or math.hypot(*self.away(state, told.position)) >= within_m:
             here = self._not_above_band(state.motion.position)
             own = Sample(here, state.motion.velocity, AT_REST, is_finished=False)
             return Departure(own, stop, t_s)
         return at_rest(told.position) if stop is None else Departure(stop.sample(t_s), stop, t_s)
 
+    def away(self, state: VehicleState, position: Ned) -> Ned:
+        """From the vehicle to a position that is streamed in this tick, or was in the last one.
+
+        The vehicle is not where it was measured: it has flown on since then. It is compared with
+        the setpoint where it will be after half a tick, because a setpoint that moves in steps from
+        tick to tick is followed in the middle of its steps.
+        """
+        here = state.motion.position_at(self._now() + TICK_S / 2)
+        return moved(self.sent(position), here, -1.0)
+
     def led(self, flown: Trajectory | Stop, t_s: float) -> Sample:
         """A moment of a trajectory, with the acceleration that makes the vehicle follow it.
 
         It is the acceleration `response_s` later, because the vehicle responds with that delay,
-        times `feed_forward`, because its controller takes a share away, plus the drag of the air.
+        times `feed_forward`, because its controller takes a share away; and the drag of the air.
         """
         profile = self._profile
         later = flown.sample(t_s + profile.response_s)
-        north, east, down = times(later.acceleration, profile.feed_forward)
-        v_north, v_east, _ = times(later.velocity, self.drag.per_s)
-        told = (north + v_north, east + v_east, down)
-        return replace(flown.sample(t_s), acceleration=told)
+        north, east, _ = times(later.velocity, self.drag.per_s)
+        return replace(
+            flown.sample(t_s),
+            acceleration=times(later.acceleration, profile.feed_forward),
+            against_drag=(north, east, 0.0),
+        )
 
     def learn(self, state: VehicleState) -> None:
         """Estimates the drag from the vehicle's motion; once a tick."""
@@ -241,7 +253,7 @@ class Guidance:
         is_landing: bool = False,
     ) -> None:
         yaw_rad = self._turned(heading_rad)
-        setpoint = Setpoint(sample.position, sample.velocity, sample.acceleration, yaw_rad)
+        setpoint = Setpoint(sample.position, sample.velocity, sample.fed_forward, yaw_rad)
         self._setpoint, self._streamed_s = setpoint, self._now()
         self._is_landing = is_landing
         position, near = self._walls.kept_off(sample, self._vehicle.state)

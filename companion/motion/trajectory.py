@@ -45,6 +45,7 @@ class Sample:
 
     Attributes:
         acceleration: for feed-forward; without it a controller lags behind.
+        against_drag: the acceleration that the drag of the air takes, to be fed forward as well.
         is_finished: whether the end of the route has been reached, at rest.
         course_rad: direction of the leg over ground, 0 is north, positive to the east, in (-pi,
             pi]; None before the first leg that is not too steep.
@@ -55,13 +56,26 @@ class Sample:
     acceleration: Ned
     is_finished: bool
     course_rad: float | None = None
+    against_drag: Ned = AT_REST
+
+    @property
+    def fed_forward(self) -> Ned:
+        """The acceleration to send."""
+        return moved(self.acceleration, self.against_drag, 1.0)
 
     def slower(self, rate: float) -> Sample:
-        """The same moment if the trajectory's time runs at another rate."""
+        """The same moment if the trajectory's time runs at another rate.
+
+        Drag is proportional to the speed, acceleration to its square.
+        """
         if rate == 1.0:
             return self
-        velocity, acceleration = times(self.velocity, rate), times(self.acceleration, rate**2)
-        return replace(self, velocity=velocity, acceleration=acceleration)
+        return replace(
+            self,
+            velocity=times(self.velocity, rate),
+            acceleration=times(self.acceleration, rate**2),
+            against_drag=times(self.against_drag, rate),
+        )
 
 
 class Trajectory:

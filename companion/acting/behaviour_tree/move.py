@@ -24,6 +24,7 @@ from companion.motion.departure import (
 )
 from companion.motion.profile import SpeedLimits
 from companion.motion.routes import CELLS_PER_TICK
+from companion.motion.time_scaling import along, behind_m, time_rate
 from companion.motion.trajectory import Sample, Stop, Trajectory, motion_of
 from companion.tick import TICK_S
 from companion.vehicle.ports.state import VehicleState
@@ -38,9 +39,6 @@ ARRIVAL_MPS = 0.5
 ARRIVAL_TIMEOUT_S = 15.0
 """Time after the end of the trajectory to come that near: to catch up, or, if the vehicle is pushed
 off its path again and again, to come nearer to the place."""
-FOLLOWS_SHARE, WAITS_SHARE = 0.4, 0.7
-"""Shares of the gate's greatest distance: when the vehicle is so far behind its trajectory, the
-trajectory is slowed, and waits for it."""
 ASTRAY_SHARE = 14 / 15
 """Share of the gate's greatest distance: if a resting vehicle is so far off, it gets a new route.
 The gate would soon hold it there, away from a trajectory that waits for it."""
@@ -175,13 +173,11 @@ class MoveCommand(Leaf):
         self._flown_s = self._time_s
         sample = self._sample(self._flown)
         gap_m = distance(flight.guidance.sent(sample.position), state.motion.position)
-        is_behind = gap_m >= LAG_SHARE * flight.profile.carrot_m
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m
         if is_astray and math.hypot(*state.motion.velocity) <= SLOW_MPS:
             self._begin(state)
             return self._stop_and_fail(self._stuck) if self._gets_nowhere() else Status.RUNNING
-        following = _following(gap_m / flight.profile.carrot_m)
-        sample, self._rate = sample.slower(following), self._rate * following
+        sample, is_behind = self._followed(sample, state)
         is_at_end = sample.is_finished and isinstance(self._flown, Trajectory)
         flight.guidance.fly(sample, self._heading.wanted(sample, state, is_at_end))
         if is_at_end and self._is_there(gap_m, state) and self._heading.is_reached(state):
@@ -224,6 +220,15 @@ class MoveCommand(Leaf):
         led = self._flight.guidance.led(flown, self._time_s)
         slowed, self._rate = self._flight.speed_limit.slowed(led)
         return slowed
+
+    def _followed(self, sample: Sample, state: VehicleState) -> tuple[Sample, bool]:
+        """The sample, slowed for a vehicle that is behind; and whether it is far behind."""
+        away = self._flight.guidance.away(state, sample.position)
+        behind_share = behind_m(away, sample.velocity) / self._flight.profile.carrot_m
+        vehicle_mps = along(state.motion.velocity, sample.velocity)
+        rate = time_rate(behind_share, math.hypot(*sample.velocity), vehicle_mps)
+        self._rate *= rate
+        return sample.slower(rate), behind_share >= LAG_SHARE
 
     def _is_there(self, gap_m: float, state: VehicleState) -> bool:
         """Whether the vehicle is at the place, as far as its position can tell, and slow."""
@@ -303,16 +308,6 @@ _RESPONSES = {
     Stop: RouteResponse.STOPPING,
     type(None): RouteResponse.NO_ROUTE,
 }
-
-
-def _following(gap_share: float) -> float:
-    """How fast the time of a trajectory runs if the vehicle is behind by this share of the limit.
-
-    >>> _following(0.3), _following(0.55), _following(0.8)
-    (1.0, 0.5, 0.0)
-    """
-    rate = (WAITS_SHARE - gap_share) / (WAITS_SHARE - FOLLOWS_SHARE)
-    return round(min(max(rate, 0.0), 1.0), 9)
 
 
 def _stop(trajectory: Trajectory, t_s: float, now: Sample, limits: SpeedLimits) -> Stop | None:

@@ -10,11 +10,13 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from companion.geometry import Ned, NorthEast
+from companion.geometry import Ned, NorthEast, moved
 
 MODE_KNOWN_S = 1.5
 """Greatest age of a heartbeat, sent once a second, at which its mode counts as the present one.
 With an older one no goal is reached, no mode is requested, and no control is taken back."""
+EXTRAPOLATED_S = 0.2
+"""Greatest age for which a position is extrapolated: by then a braking vehicle is 0.1 m short."""
 
 
 class Mode(StrEnum):
@@ -59,6 +61,11 @@ class MeasuredMotion:
     def age_s(self, now_s: float) -> float:
         """The time since it was measured."""
         return now_s - self.measured_s
+
+    def position_at(self, now_s: float) -> Ned:
+        """Where the vehicle is by now, if it flies on at its velocity."""
+        passed_s = min(max(0.0, self.age_s(now_s)), EXTRAPOLATED_S)
+        return moved(self.position, self.velocity, passed_s)
 
     def silence_s(self, now_s: float) -> float:
         """The time since it was received."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from leaves import tick
 from py_trees.common import Status
 from rig import Rig
@@ -11,6 +12,8 @@ from synthetic import mission
 
 from companion.acting.behaviour_tree.move import MoveCommand
 from companion.acting.guidance import HELD_M, LAG_SHARE, Guidance
+from companion.tick import TICK_S
+from companion.vehicle.ports.state import EXTRAPOLATED_S
 
 
 def stopping() -> Rig:
@@ -43,6 +46,20 @@ def test_a_flight_begins_with_the_motion_that_the_vehicle_is_told() -> None:
     guidance.hold()
     assert guidance.departure is not None and guidance.departure.now.position == rest
     assert speed_mps(guidance) == 0.0 and 1.0 < left_s < 2.0
+
+
+def test_a_vehicle_is_compared_with_its_setpoint_where_it_is_by_now() -> None:
+    """Its position is 0.1 s old; and between two ticks it follows the middle of a step."""
+    rig = stopping()
+    guidance, vehicle = rig.flight.guidance, rig.vehicle
+    assert vehicle.state is not None and guidance.setpoint is not None
+    here, measured_s = vehicle.state.motion.position, rig.flight.now_s - 0.1
+    vehicle.change(velocity=(0.0, 10.0, 0.0), motion_measured_s=measured_s)
+    north, east, down = guidance.away(vehicle.state, here)
+    assert (north, down) == (0.0, 0.0) and east == pytest.approx(-10.0 * (0.1 + TICK_S / 2))
+    vehicle.change(motion_measured_s=measured_s - 60.0)
+    _, east, _ = guidance.away(vehicle.state, here)
+    assert east == pytest.approx(-10.0 * EXTRAPOLATED_S)
 
 
 def test_it_begins_with_the_vehicles_own_motion_where_that_is_another_one() -> None:

@@ -62,6 +62,18 @@ def test_the_target_changes_at_once_and_the_limit_in_force_at_the_acceleration()
     assert limit.version == 1
 
 
+def test_a_slower_vehicle_has_less_drag_in_proportion_to_its_speed() -> None:
+    """Its acceleration is another matter: none, at the limit."""
+    limit = LiveSpeedLimit(LIMITS)
+    limit.set_operator_limit(1.0)
+    limit.advance(0.0)
+    limit.advance(5.0)
+    forward = (2.0, 0.0, 0.0)
+    sample = Sample((0.0, 0.0, -2.0), forward, (0.0, 0.0, 0.0), False, against_drag=forward)
+    slowed, rate = limit.slowed(sample)
+    assert rate == 0.5 and slowed.fed_forward == (1.0, 0.0, 0.0)
+
+
 def test_an_operator_cannot_allow_more_than_the_mission() -> None:
     limit = LiveSpeedLimit(LIMITS)
     limit.set_operator_limit(50.0)

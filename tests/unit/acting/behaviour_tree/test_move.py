@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -16,13 +17,13 @@ from synthetic import POSITIONS
 from companion.acting.behaviour_tree.move import (
     ARRIVAL_M,
     ARRIVAL_TIMEOUT_S,
-    WAITS_SHARE,
     MoveCommand,
 )
 from companion.acting.guidance import LAG_SHARE
 from companion.flight_events.skills import RouteBlocked, RouteResponse
-from companion.geometry import distance
+from companion.geometry import distance, moved
 from companion.motion.grid import OccupancyGrid
+from companion.motion.time_scaling import WAITS_SHARE
 from companion.planning.flight_times import route_map
 from companion.tick import TICK_S
 from companion.vehicle.ports.setpoints import Setpoint, hold_at
@@ -92,6 +93,22 @@ def test_the_setpoint_waits_for_a_vehicle_that_falls_behind() -> None:
     assert LAG_M <= gap_m <= WAITS_SHARE * QUAD.carrot_m
     rig.vehicle.is_stuck = False
     assert run(rig, leaf) is Status.SUCCESS
+
+
+def test_the_setpoint_does_not_wait_for_a_vehicle_that_is_ahead() -> None:
+    """As one is that brakes late. A setpoint that waited would stop, and leave it to overshoot."""
+    rig = a_rig()
+    leaf = MoveCommand(rig.flight, "A", None)
+    for _ in range(20):
+        tick(rig, leaf)
+    assert rig.vehicle.setpoint is not None
+    speed_mps = math.hypot(*rig.vehicle.setpoint.velocity)
+    assert speed_mps > 0.5
+    rig.vehicle.is_stuck = True
+    ahead = moved(rig.vehicle.setpoint.position, rig.vehicle.setpoint.velocity, 1.2 / speed_mps)
+    rig.vehicle.change(position=ahead)
+    tick(rig, leaf)
+    assert math.hypot(*rig.vehicle.setpoint.velocity) >= speed_mps
 
 
 def test_a_vehicle_that_came_to_rest_far_away_begins_again_from_there() -> None:
