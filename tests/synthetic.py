@@ -13,7 +13,7 @@ import numpy as np
 
 from companion.errors import KeyPath
 from companion.geometry import Ned
-from companion.ltl.parser import parse
+from companion.ltl.parser import parse_line
 from companion.mission.conditions import parse_condition
 from companion.mission.events import Event
 from companion.mission.facts import Fact
@@ -126,7 +126,7 @@ def mission(
         events={e.name: e for e in events},
         skills={s.name: s for s in (*own_move, *skills)},
         initially=frozenset(map(Fact.parse, initially)),
-        task={name: parse(text) for name, text in lines.items()},
+        task={name: parse_line(text) for name, text in lines.items()},
         otherwise=otherwise,
         priorities=priorities or {},
         lines_at={name: KeyPath(("task", name)) for name in lines},

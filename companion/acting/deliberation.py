@@ -75,9 +75,7 @@ class Deliberation:
         self.replanner = Replanner(
             planner, flight, self.assumptions, self._patience, engine, explain
         )
-        self.triggers = ReplanTriggers(
-            flight, self.assumptions, self.replanner, energy=planner.energy
-        )
+        self.triggers = ReplanTriggers(planner, flight, self.assumptions, self.replanner)
 
     def adopt(self, lasso: Lasso) -> None:
         """Begins to follow a plan, whose assumptions are noted."""

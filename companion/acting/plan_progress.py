@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from companion.outcomes import Failed
+from companion.planning.domain import Action
 
 
 class GroundState(Enum):
@@ -34,12 +35,14 @@ class PlanProgress:
         completed: number of completed skills; `Effects` counts them.
         laps: number of laps of the loop; `Effects` counts them.
         ground: where the plan has the vehicle.
+        failed: the skill whose failure has ended the plan; None if none has.
         unnoticed_landing: why the last landing has failed, in LANDING_UNNOTICED; else None.
     """
 
     completed: int = 0
     laps: int = 0
     ground: GroundState = GroundState.IN_AIR
+    failed: Action | None = None
     unnoticed_landing: Failed | None = None
 
     @property

@@ -11,6 +11,7 @@ from companion.acting.charge.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
 from companion.acting.plan_under_way import PlanUnderWay
 from companion.acting.replanning.assumptions import Assumptions
+from companion.acting.replanning.late_plans import LatePlans
 from companion.acting.replanning.replanner import Replanner
 from companion.acting.triggers.after_the_tree import EndSurprised, LineViolated, TreeFailed
 from companion.acting.triggers.before_the_tree import (
@@ -22,8 +23,8 @@ from companion.acting.triggers.before_the_tree import (
     TaskPossibleAgain,
 )
 from companion.acting.triggers.trigger import ReplanTrigger, SlicedTrigger
-from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
+from companion.planning.planner import Planner
 from companion.slices import Question, ask_once
 
 
@@ -37,21 +38,17 @@ class ReplanTriggers:
             is still the best one, without an answer.
 
     Args:
+        planner: the mission's planner.
         flight: knows the present facts and the progress of the plan.
         assumptions: the assumptions of the plan.
         replanner: knows the map, and which plan would be made now.
-        energy: the mission's energy; None if its plans ignore energy.
     """
 
     def __init__(
-        self,
-        flight: Flight,
-        assumptions: Assumptions,
-        replanner: Replanner,
-        energy: MissionEnergy | None = None,
+        self, planner: Planner, flight: Flight, assumptions: Assumptions, replanner: Replanner
     ) -> None:
         self._flight, self._assumptions, self._replanner = flight, assumptions, replanner
-        self._energy = None if energy is None else EnergyWatch(flight, energy)
+        self._energy = EnergyWatch(flight, planner.energy) if planner.energy else None
         self.has_used_slice = False
         late = Question[str | None]()
         cut_off = CutOffByMap(flight, replanner, outdated=late)
@@ -60,7 +57,7 @@ class ReplanTriggers:
             *_of_charge(flight, self._energy, replanner),
             TaskPossibleAgain(flight, assumptions, replanner),
             DroppedLineKept(flight, replanner),
-            BoundLate(flight, replanner, cut_off, late),
+            BoundLate(flight, LatePlans(planner, flight, replanner), cut_off, late),
         )
         self.after: tuple[ReplanTrigger, ...] = (
             TreeFailed(flight, assumptions),

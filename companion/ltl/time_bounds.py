@@ -59,6 +59,17 @@ class TimeBound(ABC):
         return min(less_ms, self.limit_ms - MARGIN_MS)
 
     @property
+    def watched_ms(self) -> int:
+        """The limit for an action under way that takes longer than planned: half of the margin is
+        left for another plan.
+
+        >>> from companion.ltl.parser import atom
+        >>> Within(atom("p"), 60_000).watched_ms
+        58500
+        """
+        return (self.planned_ms + self.limit_ms) // 2
+
+    @property
     def _limit_s(self) -> str:
         return f"{self.limit_ms / 1000:.3f}".rstrip("0").rstrip(".")
 

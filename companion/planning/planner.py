@@ -37,6 +37,7 @@ from companion.planning.lasso import Lasso, Letter, Problem, Solution
 from companion.planning.objective import Encoding, Objective, asked_for
 from companion.planning.optional_lines import without_lines
 from companion.planning.readiness import Readiness, ready_lines
+from companion.planning.skill_trials import UNTRIED, SkillTrials
 from companion.planning.solver import Solver
 from companion.planning.supposition import supposed_facts, supposed_withdrawn
 from companion.planning.task_automata import translated
@@ -181,7 +182,7 @@ class Planner:
         is_en_route: bool = False,
         unread: frozenset[Fact] = frozenset(),
         clocks_ms: tuple[int | None, ...] = NO_CLOCKS,
-        barred: frozenset[str] = frozenset(),
+        trials: SkillTrials = UNTRIED,
     ) -> Problem:
         """The planning problem in a given state.
 
@@ -192,14 +193,13 @@ class Planner:
             is_en_route: whether the vehicle is between places; if so, adds the moves from `here`.
             unread: events that have risen and fallen since the last letter was read.
             clocks_ms: per conjunct, what its clock shows after reading it; () without bounds.
-            barred: names of actions that it leaves out, with `*` for where they begin.
+            trials: what is known of the skills from trying them.
         """
         actions, beliefs = self.model.actions, self.model.beliefs
         if is_en_route:
             extra = self.departures()
             actions, beliefs = (*actions, *extra), beliefs.union(*(a.assumes for a in extra))
-        if barred:
-            actions = tuple(a for a in actions if a.from_anywhere not in barred)
+        actions = trials.usable(actions)
         held = facts | (beliefs - withdrawn)
         every, energy = actions, None
         actions = self._readiness.allowed(every, withdrawn)
@@ -208,7 +208,7 @@ class Planner:
             actions, energy = self._readiness.on_battery(actions, now, withdrawn)
             energy = self.energy.with_reserve(energy, place_of(held), actions)
         problem = Problem(actions, self.conjuncts, held, automaton_states, beliefs & withdrawn)
-        problem = replace(problem, clocks_ms=clocks_ms, energy=energy, barred=barred)
+        problem = replace(problem, clocks_ms=clocks_ms, energy=energy, barred=trials.barred)
         if self._readiness.lines:
             problem = replace(problem, with_ruled_out=every)
         return self._unread_rises.with_unread(problem, unread) if unread else problem

@@ -67,6 +67,21 @@ class ActionBarred(TimedChange):
 
 
 @dataclass(frozen=True, slots=True)
+class SkillsPutAside(TimedChange):
+    """No plan has these skills until an event or a belief comes; none ends that for all."""
+
+    skills: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SkillOverdue(TimedChange):
+    """A skill works longer than its cost: at least this time."""
+
+    skill: str
+    least_ms: int
+
+
+@dataclass(frozen=True, slots=True)
 class PositionRead(TimedChange):
     """The automata read the present position."""
 
@@ -131,6 +146,8 @@ TaskChange = (
     | ActionInterrupted
     | FlightBegunAgain
     | ActionBarred
+    | SkillsPutAside
+    | SkillOverdue
     | PositionRead
     | VehicleDeparted
     | EventValueTaken

@@ -49,6 +49,10 @@ class TaskReplay:
                 state.begin_again(self._actions[change.action])
             case changes.ActionBarred():
                 state.bar(self._actions[change.action])
+            case changes.SkillsPutAside():
+                state.put_aside(change.skills)
+            case changes.SkillOverdue():
+                state.note_overdue(change.skill, change.least_ms)
             case changes.PositionRead():
                 state.leave()
             case changes.VehicleDeparted():

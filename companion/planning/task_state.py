@@ -34,7 +34,8 @@ from companion.planning.domain import Action
 from companion.planning.held_beliefs import HeldBeliefs
 from companion.planning.lasso import Letter, Problem
 from companion.planning.planner import Planner
-from companion.planning.situation import Position, TaskSituation
+from companion.planning.situation import Position, TaskSituation, unread_events
+from companion.planning.skill_trials import UNTRIED
 from companion.planning.task_readings import TaskReadings
 
 AT_HERE = at(HERE)
@@ -45,6 +46,7 @@ class TaskState:
 
     Attributes:
         facts: what holds, without the beliefs.
+        beliefs: the beliefs that are held; only the state changes them.
         risen: events that have risen since the last letter was read.
         completed: number of completed skills; each has appended a position.
         positions: number of positions that have been left.
@@ -54,7 +56,7 @@ class TaskState:
         optional: lines of the task that may be dropped.
         dropped: those optional lines that the present plan does not keep.
         may_take_up: whether a skill was completed since dropped lines were last reconsidered.
-        barred: names of actions that no plan may contain, with `*` for where they would begin.
+        trials: what was learnt of the skills by trying them; plans depend on it.
         on_change: called with each change, after it.
     """
 
@@ -62,28 +64,23 @@ class TaskState:
         self.on_change: Callable[[changes.TaskChange], None] = lambda _: None
         self._planner = planner
         self._readings = TaskReadings(planner.conjuncts)
-        self._beliefs = HeldBeliefs(planner.task_facts)
-
+        self.beliefs = HeldBeliefs(planner.task_facts)
         self.facts = planner.mission.initially
         self.risen = frozenset[Fact]()
         self.running: Action | None = None
         self._interrupted: Action | None = None
         self._departed_from = frozenset[Fact]()
-        self.barred = frozenset[str]()
-
+        self.trials = UNTRIED
+        self._unread_events = unread_events(planner.mission)
         self.optional = frozenset(planner.mission.priorities)
         self.dropped = frozenset[str]()
         self.may_take_up = False
-
         self.completed = 0
         self.positions = 0
         self.left: list[Position] = []
         self._is_read = False
         self._restarted: tuple[str, ...] = ()
-
-        self.now_s = 0.0
-        self._left_s = 0.0
-        self._reached_s = 0.0
+        self.now_s = self._left_s = self._reached_s = 0.0
 
     @property
     def _moment(self) -> changes.TaskMoment:
@@ -92,7 +89,7 @@ class TaskState:
     @property
     def withdrawn(self) -> frozenset[Fact]:
         """Beliefs that were disproved or that the map contradicts."""
-        return self._beliefs.withdrawn
+        return self.beliefs.withdrawn
 
     @property
     def all_facts(self) -> frozenset[Fact]:
@@ -122,7 +119,10 @@ class TaskState:
         return self._readings.laps
 
     def problem(
-        self, fallen: Set[Fact] = frozenset(), returned: Set[Fact] = frozenset()
+        self,
+        fallen: Set[Fact] = frozenset(),
+        returned: Set[Fact] = frozenset(),
+        is_interrupted: bool = False,
     ) -> tuple[Problem, list[list[Letter]]]:
         """The planning problem from here, and what each conjunct has read, including this position.
 
@@ -131,11 +131,14 @@ class TaskState:
         Args:
             fallen: events that are assumed to hold no longer.
             returned: beliefs that are assumed to be held again.
+            is_interrupted: whether the action under way is assumed to end here and now.
         """
         facts, withdrawn = self.facts - fallen, self.withdrawn - returned
         lost = self.optional.intersection(self._readings.violated)
         letter = None if self._is_read else self._letter(facts)
-        now_s = self.now_s if self.running is None else self._left_s
+        now_s = self.now_s if self.running is None or is_interrupted else self._left_s
+        if is_interrupted and self.running is not None and self.running.destination is not None:
+            facts = frozenset(f for f in facts if f.predicate != AT) | {AT_HERE}
         word = self._readings.so_far(letter, self._reached_s, now_s, lost)
         problem = self._planner.problem(
             facts,
@@ -144,7 +147,7 @@ class TaskState:
             is_en_route=AT_HERE in facts,
             unread=self.risen - facts if self._is_read else frozenset(),
             clocks_ms=word.clocks_ms,
-            barred=self.barred,
+            trials=self.trials,
         )
         if self.completed:
             problem = replace(problem, waiting_since_ms=word.waiting_since_ms)
@@ -183,7 +186,7 @@ class TaskState:
         self.risen = frozenset()
         self._restarted = ()
         self._is_read = True
-        self._beliefs.read()
+        self.beliefs.read()
         self._readings.foresee(self._next_letter)
 
     def complete(self, action: Action, now_s: float) -> None:
@@ -191,8 +194,9 @@ class TaskState:
         self._reached_s = now_s
         self.completed += 1
         self.facts = action.apply(self.facts)
-        self._beliefs.leave_here()
+        self.beliefs.leave_here()
         self.running = self._interrupted = None
+        self.trials = self.trials.in_time
         self._is_read = False
         self._readings.foresee(self._next_letter)
         self.may_take_up = bool(self.dropped)
@@ -215,11 +219,9 @@ class TaskState:
         None if it is not one of these actions, if a position was appended since, or if its
         precondition would not hold where it began.
         """
-        flight = next((action for action in actions if action is self._interrupted), None)
-        if flight is None:
-            return None
         began_with = self.all_facts - {AT_HERE} | self._departed_from
-        return flight if flight.is_applicable(began_with) else None
+        own = (a for a in actions if a is self._interrupted and a.is_applicable(began_with))
+        return next(own, None)
 
     def begin_again(self, flight: Action) -> None:
         """Resumes the flight that was interrupted last, as if it had not been interrupted."""
@@ -260,40 +262,38 @@ class TaskState:
 
     def withdraw(self, beliefs: frozenset[Fact], retry_s: float | None = None) -> None:
         """Withdraws beliefs; from time `retry_s` on, if given, they may be held again."""
-        self._beliefs.withdraw(beliefs, retry_s)
+        self.beliefs.withdraw(beliefs, retry_s)
         self.on_change(changes.BeliefsWithdrawn(self._moment, tuple(sorted(beliefs)), retry_s))
 
     def bar(self, action: Action) -> None:
         """No plan does an action again, because it is not known whether it was done."""
-        self.barred |= {action.from_anywhere}
+        self.trials = self.trials.without(action)
         self.on_change(changes.ActionBarred(self._moment, action.name))
+
+    def put_aside(self, skills: Collection[str]) -> None:
+        """Leaves skills out of plans until an event or a belief comes; none puts all back."""
+        aside = self.trials.put_aside.union(skills) if skills else frozenset[str]()
+        if aside != self.trials.put_aside:
+            self.trials = replace(self.trials, put_aside=aside)
+            self.on_change(changes.SkillsPutAside(self._moment, tuple(sorted(skills))))
+
+    def note_overdue(self, skill: str, least_ms: int) -> None:
+        """A skill works longer than its cost; until one is completed, plans say so, too."""
+        self.trials = replace(self.trials, overdue=skill, least_ms=least_ms)
+        self.on_change(changes.SkillOverdue(self._moment, skill, least_ms))
 
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
         """Withdraws what the map contradicts, holds again what it no longer does; returns both."""
-        lost, held = self._beliefs.cut_off(beliefs)
+        lost, held = self.beliefs.cut_off(beliefs)
+        self.trials = self.trials.forgiven if held else self.trials
         self.on_change(changes.BeliefsCutOff(self._moment, tuple(sorted(beliefs))))
         return lost, held
 
-    @property
-    def returning(self) -> frozenset[Fact]:
-        """The withdrawn beliefs that return by time."""
-        return self._beliefs.returning
-
-    @property
-    def is_cut_off(self) -> bool:
-        """Whether the map contradicts a belief."""
-        return self._beliefs.is_cut_off
-
     def restore(self, now_s: float, is_waiting: bool, predicates: frozenset[str]) -> list[Fact]:
-        """Holds beliefs again if their time has come or their predicate is named; returns them.
-
-        Args:
-            now_s: the present time.
-            is_waiting: whether the vehicle waits for them because there is no plan.
-            predicates: predicates of beliefs that an event restores.
-        """
-        restored = self._beliefs.restore(now_s, is_waiting, predicates)
+        """Holds beliefs again and returns them; see `HeldBeliefs.restore`."""
+        restored = self.beliefs.restore(now_s, is_waiting, predicates)
         if restored:
+            self.trials = self.trials.forgiven
             asked = now_s, is_waiting, tuple(sorted(predicates))
             self.on_change(changes.BeliefsRestored(self._moment, *asked))
         return restored
@@ -304,6 +304,8 @@ class TaskState:
         self.facts = self.facts | fact if holds else self.facts - fact
         if holds:
             self.risen |= fact
+        if event.fact not in self._unread_events:
+            self.trials = self.trials.forgiven
         self._readings.foresee(self._next_letter, self.now_s)
         for line in self._planner.mission.task:
             if holds and line in event.restarts:

@@ -72,6 +72,20 @@ class LongestWait:
         }
 
 
+@dataclass(frozen=True, slots=True)
+class LateLine:
+    """A line that a plan keeps too late.
+
+    Attributes:
+        is_over: whether it is later than its limit.
+        text: how late it is, and after which action, in words.
+    """
+
+    line: str
+    is_over: bool
+    text: str
+
+
 def time_fault(problem: Problem, lasso: Lasso) -> str | None:
     """What is late if a plan is flown for ever, in words; None if nothing is.
 
@@ -79,15 +93,27 @@ def time_fault(problem: Problem, lasso: Lasso) -> str | None:
         problem: the problem that the plan solves.
         lasso: the plan.
     """
+    first = next(late_lines(problem, lasso), None)
+    return None if first is None else first.text
+
+
+def late_lines(problem: Problem, lasso: Lasso, is_watched: bool = False) -> Iterator[LateLine]:
+    """The lines that are late if a plan is flown for ever, in the order of time.
+
+    Args:
+        problem: the problem that the plan solves.
+        lasso: the plan.
+        is_watched: whether lines count that keep less than half of the margin of plans.
+    """
     for arrival in _arrivals(problem, lasso):
         conjunct = problem.conjuncts[arrival.number]
         bound = conjunct.bound
         assert bound is not None
-        if bound.is_late(arrival.elapsed_ms):
-            over_s = (arrival.elapsed_ms - bound.limit_ms) / 1000
-            by = arrival.action.name
-            return f"{conjunct.name}: {bound} is late by {over_s:g} s after {by}"
-    return None
+        if arrival.elapsed_ms > (bound.watched_ms if is_watched else bound.limit_ms):
+            spare_s = (bound.limit_ms - arrival.elapsed_ms) / 1000
+            how = f"is late by {-spare_s:g} s" if spare_s < 0 else f"has {spare_s:g} s to spare"
+            text = f"{conjunct.name}: {bound} {how} after {arrival.action.name}"
+            yield LateLine(conjunct.name, spare_s < 0, text)
 
 
 def waits(problem: Problem, solution: Solution) -> tuple[LongestWait, ...]:

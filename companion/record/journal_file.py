@@ -58,6 +58,8 @@ KINDS: dict[str, type[JournalEntry]] = {
     "action completed": changes.ActionCompleted,
     "action interrupted": changes.ActionInterrupted,
     "action barred": changes.ActionBarred,
+    "skills put aside": changes.SkillsPutAside,
+    "skill overdue": changes.SkillOverdue,
     "flight begun again": changes.FlightBegunAgain,
     "position read": changes.PositionRead,
     "vehicle departed": changes.VehicleDeparted,

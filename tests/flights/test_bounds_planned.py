@@ -95,7 +95,10 @@ def test_a_pause_uses_up_the_time_for_a_detour() -> None:
 
 
 def test_what_takes_longer_than_planned_leaves_the_rest_of_the_lap_for_later() -> None:
-    """A look takes 8 s, and not the second that the mission says: with B and C the lap is late."""
+    """A look takes 8 s, and not the second that the mission says: with B and C the lap is late.
+
+    The better plan begins with that look, too, so it does not interrupt it.
+    """
     skills = deepcopy(DATA["skills"])
     skills["move"]["effect"] += " & !looked(from)"
     about = {"parameters": {"site": "Place"}, "precondition": "at(site)", "cost": 1}

@@ -167,6 +167,7 @@ class Withdraw(Leaf):
         if self._intention.tries.next is not None:
             return Status.SUCCESS
         flight.steps.end_skill(action)
+        flight.progress.failed = action
         after_s = flight.belief_retry_s if action.retry_after_s is None else action.retry_after_s
         retry_s = None if after_s is None else flight.now_s + after_s
         flight.task.withdraw(action.assumes, retry_s)

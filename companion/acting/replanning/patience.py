@@ -73,9 +73,9 @@ class Patience:
         returning = {
             belief
             for belief in task.withdrawn
-            if belief in task.returning or belief.predicate in restored
+            if belief in task.beliefs.returning or belief.predicate in restored
         }
-        if task.is_cut_off or self._is_walled_in:
+        if task.beliefs.is_cut_off or self._is_walled_in:
             return [*sorted(falling | returning), THE_MAP]
         try:
             asked = without_lines(mission.optional, *task.problem(falling, returning))

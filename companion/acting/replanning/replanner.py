@@ -5,19 +5,20 @@
    first plan found for them is used. If there is none, the reason is searched for. If facts change
    meanwhile, it starts again.
 3. It waits for an engine from outside; if that fails, the built-in search is used.
-4. Replans for failed skills without a completed skill in between lead nowhere. After some in a row
-   all optional lines are dropped, and if that does not help, or there are none, the replanner gives
-   up. Replans for events do not count, because the plan before was not wrong; but searches that
-   start again do.
+4. Replans for failed skills without a completed skill in between lead nowhere (idle_replans.py).
+   After some in a row, the optional lines that need one of these skills are dropped, until an event
+   or a belief comes; or all of them, if a line that must hold needs one. If that does not help, or
+   there are none, the replanner gives up.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from companion.acting.flight import Flight
 from companion.acting.replanning.assumptions import FLAPPING_S, Assumptions
+from companion.acting.replanning.idle_replans import MAX_IDLE_REPLANS, IdleReplans
 from companion.acting.replanning.optional_lines import LED_NOWHERE
 from companion.acting.replanning.patience import Patience
 from companion.acting.replanning.reachability import Reachability
@@ -25,23 +26,18 @@ from companion.errors import NoPlanError, SearchLimit
 from companion.flight_events.facts import PlacesCutOff
 from companion.flight_events.plans import EngineFailed
 from companion.outcomes import Failed
-from companion.planning.domain import Action
 from companion.planning.engine_port import Engine
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.lasso import ChosenPlan, DroppedLine, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
 from companion.planning.situation import TaskSituation
-from companion.planning.task_state import AT_HERE
-from companion.planning.time_check import time_fault
 from companion.slices import InSlices, Question, spent, wait_a_tick
 
 COMPARED = 1000
 """Plans that agree in so many actions count as equal."""
 _ADOPTION_US = 120
 """Time for each action of a plan; so a long plan is adopted in a tick of its own."""
-MAX_IDLE_REPLANS = 5
-"""Replans, other than for events, without a completed skill in between, before it gives up."""
 MAP_SETTLES_S = 5.0
 """How long a replan waits for a map that goes on changing while the vehicle holds."""
 MAP_HAS_CHANGED = "the map has changed"
@@ -73,7 +69,6 @@ class Replanner:
     Attributes:
         reachability: the moves that the map allows.
         is_explaining: whether there is no plan, and the reason is being searched for.
-        is_timed: whether the task has time bounds.
 
     Args:
         planner: the mission's planner.
@@ -96,7 +91,6 @@ class Replanner:
     ) -> None:
         self.reachability = Reachability(planner, flight)
         self.is_explaining = False
-        self.is_timed = planner.mission.is_timed
         self._planner = planner
         self._flight = flight
         self._assumptions = assumptions
@@ -105,8 +99,7 @@ class Replanner:
         self._explain = explain or planner.solver.explain_soon
         self._planning: InSlices[ChosenPlan | PlanFailure] | None = None
         self._planned_in: TaskSituation | None = None
-        self._idle_replans = 0
-        self._completed = 0
+        self._idle = IdleReplans(flight)
         self._looked_at: tuple[object, ...] = ()
         self._looked_s = 0.0
         self._looking = Question[bool]()
@@ -119,7 +112,7 @@ class Replanner:
         if wrong:  # the world has changed: the plan before did not fail
             self._assumptions.note_replan(wrong)
         else:
-            self._count_idle()
+            self._idle.count()
         return DueReplan(reason, self._flight.now_s, left_for or reason)
 
     def abandon(self) -> None:
@@ -133,7 +126,8 @@ class Replanner:
 
     def forgive(self) -> None:
         """Forgets plans that led nowhere, because the operator wants to continue."""
-        self._idle_replans = 0
+        self._idle.forgive()
+        self._flight.task.put_aside(())
 
     def step(self, due: DueReplan) -> ChosenPlan | PlanFailure | None:
         """Works for one slice; returns the plan, or why there is none, once that is known."""
@@ -143,7 +137,7 @@ class Replanner:
             return None
         if self._has_become_outdated():
             self.abandon()
-            self._count_idle()  # flapping facts must not cause endless searches
+            self._idle.count()  # flapping facts must not cause endless searches
         if self._planning is None:
             self._planning = InSlices(self._plan)
         if not self._planning.step():
@@ -181,20 +175,42 @@ class Replanner:
         self._assumptions.forget_restored_beliefs()
         if planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
-        is_in_vain = self._idle_replans >= MAX_IDLE_REPLANS
-        is_last = flight.task.dropped == flight.task.optional
-        if is_in_vain and (is_last or self._idle_replans > MAX_IDLE_REPLANS):
-            return NoPlanError(f"no plan: {self._idle_replans} plans in a row led nowhere")
-        self._planned_in = flight.task.situation
+        task, idle = flight.task, self._idle
+        is_last = task.dropped == task.optional
+        if idle.are_too_many and (is_last or idle.number > MAX_IDLE_REPLANS):
+            return NoPlanError(f"no plan: {idle.number} plans in a row led nowhere")
+        self._planned_in = task.situation
         self._assumptions.renew()
-        problem, histories = flight.task.problem()
+        self._review_skills()
+        problem, histories = task.problem()
         self._looked_at, self._unchanged = _what_decides(problem), None
-        if is_in_vain:
-            dropped = tuple(DroppedLine(line, LED_NOWHERE) for line in planner.mission.optional)
-        else:
-            dropped = planner.solver.lines_to_drop(problem)
+        dropped = self._lines_to_drop(problem)
         found = self._solve(*without_lines([each.line for each in dropped], problem, histories))
         return ChosenPlan(found, dropped) if isinstance(found, Lasso) else found
+
+    def _review_skills(self) -> None:
+        """Puts skills aside that failed in vain; forgets about skills what leaves no plan for the
+        lines that must hold.
+        """
+        task = self._flight.task
+        if self._idle.are_too_many:
+            task.put_aside(self._idle.failed)
+        if task.trials.overdue and not self.is_possible:
+            task.note_overdue("", 0)
+        if task.trials.put_aside and not self.is_possible:
+            task.put_aside(())
+
+    def _lines_to_drop(self, problem: Problem) -> tuple[DroppedLine, ...]:
+        """The lines that the next plan drops; all of them if plans led nowhere for another reason
+        than a skill that can be put aside.
+        """
+        planner, task = self._planner, self._flight.task
+        if not self._idle.are_too_many:
+            return planner.solver.lines_to_drop(problem)
+        lines: Collection[str] = planner.mission.optional
+        if task.trials.put_aside:
+            lines = [each.line for each in planner.solver.lines_to_drop(problem)]
+        return tuple(DroppedLine(line, LED_NOWHERE) for line in lines)
 
     def _solve(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
@@ -205,7 +221,7 @@ class Replanner:
             if isinstance(answer, Lasso):
                 return answer
             self._flight.report(EngineFailed(answer.reason))
-        found = self._search(problem, histories)
+        found = self.search(problem, histories)
         if found is not None:
             return found
         self.is_explaining = True
@@ -254,24 +270,6 @@ class Replanner:
         """The plan that would be made now for the lines that are kept; None if none is found."""
         return self._plan_without(self._flight.task.dropped)
 
-    def lateness(self, lasso: Lasso) -> str | None:
-        """What will be late in the rest of a plan, in words, if another plan keeps all bounds.
-
-        It is judged from the place left last, with the present clocks and flight times.
-        """
-        self.follow_map()
-        task = self._flight.task
-        problem, histories = without_lines(task.dropped, *task.problem())
-        rest = lasso.rest(self._flight.progress.completed)
-        begun = task.running if AT_HERE in task.facts else None
-        fault = time_fault(problem, as_flown_now(problem, rest, begun))
-        if fault is None:
-            return None
-        new = self._search(problem, histories)
-        if not isinstance(new, Lasso) or self.is_rest_of(lasso, new):
-            return None
-        return fault if time_fault(problem, new) is None else None
-
     @property
     def is_possible(self) -> bool:
         """Whether there is a plan for the lines of the task that are never dropped.
@@ -288,7 +286,7 @@ class Replanner:
         return self._planner.solver.line_to_take_up(task.problem()[0], task.dropped)
 
     def _plan_without(self, lines: Collection[str]) -> Lasso | None:
-        found = self._search(*without_lines(lines, *self._flight.task.problem()))
+        found = self.search(*without_lines(lines, *self._flight.task.problem()))
         return found if isinstance(found, Lasso) else None
 
     def search_confirms(self, lasso: Lasso) -> bool:
@@ -300,7 +298,7 @@ class Replanner:
         """Whether a new plan equals the rest of the present one."""
         return new.names(COMPARED) == lasso.names(COMPARED, self._flight.progress.completed)
 
-    def _search(
+    def search(
         self, problem: Problem, histories: Sequence[Sequence[Letter]]
     ) -> Lasso | SearchLimit | None:
         """The first plan found, the limit at which the search was given up, or None for no plan."""
@@ -308,36 +306,6 @@ class Replanner:
             return self._planner.solver.replan(problem, histories)
         except SearchLimit as limit:
             return limit
-
-    def _count_idle(self) -> None:
-        """Counts replans between which the task's word has not grown."""
-        completed = self._flight.task.completed
-        self._idle_replans = 0 if completed > self._completed else self._idle_replans + 1
-        self._completed = completed
-
-
-def as_flown_now(problem: Problem, lasso: Lasso, begun: Action | None = None) -> Lasso:
-    """A plan with the present costs of its actions, charging as far as it says.
-
-    Args:
-        problem: contains the actions.
-        lasso: the plan.
-        begun: a flight under way that began at no place; it keeps the cost computed when it began.
-
-    >>> from companion.planning.domain import WAIT
-    >>> rest = Lasso((), (WAIT,))
-    >>> as_flown_now(Problem((WAIT,), (), frozenset(), ()), rest).ends_at_rest
-    True
-    """
-    now = {action.name: action for action in problem.actions}
-    if begun is not None:
-        now[begun.name] = begun
-
-    def flown(action: Action) -> Action:
-        level, own = action.charge_to, now.get(action.name, action)
-        return own if level is None else replace(own, charge_to=level)
-
-    return Lasso(*(tuple(map(flown, part)) for part in (lasso.prefix, lasso.loop)))
 
 
 def _what_decides(problem: Problem) -> tuple[object, ...]:

@@ -9,10 +9,14 @@ from companion.acting.charge.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
 from companion.acting.plan_under_way import PlanUnderWay
 from companion.acting.replanning.assumptions import BELIEF_CAME_BACK, Assumptions
+from companion.acting.replanning.late_plans import LatePlans
 from companion.acting.replanning.replanner import Replanner
 from companion.acting.triggers.trigger import ReplanTrigger, SlicedTrigger
-from companion.planning.lasso import Lasso
+from companion.planning.domain import Action, is_one_flight
 from companion.slices import Question
+
+LOOKS_AT_FLIGHT_S, LOOKS_AT_SKILL_S = 1.0, 0.25
+"""How often a flight, or a skill that works longer than its cost, is compared with time bounds."""
 
 
 class CutOffByMap(SlicedTrigger[str | None]):
@@ -175,11 +179,14 @@ class DroppedLineKept(SlicedTrigger[str | None]):
 
 
 class BoundLate(SlicedTrigger[str | None]):
-    """A time bound will be late, and another plan keeps it; asked once after each completed skill.
+    """A time bound will be late, and another plan keeps it.
+
+    It is asked when an action has begun, and then again and again while that takes longer than
+    planned.
 
     Args:
         flight: knows the progress of the plan.
-        replanner: compares the plan with others.
+        late_plans: compares the plan with others.
         cut_off: it waits for this trigger, which takes over the map.
         question: its question.
     """
@@ -187,27 +194,47 @@ class BoundLate(SlicedTrigger[str | None]):
     def __init__(
         self,
         flight: Flight,
-        replanner: Replanner,
+        late_plans: LatePlans,
         cut_off: CutOffByMap,
         question: Question[str | None],
     ) -> None:
         super().__init__(question)
-        self._flight, self._replanner, self._cut_off = flight, replanner, cut_off
-        self._flown_on_paper: tuple[Lasso, int] | None = None
+        self._flight, self._late_plans, self._cut_off = flight, late_plans, cut_off
+        self._begun: tuple[PlanUnderWay, int] | None = None
+        self._begun_s = self._looked_s = 0.0
+        self._is_answered = False
 
     def guard(self, plan: PlanUnderWay) -> bool:
-        """An action is under way about which it was not asked yet."""
-        if not self._replanner.is_timed or plan.is_leaving or self._cut_off.guard(plan):
+        """An action is under way that has just begun, or that may take longer than planned."""
+        running, progress = self._flight.task.running, self._flight.progress
+        if running is None or plan.is_leaving or progress.is_landed_by_plan:
             return False
-        progress, is_flying = self._flight.progress, self._flight.task.running is not None
-        is_news = self._flown_on_paper != (plan.lasso, progress.completed)
-        return is_flying and is_news and not progress.is_landed_by_plan
+        if not self._late_plans.are_possible or self._cut_off.guard(plan):
+            return False
+        is_news = self._begun != (plan, progress.completed) or not self._is_answered
+        return is_news or self.is_thinking or self._is_due(running)
+
+    def _is_due(self, running: Action) -> bool:
+        """Whether to look again at an action that has begun."""
+        now_s = self._flight.now_s
+        if is_one_flight(running.execute):
+            return now_s - self._looked_s >= LOOKS_AT_FLIGHT_S
+        is_overdue = now_s - self._begun_s > running.cost_ms / 1000
+        return is_overdue and now_s - self._looked_s >= LOOKS_AT_SKILL_S
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """What will be late."""
-        about = plan.lasso, self._flight.progress.completed
-        answered = self._question.ask(about, lambda: self._replanner.lateness(plan.lasso))
+        now_s, late_plans = self._flight.now_s, self._late_plans
+        action = plan, self._flight.progress.completed
+        if self._begun != action:
+            self._begun, self._begun_s, self._is_answered = action, now_s, False
+        if self._is_answered:
+            elapsed_s = now_s - self._begun_s
+            about, think = (*action, True), lambda: late_plans.under_way(plan.lasso, elapsed_s)
+        else:
+            about, think = (*action, False), lambda: late_plans.from_the_beginning(plan.lasso)
+        answered = self._question.ask(about, think)
         if answered is None:
             return None
-        self._flown_on_paper = about
+        self._is_answered, self._looked_s = True, now_s
         return answered.answer

@@ -24,7 +24,7 @@ from companion.acting.executive_states import (
 )
 from companion.acting.plan_under_way import PlanUnderWay
 from companion.acting.replanning.assumptions import FLAPPING_S
-from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
+from companion.acting.replanning.idle_replans import MAX_IDLE_REPLANS
 from companion.acting.triggers.after_the_tree import EndSurprised, LineViolated, TreeFailed
 from companion.acting.triggers.before_the_tree import (
     BoundLate,

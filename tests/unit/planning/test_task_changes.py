@@ -30,7 +30,7 @@ ASKED = mission(
     priorities={"first": 2, "sites": 1},
 )
 MUTATORS = ("begin", "complete", "interrupt", "again", "take", "depart", "withdraw", "cut_off")
-CALLS = (*MUTATORS, "restore", "drop", "keep", "leave", "bar")
+CALLS = (*MUTATORS, "restore", "drop", "keep", "leave", "bar", "aside", "overdue")
 
 
 def kept(asked: Mission) -> tuple[Planner, TaskState, list[TaskChange]]:
@@ -71,6 +71,8 @@ def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: floa
         "keep": state.keep_dropped,
         "leave": state.leave,
         "bar": lambda: state.bar(action),
+        "aside": lambda: state.put_aside([action.from_anywhere][: choice % 3]),
+        "overdue": lambda: state.note_overdue(action.from_anywhere, 1000 * choice),
     }
     calls[name]()
 
@@ -112,7 +114,7 @@ def test_changes_that_are_replayed_make_the_same_state(calls: list[tuple[str, in
 def test_every_kind_of_change_is_reported() -> None:
     planner, state, changes = kept(ASKED)
     flying = ("begin", "complete", "begin", "interrupt", "again", "leave", "depart")
-    others = ("take", "withdraw", "restore", "cut_off", "drop", "keep")
+    others = ("take", "withdraw", "restore", "cut_off", "drop", "keep", "aside", "overdue")
     for choice in range(20):
         for name in (*flying, *others):
             call(state, planner, name, choice, 10.0 * choice)

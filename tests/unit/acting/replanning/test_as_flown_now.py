@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from two_docks import two_docks
 
-from companion.acting.replanning.replanner import as_flown_now
+from companion.acting.replanning.late_plans import as_flown_now
 from companion.mission.loader import load_mission
 from companion.planning.domain import Action
 from companion.planning.lasso import Lasso, Problem

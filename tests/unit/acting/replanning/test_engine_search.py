@@ -11,7 +11,7 @@ from synthetic import event, mission, reading
 
 from companion.acting.executive_states import Searching, TaskStatus
 from companion.acting.replanning.assumptions import FLAPPING_S
-from companion.acting.replanning.replanner import MAX_IDLE_REPLANS
+from companion.acting.replanning.idle_replans import MAX_IDLE_REPLANS
 from companion.errors import NoPlanError
 from companion.flight_events.plans import EngineFailed, NoPlanFound, PlanReplaced
 from companion.mission.model import Mission

@@ -10,6 +10,7 @@ from rig import Rig
 from synthetic import command, event, facts_of, mission, reading, skill
 
 from companion.acting.executive_states import Executing, TaskStatus
+from companion.acting.replanning.idle_replans import MAX_IDLE_REPLANS
 from companion.acting.replanning.optional_lines import LED_NOWHERE
 from companion.flight_events.facts import MissionEventChanged
 from companion.flight_events.plans import (
@@ -20,7 +21,7 @@ from companion.flight_events.plans import (
     PlanMade,
     PlanReplaced,
 )
-from companion.flight_events.skills import PlaceReached
+from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed
 from companion.flight_events.word import ConjunctViolated
 from companion.ltl.formula import Formula
 from companion.ltl.semantics import holds
@@ -40,6 +41,13 @@ from companion.tick import TICK_S
 
 RAIN = event("rain")
 PATROL = {"near": "G F at(A) & G F at(H)", "dry": "G (rain -> X !at(B))", "far": "G F at(B)"}
+LOOK = skill("look", Command(25, 31010, "MAV_CMD_USER_1", ()), "", "at(H)", (), "seen")
+LOOKING = {
+    "near": "G F at(A) & G F at(H)",
+    "look": "F seen",
+    "far": "G F at(B)",
+    "dry": "G (rain -> F at(A))",
+}
 
 
 def asked(
@@ -241,12 +249,51 @@ def test_there_is_no_hope_in_what_helps_an_optional_line_alone() -> None:
 def test_what_is_tried_in_vain_for_an_optional_line_does_not_end_the_mission() -> None:
     """A skill that assumes nothing may fail again and again."""
     lines = {"near": "F at(A) & F at(H)", "look": "F seen"}
-    look = skill("look", Command(25, 31010, "MAV_CMD_USER_1", ()), "", "at(H)", (), "seen")
-    rig = Rig(mission(lines, skills=[look], priorities={"look": 1})).begin()
+    rig = Rig(mission(lines, skills=[LOOK], priorities={"look": 1})).begin()
     rig.vehicle.payloads.answers = [(0.1, Failed("denied"))] * 50
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.of(LineDropped)[-1] == LineDropped("look", LED_NOWHERE)
-    assert places(rig) == ["A", "H"]
+    assert rig.of(LineDropped) == [LineDropped("look", LED_NOWHERE)]
+    assert places(rig) == ["A"]
+
+
+def failing(**priorities: int) -> Rig:
+    """A patrol with a skill that assumes nothing and always fails."""
+    events = [event("rain"), event("noise")]
+    rig = Rig(mission(LOOKING, skills=[LOOK], events=events, priorities=priorities)).begin()
+    rig.vehicle.payloads.answers = [(0.1, Failed("denied"))] * 99
+    return rig
+
+
+def test_what_led_nowhere_is_not_tried_again_at_each_place() -> None:
+    """Only the line that needs the skill is dropped."""
+    rig = failing(look=1, far=1)
+    rig.run_until(PlaceReached, times=12)
+    assert rig.of(LineDropped) == [LineDropped("look", LED_NOWHERE)]
+    assert not rig.of(LineTakenUp)
+    assert len(rig.of(SkillFailed)) == MAX_IDLE_REPLANS
+    assert {"A", "H", "B"} == {*places(rig)[4:]}
+
+
+def test_what_led_nowhere_is_tried_again_after_an_event_that_plans_depend_on() -> None:
+    rig = failing(look=1)
+    rig.run_until(PlaceReached, times=3)
+    before = len(rig.of(SkillFailed))
+    rig.tick(reading("noise"))
+    rig.run_until(PlaceReached, times=6)
+    assert len(rig.of(SkillFailed)) == before
+    rig.vehicle.payloads.answers.clear()
+    rig.tick(reading("rain"))
+    rig.run_until(LineTakenUp)
+    rig.run_until(SkillCompleted)
+
+
+def test_a_line_that_must_hold_tries_again_what_led_nowhere() -> None:
+    """It may have failed only because of the lines that may be dropped."""
+    lines = {"look": "F seen", "far": "F at(A)"}
+    rig = Rig(mission(lines, skills=[LOOK], priorities={"far": 1})).begin()
+    rig.vehicle.payloads.answers = [(0.1, Failed("denied"))] * MAX_IDLE_REPLANS
+    assert rig.run_to_the_end() is TaskStatus.SATISFIED
+    assert rig.of(LineDropped) == [LineDropped("far", LED_NOWHERE)]
 
 
 def test_laps_are_those_of_the_lines_that_are_kept() -> None:

@@ -11,6 +11,7 @@ from companion.mission.loader import load_mission
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Problem
 from companion.planning.planner import Planner
+from companion.planning.skill_trials import SkillTrials
 from companion.planning.task_state import TaskState
 
 FAR = 50
@@ -151,7 +152,8 @@ def test_after_an_answer_nobody_goes_on_to_a_barred_dock() -> None:
     """W is nearer to A, where the answer is, so E demands more."""
     planner = planner_at(-FAR, **READY)
     asked, states = problem_at(planner), problem_at(planner).automaton_states
-    barred = planner.problem(asked.facts, states, barred=frozenset({"recharge(W)"}))
+    trials = SkillTrials(barred=frozenset({"recharge(W)"}))
+    barred = planner.problem(asked.facts, states, trials=trials)
     assert asked.energy is not None and barred.energy is not None
     assert asked.energy.ready["A"] < barred.energy.ready["A"]
 
