@@ -125,7 +125,7 @@ class Run:
         self._detector = detector = EventDetector(mission.events)
         self.mission, self.recorder, self.start_s = mission, prepared.recorder, start_s
         self._wire, self._telemetry = wire, telemetry
-        telemetry.anchor_at(mission.anchor)
+        telemetry.placed.anchor_at(mission.anchor)
         telemetry.words.take_news()  # discards that of another flight
         signals = detector.signals | confirming(mission.skills)
         said = frozenset(signal for signal in signals if not signal.is_report)

@@ -64,7 +64,7 @@ class FakeFrame:
         self.anchoring, self.is_settling = Anchoring.BY_VEHICLE, False
         self._vehicle = vehicle
 
-    def gap_m(self, place: Ned) -> float | None:
+    def gap_m(self, place: Ned, accuracy_m: float) -> float | None:
         state = self._vehicle.state
         return None if state is None else math.dist(state.motion.position[:2], place[:2])
 

@@ -51,7 +51,7 @@ class Beginning:
         """Returns DONE when there is a plan, or why the mission cannot begin."""
         if self._planning is None:
             vehicle, home = self._flight.vehicle, self._home
-            gap_m = vehicle.frame.gap_m(home.position)
+            gap_m = vehicle.frame.gap_m(home.position, state.motion.accuracy_m)
             if gap_m is None:
                 self._tell_settling(state)
                 return Progress.RUNNING

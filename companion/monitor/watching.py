@@ -101,7 +101,7 @@ class Watcher:
 
     def __init__(self, told: OccupancyGrid, anchor: GlobalOrigin | None = None) -> None:
         self._telemetry = Telemetry()
-        self._telemetry.anchor_at(anchor)
+        self._telemetry.placed.anchor_at(anchor)
         self._surroundings = Surroundings(told, self._telemetry)
         self._poses = PoseHistory()
         self._ranging = Ranging(self._poses)

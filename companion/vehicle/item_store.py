@@ -81,12 +81,12 @@ class ItemStore:
 
     def locate(self) -> Outcome:
         """Asks where the autopilot's frame lies on the earth."""
-        if self._telemetry.location is not None:
+        if self._telemetry.placed.location is not None:
             return Progress.DONE
         if self._located_from_s is None:
             self._located_from_s = self._heard_s
         waited_s = self._heard_s - self._located_from_s
-        if self._telemetry.origins.altitude_m is None and waited_s > GLOBAL_POSITION_S:
+        if self._telemetry.placed.origins.altitude_m is None and waited_s > GLOBAL_POSITION_S:
             return Failed("the autopilot reports no position on the earth")
         if waited_s > LOCATE_S:
             return Failed("the autopilot does not say where its local frame lies on the earth")
@@ -153,8 +153,8 @@ class ItemStore:
             return []
         if self._transfer is not None:
             leaving += self._transfer.due(moment.heard_s)
-        origins = self._telemetry.origins
-        is_asked = self._located_from_s is not None and self._telemetry.location is None
+        origins = self._telemetry.placed.origins
+        is_asked = self._located_from_s is not None and self._telemetry.placed.location is None
         if is_asked and origins.altitude_m is not None:
             leaving += origins.due(moment.now_s, (self._wire.system, AUTOPILOT), is_needed=True)
         return leaving

@@ -95,7 +95,7 @@ class MarkerSightings:
         if component not in self._components:
             return Refusal(f"component {component} is not one that the mission names")
         newest_s = self._poses.newest_s
-        if newest_s is None or self._telemetry.frame_doubt is not None:
+        if newest_s is None or self._telemetry.placed.doubt is not None:
             return Refusal("the vehicle's own position is not known")
         boot_s = message.time_usec / 1e6
         age_s = newest_s - boot_s

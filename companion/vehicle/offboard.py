@@ -47,7 +47,6 @@ from companion.vehicle.services import Moment, Service
 from companion.vehicle.setpoint_stream import SetpointStream
 from companion.vehicle.signals import SignalReader, SignalReading
 from companion.vehicle.telemetry import Telemetry, heartbeat_of
-from companion.vehicle.telemetry_frame import TelemetryFrame
 from companion.vehicle.wire import AUTOPILOT, Wire
 
 SCANNER = dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE
@@ -100,7 +99,7 @@ class MavlinkVehicle:
         self._telemetry = telemetry
         self.setpoints = SetpointStream(telemetry, envelope)
         self.control = ControlWatch()
-        self.frame = TelemetryFrame(telemetry)
+        self.frame = telemetry.placed
         self.parameters = ParameterReader()
         self._signals = SignalReader(signals)
         self._poses = PoseHistory()

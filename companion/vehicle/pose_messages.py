@@ -24,7 +24,7 @@ def keep_pose(poses: PoseHistory, message: Message, telemetry: Telemetry) -> Non
         telemetry: of the vehicle; positions are added once its mission's frame is known.
     """
     kind, frame = message.get_type(), telemetry.frame
-    if kind not in POSES or telemetry.frame_doubt is not None:
+    if kind not in POSES or telemetry.placed.doubt is not None:
         return
     if kind == "LOCAL_POSITION_NED" and frame.is_known:
         local = (message.x, message.y, message.z)

@@ -90,7 +90,7 @@ class SetpointStream:
             self._envelope,
             is_entering=is_entering,
             is_violated=self._is_violated,
-            frame_doubt=self._telemetry.frame_doubt,
+            frame_doubt=self._telemetry.placed.doubt,
             before=self._verdict,
         )
         if verdict.setpoint is None:

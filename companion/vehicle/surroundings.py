@@ -68,7 +68,7 @@ class Surroundings:
         greatest_m = greatest_error_m(accuracy_m)
         turned = replace(scan, yaw_rad=scan.yaw_rad + self._turn_rad)
         off = self._walls.displacement(turned, greatest_m)
-        self._telemetry.move((SHARE * off.north_m, SHARE * off.east_m), greatest_m)
+        self._telemetry.placed.move((SHARE * off.north_m, SHARE * off.east_m), greatest_m)
         turn_rad = self._turn_rad + off.turn_rad
         self._turn_rad = min(max(turn_rad, -GREATEST_TURN_RAD), GREATEST_TURN_RAD)
         return off.applied(turned)

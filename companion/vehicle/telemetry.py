@@ -10,18 +10,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from companion.geometry import GRAVITY_MPS2, GlobalOrigin, Ned, NorthEast
-from companion.mavlink.framing import Message, dialect, source
+from companion.geometry import GRAVITY_MPS2, NorthEast
+from companion.mavlink.framing import Message, dialect
 from companion.mavlink.px4_modes import mode_name
 from companion.mavlink.sequence import SequenceTracker
-from companion.outcomes import Refusal
 from companion.vehicle.autopilot_words import SPOKEN, AutopilotWords
 from companion.vehicle.battery_gauge import battery_after
 from companion.vehicle.boot_clock import BootClock
+from companion.vehicle.heard_frame import HeardFrame
 from companion.vehicle.laid_frames import LaidFrames
 from companion.vehicle.mission_frame import MissionFrame
-from companion.vehicle.origin_watch import OriginWatch
-from companion.vehicle.ports.frame import FrameLocation
 from companion.vehicle.ports.state import (
     Attitude,
     BatteryState,
@@ -47,7 +45,7 @@ class Telemetry:
 
     Attributes:
         frame: of the mission.
-        origins: where the autopilot's local frame is on the earth.
+        placed: where that frame is, and whether that is certain.
         clock: the autopilot's.
         boots: how often the autopilot has restarted.
         velocity_bias: the error of the autopilot's velocity.
@@ -58,8 +56,7 @@ class Telemetry:
 
     def __init__(self, laid: LaidFrames | None = None) -> None:
         self.frame = MissionFrame()
-        self._laid, self._system = laid, 0
-        self.origins = OriginWatch()
+        self.placed = HeardFrame(self.frame, laid, on_move=self._forget_state)
         self.clock, self.boots = BootClock(), RestartWatch()
         self.velocity_bias = VelocityBias()
         self.words = AutopilotWords()
@@ -77,10 +74,10 @@ class Telemetry:
         self._readers: dict[str, Callable[[float, Message], None]] = {
             "HEARTBEAT": self._on_heartbeat,
             "LOCAL_POSITION_NED": self._on_position,
-            "GLOBAL_POSITION_INT": self._on_global_position,
-            "GPS_GLOBAL_ORIGIN": self._on_origin,
+            "GLOBAL_POSITION_INT": self.placed.take_global,
+            "GPS_GLOBAL_ORIGIN": self.placed.take_origin,
             "ATTITUDE": self._on_attitude,
-            "HOME_POSITION": self._on_home,
+            "HOME_POSITION": self.placed.take_home,
             "EXTENDED_SYS_STATE": self._on_landed,
             "BATTERY_STATUS": self._on_battery,
             "ESTIMATOR_STATUS": self._on_estimator,
@@ -96,6 +93,9 @@ class Telemetry:
         if self._state is None:
             self._state = self._put_together()
         return self._state
+
+    def _forget_state(self) -> None:
+        self._state = None
 
     @property
     def missing(self) -> str:
@@ -146,44 +146,6 @@ class Telemetry:
         """Distance down to what is below the vehicle; None if not known (`range_below.py`)."""
         return self._range_below.at(now_s)
 
-    def stand_at(self, place: Ned) -> None:
-        """Lays the frame so that the vehicle stands at a place, before its first sortie."""
-        self.frame.lay(place)
-        if self._laid is not None:
-            boot_s = 0.0 if self._motion is None else self._motion.boot_s
-            self._laid.note(self.frame, self._system, boot_s)
-        self._state = None
-
-    def move(self, by: NorthEast, most_m: float) -> None:
-        """Moves the frame: the vehicle is that much further than its position says.
-
-        Args:
-            by: north and east.
-            most_m: greatest distance by which the frame may be moved in all.
-        """
-        self.frame.move(by, most_m)
-        self._state = None
-
-    def anchor_at(self, anchor: GlobalOrigin | None) -> None:
-        """Begins a mission with this origin; None if the mission begins where the vehicle
-        stands."""
-        self.frame.anchor_at(anchor)
-        self._state = None
-
-    @property
-    def origin(self) -> GlobalOrigin | None:
-        """Where the autopilot's local frame is on the earth; None while frames are not known."""
-        is_known = self.frame.is_known and self.origins.residual_m is not None
-        return self.frame.reference if is_known else None
-
-    @property
-    def location(self) -> FrameLocation | None:
-        """Where the frames are on the earth; None if not known."""
-        frame, residual_m = self.frame, self.origins.residual_m
-        if frame.reference is None or (zero := frame.zero) is None or residual_m is None:
-            return None
-        return FrameLocation(frame.reference, zero, frame.anchor is not None, residual_m)
-
     @property
     def is_flown(self) -> bool:
         """Whether the vehicle was heard to be armed or in the air."""
@@ -192,7 +154,7 @@ class Telemetry:
     @property
     def ground_amsl_m(self) -> float | None:
         """Altitude above mean sea level at which the vehicle stands disarmed; None if not known."""
-        return self.origins.altitude_m if self._is_standing else None
+        return self.placed.origins.altitude_m if self._is_standing else None
 
     @property
     def _is_armed(self) -> bool:
@@ -201,19 +163,6 @@ class Telemetry:
     @property
     def _is_standing(self) -> bool:
         return self._is_landed is True and not self._is_armed
-
-    @property
-    def frame_doubt(self) -> Refusal | None:
-        """Why the position in the mission's frame is unknown or uncertain; None if it is
-        certain."""
-        watch = self.origins
-        is_wanting = self.frame.anchor is not None and watch.origin is None
-        if self._motion is None or not (watch.is_doubted or is_wanting):
-            return None
-        if watch.residual_m is None:
-            return Refusal("the autopilot does not say where its local frame lies on the earth")
-        about = f"are {watch.residual_m:.1f} m apart, by its GPS_GLOBAL_ORIGIN"
-        return Refusal(f"the autopilot's LOCAL_POSITION_NED and GLOBAL_POSITION_INT {about}")
 
     def is_news(self, now_s: float, message: Message) -> bool:
         """Whether no newer message of its kind has overtaken a message; call it once for each.
@@ -229,7 +178,7 @@ class Telemetry:
         reader = self._readers.get(message.get_type())
         if reader is not None:
             reader(now_s, message)
-            self._state = None
+            self._forget_state()
 
     def _on_heartbeat(self, now_s: float, message: Message) -> None:
         self._heartbeat = heartbeat_of(now_s, message)
@@ -239,28 +188,11 @@ class Telemetry:
         position = (message.x, message.y, message.z)
         velocity = (message.vx, message.vy, message.vz)
         if all(map(math.isfinite, (*position, *velocity))):
-            self._system, boot_s = source(message)[0], message.time_boot_ms / 1000
-            self.origins.take_local(boot_s, position, velocity)
+            boot_s = message.time_boot_ms / 1000
             self.velocity_bias.take(now_s, boot_s, position, velocity)
-            self._follow_origin()
             measured_s = self.clock.measured_s(now_s, boot_s)
             self._motion = MeasuredMotion(position, velocity, now_s, measured_s, boot_s)
-            self.frame.take_position(now_s, position, self._is_standing)
-            if self._laid is not None:
-                self._laid.recall(self.frame, self._system, boot_s)
-
-    def _on_global_position(self, _: float, message: Message) -> None:
-        self.origins.take_global(message)
-        self._follow_origin()
-
-    def _on_origin(self, _: float, message: Message) -> None:
-        self.origins.take_origin(message)
-        self._follow_origin()
-
-    def _follow_origin(self) -> None:
-        origin = self.origins.origin
-        if origin is not None and origin != self.frame.reference:
-            self.frame.take_reference(origin)
+            self.placed.take_local(now_s, message, self._is_standing)
 
     def _on_attitude(self, now_s: float, message: Message) -> None:
         boot_s, angles = message.time_boot_ms / 1000, (message.roll, message.pitch, message.yaw)
@@ -274,11 +206,6 @@ class Telemetry:
             thrust_mps2 = _thrust(roll, pitch, yaw)
         measured_s = self.clock.measured_s(now_s, boot_s)
         self._attitude = Attitude(yaw, measured_s, tilt_rad, thrust_mps2)
-
-    def _on_home(self, _: float, message: Message) -> None:
-        position = (message.x, message.y, message.z)
-        if all(map(math.isfinite, position)):
-            self.frame.take_home(position, message.altitude / 1000)
 
     def _on_landed(self, now_s: float, message: Message) -> None:
         if message.landed_state == dialect.MAV_LANDED_STATE_UNDEFINED:
@@ -308,8 +235,8 @@ class Telemetry:
             is_ours: a goal was pursued, so the companion may ask where the frame is.
         """
         is_flown = self._is_armed or self._is_landed is not True
-        is_needed = self.frame_doubt is not None
-        origin = self.origins.due(now_s, autopilot, is_needed) if is_needed or is_ours else []
+        is_needed, origins = self.placed.doubt is not None, self.placed.origins
+        origin = origins.due(now_s, autopilot, is_needed) if is_needed or is_ours else []
         return [*self.words.due(now_s, autopilot, is_flown), *origin]
 
 

@@ -59,8 +59,13 @@ class PlacedFrame(Protocol):
     def is_settling(self) -> bool:
         """Whether the position of the standing vehicle is being averaged."""
 
-    def gap_m(self, place: Ned) -> float | None:
-        """How far from a place the vehicle stands on the ground; None until that is certain."""
+    def gap_m(self, place: Ned, accuracy_m: float) -> float | None:
+        """How far from a place the vehicle stands on the ground; None until that is certain.
+
+        Args:
+            place: in the mission's frame.
+            accuracy_m: of the vehicle's position.
+        """
 
     def stand_at(self, place: Ned) -> None:
         """Declare that the vehicle stands at a place, from where the mission's map is valid."""

@@ -73,11 +73,11 @@ def test_none_is_known_until_position_and_attitude_have_come() -> None:
 
 def test_none_is_stored_while_the_frame_is_in_doubt() -> None:
     telemetry = Telemetry()
-    telemetry.anchor_at(GlobalOrigin(47.0, 8.0, 400.0))  # and the autopilot's origin is not known
+    telemetry.placed.anchor_at(GlobalOrigin(47.0, 8.0, 400.0))  # the autopilot's is not known
     telemetry.frame.take_home((10.0, 20.0, 0.0), 400.0)
     place: Any = dialect.MAVLink_local_position_ned_message(2000, 11.0, 22.0, -5.0, 0, 0, 0)
     telemetry.take(0.0, place)
-    assert telemetry.frame_doubt is not None
+    assert telemetry.placed.doubt is not None
     poses = PoseHistory()
     keep_pose(poses, place, telemetry)
     assert poses.newest_s is None

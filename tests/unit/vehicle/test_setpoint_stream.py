@@ -35,7 +35,7 @@ def sent(setpoint: Setpoint, off_mps: tuple[float, float], **differs: Any) -> tu
     telemetry: Any = SimpleNamespace(
         state=replace(FLYING, **differs),
         frame=SimpleNamespace(local=lambda position: position),
-        frame_doubt=None,
+        placed=SimpleNamespace(doubt=None),
         velocity_bias=bias(off_mps),
     )
     stream = SetpointStream(telemetry, ENVELOPE)
