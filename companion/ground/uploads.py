@@ -187,8 +187,7 @@ class Uploads:
 
     def _notice(self) -> None:
         """Queues the missions among the new files; a mission stored twice is queued once."""
-        stored = dict.fromkeys("/".join(names_of(path)) for path in self._server.stored)
-        self._server.stored.clear()
+        stored = dict.fromkeys("/".join(names_of(path)) for path in self._server.take_stored())
         queued = self._all_in(UploadState.QUEUED)
         waiting = {upload.mission for upload in queued if not upload.is_again}
         for name in stored:

@@ -25,7 +25,7 @@ from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.ground.checking import CheckResult
-from companion.ground.component import Component
+from companion.ground.component import WANTED
 from companion.ground.parameters import NAMES
 from companion.ground.uploads import Uploads
 from companion.mavlink.framing import MavlinkCodec, dialect
@@ -41,11 +41,19 @@ COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
 SERVICES = sorted(
     number
     for number in KINDS
-    if (name := dialect.mavlink_map[number].msgname) in Component.SERVICES
-    or name.startswith("MISSION_")
+    if (name := dialect.mavlink_map[number].msgname) in WANTED or name.startswith("MISSION_")
 )
 FTP: int = dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL
-KNOWN = [*Component.ACTIONS, dialect.MAV_CMD_USER_1]
+KNOWN = [
+    dialect.MAV_CMD_MISSION_START,
+    dialect.MAV_CMD_DO_PAUSE_CONTINUE,
+    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH,
+    dialect.MAV_CMD_DO_SET_MISSION_CURRENT,
+    dialect.MAV_CMD_REQUEST_MESSAGE,
+    dialect.MAV_CMD_REQUEST_PROTOCOL_VERSION,
+    dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES,
+    dialect.MAV_CMD_USER_1,
+]
 STATIONS = [(255, 190), (250, 1)]
 PATHS = [b"a.yaml", b"maps", b"maps/a.pgm", b"/", b"../a.yaml", b"verdict.json"]
 NUMBERS = [6_000, pytest.param(60_000, marks=pytest.mark.long)]

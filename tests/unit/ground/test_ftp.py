@@ -9,7 +9,8 @@ from ftp_client import ACK, Client, pack
 from pymavlink.dialects.v20 import common
 from pymavlink.mavftp import FTP_OP
 
-from companion.ground.ftp import BURST, FtpServer
+from companion.ground.ftp import FtpServer
+from companion.ground.ftp_services import BURST
 from companion.ground.mission_store import MissionStore
 from companion.mavlink.ftp_frames import Nak, Opcode, crc32
 
@@ -30,7 +31,7 @@ def test_what_is_put_can_be_got_and_is_named_once_as_stored(client: Client, root
     client.put("/a.yaml", CONTENT)
     assert (root / "a.yaml").read_bytes() == CONTENT
     assert client.get("a.yaml") == CONTENT
-    assert client.server.stored == ["/a.yaml"]
+    assert client.server.take_stored() == ["/a.yaml"]
 
 
 def test_numbers_are_those_of_the_dialect_and_headers_those_of_pymavlink() -> None:
