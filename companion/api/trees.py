@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import cast
 
 from companion.acting.assembly import flight_of
 from companion.acting.behaviour_tree.builder import build
@@ -21,7 +20,6 @@ from companion.flight_events.tree import NodeType, PlanNode
 from companion.mission.model import Mission
 from companion.planning.lasso import ChosenPlan
 from companion.record.events import read_events, record_of
-from companion.vehicle.ports.vehicle import Vehicle
 
 _SHAPES = {NodeType.ACTION: "box", NodeType.LEAF: "box"}
 """Shapes in the DOT language; all other nodes are ellipses."""
@@ -95,7 +93,7 @@ def _planned(mission: Mission) -> tuple[PlanNode, ...]:
     """The tree of the first plan, or the mission's own tree; it is not ticked."""
     prepared = prepare(mission)
     planner, first = prepared.planner, prepared.first_plan
-    flight = flight_of(prepared, cast(Vehicle, HypotheticalVehicle(mission.home.position)))
+    flight = flight_of(prepared, HypotheticalVehicle(mission.home.position))
     if mission.tree is not None:
         return described(build_by_hand(flight, mission.tree, planner.actions_of(mission.tree)))
     assert first is not None, "a mission without a tree of its own"

@@ -24,6 +24,7 @@ from companion.acting.contingencies.changes import (
     SiteLost,
 )
 from companion.acting.contingencies.hypothetical_flight import HypotheticalFlight
+from companion.acting.contingencies.reaction import Reaction
 from companion.acting.contingencies.remembered_routes import RememberedRoutes
 from companion.acting.contingencies.table import Contingency, ContingencyTable, PlanPosition
 from companion.acting.preparation import prepare
@@ -157,12 +158,12 @@ class Contingencies:
         with closing(HypotheticalFlight(self._prepared, self._plan, level, reasons)) as flight:
             flight.complete(number, position.level)
             for change in before:
-                _, plan = flight.meet(change)
+                _, plan = Reaction(flight).to(change)
                 assert plan is not None and isinstance(last, BeliefLost)
                 flight.adopt(plan)
                 actions = (*plan.lasso.prefix, *plan.lasso.loop)
                 flight.complete(next(i for i, a in enumerate(actions) if last.belief in a.assumes))
-            return flight.meet(last)
+            return Reaction(flight).to(last)
 
 
 def _positions(mission: Mission, lasso: Lasso, energy: Energy | None) -> Iterator[PlanPosition]:
