@@ -10,6 +10,8 @@ from __future__ import annotations
 from companion.acting.authority import not_at_home
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
+from companion.acting.phase_work import PhaseEnd
+from companion.acting.phases import SortieEvent
 from companion.acting.replanning.replanner import PlanFailure
 from companion.errors import Aborted, CompanionError
 from companion.flight_events.frames import FrameLocated, HomeMeasured, HomeRecalled
@@ -47,8 +49,15 @@ class Beginning:
         """Whether the vehicle stands at home and a plan is being searched."""
         return self._planning is not None
 
-    def tick(self, state: VehicleState) -> Progress | CompanionError:
-        """Returns DONE when there is a plan, or why the mission cannot begin."""
+    def tick(self, state: VehicleState) -> PhaseEnd | None:
+        """Ends when there is a plan, or the mission cannot begin."""
+        outcome = self._begin(state)
+        if isinstance(outcome, CompanionError):
+            return PhaseEnd(SortieEvent.GIVEN_UP, outcome)
+        return PhaseEnd(SortieEvent.PLANNED) if outcome is Progress.DONE else None
+
+    def _begin(self, state: VehicleState) -> Progress | CompanionError:
+        """DONE when there is a plan; an error if the mission cannot begin."""
         if self._planning is None:
             vehicle, home = self._flight.vehicle, self._home
             gap_m = vehicle.frame.gap_m(home.position, state.motion.accuracy_m)

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from companion.acting.authority import RESTARTED, loss_of_link, not_handed_over
 from companion.acting.flight import Flight
+from companion.acting.phase_work import PhaseEnd
+from companion.acting.phases import SortieEvent
 from companion.acting.resumption import Resumption
 from companion.acting.stream_loss import StreamLossWatch
 from companion.errors import Aborted, CompanionError
@@ -58,7 +60,20 @@ class Control:
             kept=flight.kept_fence,
         )
 
-    def wait(self, state: VehicleState) -> CompanionError | FlightEvent | None:
+    def take_back(self, news: FlightEvent) -> PhaseEnd:
+        """Takes control again: streams setpoints, and continues what was interrupted."""
+        self._flight.vehicle.control.regain()
+        self._flight.guidance.forget_setpoint()  # hold where it is, not where it was taken from us
+        return PhaseEnd(SortieEvent.HANDED_BACK, news=news)
+
+    def tick(self, state: VehicleState) -> PhaseEnd | None:
+        """One tick in which nothing is sent; ends when control is back, or will not come back."""
+        outcome = self._wait(state)
+        if isinstance(outcome, CompanionError):
+            return PhaseEnd(SortieEvent.GIVEN_UP, outcome)
+        return None if outcome is None else self.take_back(outcome)
+
+    def _wait(self, state: VehicleState) -> CompanionError | FlightEvent | None:
         """An error if control will not come back, an event if it is back, None while waiting."""
         vehicle, now_s = self._flight.vehicle, self._flight.now_s
         if silence := loss_of_link(state, now_s):

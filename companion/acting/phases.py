@@ -1,7 +1,6 @@
 """The phases of a sortie, from the ground to the ground, and the table of their transitions.
 
-In each tick `sortie.py` does the work of the present phase, and asks this table where an event
-leads. The diagram in docs/sortie.md is drawn from it.
+`sortie.py` asks this table where an event leads. The diagram in docs/sortie.md is drawn from it.
 """
 
 from __future__ import annotations
@@ -46,6 +45,8 @@ ON_THE_GROUND = (Phase.WAITING, Phase.CHECKING)
 """The phases in which the vehicle is not ours yet."""
 UNDER_TASK = (Phase.TASK, Phase.PAUSED, Phase.RETURNING)
 """The phases in which our setpoints fly the vehicle in OFFBOARD, or its plan has landed it."""
+LANDS = (Phase.HOLDING, Phase.LANDING)
+"""The phases in which the vehicle is about to land, or lands."""
 
 GOALS: dict[Phase, Goal] = {
     Phase.ARMING: Goal.ARMED,
@@ -56,6 +57,17 @@ GOALS: dict[Phase, Goal] = {
     Phase.LANDING: Goal.LANDED,
 }
 """The phases that pursue a goal of the vehicle."""
+
+GOES_ON_WITH = {
+    Phase.ARMING: SortieEvent.TASK_GOES_ON,
+    Phase.TAKE_OFF: SortieEvent.TASK_GOES_ON,
+    Phase.TASK: SortieEvent.TASK_GOES_ON,
+    Phase.PAUSED: SortieEvent.PAUSE_GOES_ON,
+    Phase.RETURNING: SortieEvent.RETURN_GOES_ON,
+    Phase.HOLDING: SortieEvent.LANDING_GOES_ON,
+    Phase.LANDING: SortieEvent.LANDING_GOES_ON,
+}
+"""The event with which a flight in each phase continues; one left on hold does not."""
 
 _P, _E = Phase, SortieEvent
 _OURS = (_P.ARMING, _P.TAKE_OFF, _P.OFFBOARD, *UNDER_TASK, _P.PARTING)

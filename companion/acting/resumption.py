@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from companion.acting.event_detector import EventDetector
 from companion.acting.flight import Flight
 from companion.acting.journal import CommandSettled, JournalledFlight
-from companion.acting.phases import SortieEvent
+from companion.acting.phases import GOES_ON_WITH, SortieEvent
 from companion.acting.positions import tell_overrun, tell_positions
 from companion.acting.preflight.kept_fence import keep_to
 from companion.errors import Aborted, CompanionError
@@ -38,17 +38,6 @@ TWO_KEYS = "hold, then continue, to give control back"
 STREAMED = (Phase.TASK, Phase.PAUSED, Phase.RETURNING, Phase.LANDING)
 """The phases in which setpoints are streamed, so that the autopilot notices their loss; a vehicle
 is also held before it lands."""
-
-GOES_ON_WITH = {
-    Phase.ARMING: SortieEvent.TASK_GOES_ON,
-    Phase.TAKE_OFF: SortieEvent.TASK_GOES_ON,
-    Phase.TASK: SortieEvent.TASK_GOES_ON,
-    Phase.PAUSED: SortieEvent.PAUSE_GOES_ON,
-    Phase.RETURNING: SortieEvent.RETURN_GOES_ON,
-    Phase.HOLDING: SortieEvent.LANDING_GOES_ON,
-    Phase.LANDING: SortieEvent.LANDING_GOES_ON,
-}
-"""The event with which a flight in each phase continues; one left on hold does not."""
 
 
 @dataclass(frozen=True)

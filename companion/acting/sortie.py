@@ -1,58 +1,61 @@
 """One sortie from the ground to the ground: climb, fly the task, land; `phases.py` has the table.
 
-In each tick, safety comes before the work of the phase:
+In each tick, what is asked and what safety demands come before the work of the phase:
 
-- If the pilot or a failsafe takes the vehicle, the sortie ends at once and nothing more is sent. If
-  control may come back, it yields instead, and waits. It also yields while nothing is heard of a
-  vehicle in the air, and after the companion was away.
-- A vehicle that is armed or flying before we start is left alone.
-- A vehicle whose autopilot has weak failsafes is not armed, unless the operator accepts that.
+    operator_requests.py   pause, continue, home, stop
+    safety_watch.py        a pilot or a failsafe, silence, a crash, a frame in doubt
+    the phase              a class for each: beginning.py, found_flight.py, ground_checks.py,
+                           goal_phases.py, flying_phases.py, control.py
 
-authority.py decides who has control of the vehicle, and when it is handed over again. The operator
-can pause a sortie (the vehicle holds, the task is frozen), continue it, call home, and stop it.
+Each of them only says what has ended the phase. The sortie enters the next one, and reports it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from enum import Enum, auto
 
-from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.beginning import Beginning
 from companion.acting.control import Control
-from companion.acting.crash_watch import Crash, CrashWatch
-from companion.acting.ending import ending, ending_begun, last_resort
+from companion.acting.ending import ending, ending_begun
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
 from companion.acting.flight_limit import LimitWatch
 from companion.acting.flown_task import FlownTask
-from companion.acting.frame_watch import FrameWatch
-from companion.acting.gate_watch import GateWatch
+from companion.acting.flying_phases import FlyingHome, FlyingTask, Paused
+from companion.acting.found_flight import FoundFlight
+from companion.acting.goal_phases import (
+    Arming,
+    EnteringOffboard,
+    Holding,
+    Landing,
+    Parting,
+    TakingOff,
+)
 from companion.acting.journal import PhaseBegun
-from companion.acting.phase_goals import PhaseGoals
-from companion.acting.phases import ON_THE_GROUND, TRANSITIONS, UNDER_TASK, SortieEvent
+from companion.acting.operator_requests import OperatorRequests
+from companion.acting.phase_work import PhaseEnd, PhaseWork
+from companion.acting.phases import LANDS, TRANSITIONS, SortieEvent
 from companion.acting.preflight.ground_checks import GroundChecks
 from companion.acting.resumption import Resumption
+from companion.acting.safety_watch import SafetyWatch
 from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
-from companion.errors import Aborted, CompanionError
-from companion.flight_events.event import FlightEvent
-from companion.flight_events.sortie import (
-    ControlRegained,
-    ControlYielded,
-    GoalFailed,
-    LinkSilent,
-    Phase,
-    PhaseEntered,
-    StopRequested,
-    VehicleCrashed,
-)
+from companion.errors import CompanionError
+from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.mission.model import Mission
 from companion.mission.signals import Signal
-from companion.outcomes import Failed, Progress, Refusal
-from companion.vehicle.ports.state import VehicleState
+from companion.outcomes import Refusal
 
-ON_THE_GROUND_BY_PLAN = Refusal(
-    "the vehicle is landing or on the ground by its plan; nothing interrupts that"
-)
+CONSEQUENCES = (SortieEvent.FAILED, SortieEvent.NO_WAY_HOME)
+"""Events whose failure counts only if there was none before, of which it may be a consequence."""
+
+
+class StopRequest(Enum):
+    """What has become of the request to stop."""
+
+    NOT_ASKED = auto()
+    ASKED = auto()
+    FOLLOWED = auto()
 
 
 class Sortie:
@@ -83,19 +86,31 @@ class Sortie:
     ) -> None:
         self.phase = Phase.WAITING
         self.failure: CompanionError | None = None
-        self._flight = flight
-        self._executive = executive
         self.beginning = Beginning(flight, executive, mission.home)
-        self._ground_checks = GroundChecks(flight, terms.arming, mission, executive)
-        self._crash_watch = CrashWatch(flight.profile)
-        self._crash: Crash | None = None
-        self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
-        self._control = Control(flight, may_yield, terms.resumes, resumption)
-        self._limit, self._goals = LimitWatch(terms.limit, flight), PhaseGoals(flight)
-        self._flown = FlownTask(flight, executive, mission, self._limit)
-        self._resumption = resumption
-        self._after_offboard = SortieEvent.TASK_GOES_ON
-        self._is_stopping = self._was_stopped = False
+        self._flight = flight
+        self._limit = limit = LimitWatch(terms.limit, flight)
+        self._flown = flown = FlownTask(flight, executive, mission)
+        self._stop_request = StopRequest.NOT_ASKED
+        control = Control(flight, may_yield, terms.resumes, resumption)
+        self._requests = OperatorRequests(flight, flown, control)
+        self._work: Mapping[Phase, PhaseWork] = {
+            Phase.WAITING: FoundFlight(resumption, flown, limit, control)
+            if resumption
+            else self.beginning,
+            Phase.CHECKING: GroundChecks(flight, terms.arming, mission, executive, limit),
+            Phase.ARMING: Arming(flight),
+            Phase.TAKE_OFF: TakingOff(flight),
+            Phase.OFFBOARD: EnteringOffboard(flight, flown),
+            Phase.TASK: FlyingTask(flight, executive, flown, limit),
+            Phase.PAUSED: Paused(flight, executive, flown),
+            Phase.RETURNING: FlyingHome(flight, flown, limit),
+            Phase.YIELDED: control,
+            Phase.HOLDING: Holding(flight),
+            Phase.PARTING: Parting(flight),
+            Phase.LANDING: Landing(flight),
+        }
+        not_ours = (Phase.YIELDED, Phase.WAITING) if resumption else (Phase.YIELDED,)
+        self._safety = SafetyWatch(flight, flown, control, not_ours)
 
     @property
     def has_ended(self) -> bool:
@@ -104,231 +119,66 @@ class Sortie:
 
     def step(self, now_s: float, readings: Sequence[tuple[Signal, float]]) -> None:
         """One tick."""
-        flight = self._flight
-        flight.now_s = now_s
+        self._flight.now_s = now_s
+        if self._stop_request is StopRequest.ASKED and not self.has_ended:
+            self._stop_request = StopRequest.FOLLOWED
+            self._end_phase(self._requests.stop(self.phase))
         if self.has_ended:
             return
-        if self._is_stopping:
-            self._stop()
         self._flown.sense(readings, self.phase)
-        self._gate_watch.step()
-        state = flight.vehicle.state
-        lost = self._frame_watch.step(self.phase)
-        if lost is not None and (state is None or self.phase in ON_THE_GROUND):
-            self._give_up(lost)
-        if state is None or self.has_ended:
-            return
-        self._control.step(state)
-        is_resumed = self.phase is Phase.WAITING and self._resumption is not None
-        if self.phase is not Phase.YIELDED and not is_resumed:  # else it is not ours to judge
-            if (crash := self._crash_watch.step(now_s, state)) is not self._crash:
-                self._take_crash(crash)
-                return
-            if loss := loss_of_control(self.phase, state, flight):
-                self._lose(loss, state)
-                return
-            if self._is_waited_for(state):
-                self._yield(SortieEvent.SILENT, LinkSilent())
-                return
-            if lost is not None:
-                self._land(lost, SortieEvent.FRAME_LOST)
-            if flight.vehicle.control.is_doubted or self._frame_watch.is_frozen(self.phase):
-                return  # it goes on from here, or is lost
-            flight.guidance.brake()
-        self._work(state)
-
-    def _work(self, state: VehicleState) -> None:
-        """Does the work of the present phase."""
-        match self.phase:
-            case Phase.WAITING:
-                self._begin(state)
-            case Phase.CHECKING:
-                self._check_autopilot()
-            case Phase.TASK | Phase.PAUSED | Phase.RETURNING:
-                self._fly()
-            case Phase.YIELDED:
-                self._await_control(state)
-            case _:
-                self._pursue_goal(state)
+        state = self._flight.vehicle.state
+        end = self._safety.look(self.phase, state)
+        if end is None and state is not None and not self._safety.is_frozen(self.phase):
+            if self._safety.is_ours(self.phase):
+                self._flight.guidance.brake()
+            end = self._work[self.phase].tick(state)
+        self._end_phase(end)
 
     def pause(self) -> Refusal | None:
         """Holds in the air with the task frozen."""
-        if self.phase is Phase.PAUSED:
-            return None
-        if self.phase not in UNDER_TASK:
-            return Refusal(f"no pause while {self.phase.value}")
-        if self._flight.progress.is_landed_by_plan:
-            return ON_THE_GROUND_BY_PLAN
-        self._flown.interrupt()
-        self._on(SortieEvent.PAUSED)
-        return None
+        return self._answer(self._requests.pause(self.phase))
 
     def resume(self) -> Refusal | None:
         """Continues from here after a pause or a loss of control."""
-        if self.phase in (Phase.TASK, Phase.RETURNING):
-            return None
-        if self.phase is Phase.PAUSED:
-            self._on(self._flown.goes_on)
-            return None
-        if self.phase is not Phase.YIELDED:
-            return Refusal(f"nothing to resume while {self.phase.value}")
-        if refusal := self._control.not_handed_over():
-            return refusal
-        if self._after_offboard is SortieEvent.PAUSE_GOES_ON:
-            self._after_offboard = self._flown.goes_on  # the operator ends the pause
-        self._regain(ControlRegained())
-        return None
+        return self._answer(self._requests.resume(self.phase))
 
     def return_home(self) -> Refusal | None:
         """Leaves the task for a flight home and lands."""
-        if self.phase in (Phase.RETURNING, Phase.LANDING):
-            return None
-        if self.phase not in UNDER_TASK:
-            return Refusal(f"no return while {self.phase.value}")
-        if self._flight.progress.is_landed_by_plan:
-            return ON_THE_GROUND_BY_PLAN
-        self._flown.call_home()
-        self._on(SortieEvent.CALLED_HOME)
-        return None
+        return self._answer(self._requests.return_home(self.phase))
 
     def stop(self) -> None:
         """Holds, lands and ends from the next step on; on the ground it ends at once.
 
         It may be called at any time, also by a signal handler in the middle of a step.
         """
-        self._is_stopping = True
+        if self._stop_request is StopRequest.NOT_ASKED:
+            self._stop_request = StopRequest.ASKED
 
-    def _stop(self) -> None:
-        self._is_stopping, self._was_stopped = False, True
-        if self.phase in (Phase.HOLDING, Phase.LANDING):
+    def _answer(self, granted: PhaseEnd | Refusal | None) -> Refusal | None:
+        if isinstance(granted, Refusal):
+            return granted
+        self._end_phase(granted)
+        return None
+
+    def _end_phase(self, end: PhaseEnd | None) -> None:
+        """Enters the next phase, and reports it, or the news if there are any."""
+        if end is None:
             return
-        self._flight.report(StopRequested())
-        state = self._flight.vehicle.state
-        is_ours = self.phase not in (*ON_THE_GROUND, Phase.YIELDED)
-        if is_ours and state is not None and state.heartbeat.is_armed:
-            self._executive.stop()
-            self._on(SortieEvent.STOPPED_IN_THE_AIR)
-        else:
-            self._on(SortieEvent.STOPPED)
-
-    def _take_crash(self, crash: Crash | None) -> None:
-        """Lands a vehicle that has hit something and still flies; lets go of any other."""
-        self._crash = crash
-        self._flight.report(VehicleCrashed(str(crash)))
-        if crash is Crash.IMPACT:
-            self._land(Aborted(str(crash)), SortieEvent.HIT)
-        else:
-            self._give_up(Aborted(str(crash)))
-
-    def _land(self, failure: Aborted, event: SortieEvent) -> None:
-        """Holds and lands, if it does not already."""
-        self.failure = failure
-        if self.phase not in (Phase.HOLDING, Phase.LANDING):
-            self._executive.stop()
-            self._on(event)
-
-    def _lose(self, loss: CompanionError, state: VehicleState) -> None:
-        """Yields to whoever has taken the vehicle in the air, or ends the sortie."""
-        is_taken = self.phase in UNDER_TASK and self._flight.vehicle.control.takeover is not None
-        if is_taken and self._control.may_yield and state.is_flying:
-            self._yield(SortieEvent.TAKEN_OVER, ControlYielded(str(loss)))
-        else:
-            self._give_up(loss)
-
-    def _is_waited_for(self, state: VehicleState) -> bool:
-        """Whether a vehicle in the air is silent; a landing by the plan continues without us."""
-        is_flown = self.phase in UNDER_TASK and not self._flight.progress.is_landed_by_plan
-        return is_flown and is_silent(state, self._flight.now_s)
-
-    def _yield(self, event: SortieEvent, news: FlightEvent) -> None:
-        """Interrupts the flight, which continues when control comes back."""
-        is_paused = self.phase is Phase.PAUSED
-        self._flown.interrupt()
-        self._on(event, news)
-        self._after_offboard = SortieEvent.PAUSE_GOES_ON if is_paused else self._flown.goes_on
-        self._flight.vehicle.release()
-
-    def _regain(self, news: FlightEvent) -> None:
-        """Takes control again: streams setpoints, and continues what was interrupted."""
-        self._flight.vehicle.control.regain()
-        self._flight.guidance.forget_setpoint()  # hold where it is, not where it was taken from us
-        self._on(SortieEvent.HANDED_BACK, news)
-
-    def _await_control(self, state: VehicleState) -> None:
-        """Sends nothing; ends when control is back, or will not come back."""
-        outcome = self._control.wait(state)
-        if isinstance(outcome, CompanionError):
-            self._give_up(outcome)
-        elif outcome is not None:
-            self._regain(outcome)
-
-    def _begin(self, state: VehicleState) -> None:
-        if self._resumption is not None:
-            self._find_again(self._resumption, state)
+        if self.failure is None or end.event not in CONSEQUENCES:
+            self.failure = end.failure or self.failure
+        if end.event is SortieEvent.HIT and self.phase in LANDS:
             return
-        outcome = self.beginning.tick(state)
-        if isinstance(outcome, CompanionError):
-            self._give_up(outcome)
-        elif outcome is Progress.DONE:
-            self._on(SortieEvent.PLANNED)
-
-    def _find_again(self, resumption: Resumption, state: VehicleState) -> None:
-        """Continues after the companion was away; sends nothing before control is given back."""
-        if why_not := resumption.why_not(state):
-            self._give_up(why_not)
-            return
-        self._after_offboard = resumption.goes_on_with
-        if (ending := resumption.journalled.ending) is not None:
-            self.failure = self._flown.failure = resumption.failure
-            self._flown.resume_ending(ending)
-        if self._after_offboard is SortieEvent.RETURN_GOES_ON:
-            self._flown.call_home()
-        self._flown.is_interrupted = True
-        self._limit.begin(resumption.journalled.armed_s)
-        if resumption.is_landing(state):
-            self._on(SortieEvent.LANDING_GOES_ON)
-        else:
-            self._on(SortieEvent.FOUND_AGAIN, self._control.found(resumption, state))
-            self._flight.vehicle.release()  # from the hold that a flight home begins with
-
-    def _check_autopilot(self) -> None:
-        """Proceeds to arming when the autopilot's failsafes are strong, and its fence in force."""
-        outcome = self._ground_checks.tick()
-        if isinstance(outcome, Failed):
-            self._give_up(Aborted(outcome.reason))
-        elif outcome is Progress.DONE:
-            self._limit.begin(self._flight.now_s)
-            self._on(SortieEvent.CHECKED)
-
-    def _pursue_goal(self, state: VehicleState) -> None:
-        outcome = self._goals.tick(self.phase)
-        if outcome is Progress.DONE:
-            is_entered = self.phase is Phase.OFFBOARD
-            self._on(self._after_offboard if is_entered else SortieEvent.REACHED)
-        elif isinstance(outcome, Failed):
-            reason = outcome.reason + last_resort(self.phase, state)
-            self.failure = self.failure or Aborted(reason)
-            self._flight.report(GoalFailed(reason))
-            self._on(SortieEvent.FAILED)
-
-    def _fly(self) -> None:
-        flown, is_paused = self._flown, self.phase is Phase.PAUSED
-        if (event := flown.tick_paused() if is_paused else flown.tick()) is not None:
-            self.failure, self._after_offboard = flown.failure, flown.goes_on
-            self._on(event)
-
-    def _on(self, event: SortieEvent, news: FlightEvent | None = None) -> None:
-        """Enters the phase to which an event leads; reports the phase, or the news if given."""
-        self.phase = TRANSITIONS.next(self.phase, event)
+        self.phase = TRANSITIONS.next(self.phase, end.event)
         self._note_phase()
-        if self.phase is Phase.ENDED:
+        if self.phase in (Phase.YIELDED, Phase.ENDED):
             self._flight.vehicle.release()
-            is_called_home = self._flown.is_called_home and not self._was_stopped
-            at_limit = self._limit.ending()
-            how = ending(self.failure, is_called_home, self._flown.is_satisfied, at_limit)
-            self._flight.report(how)
-        else:
-            self._flight.report(news or PhaseEntered(self.phase))
+        if self.phase is not Phase.ENDED:
+            self._flight.report(end.news or PhaseEntered(self.phase))
+            return
+        flown = self._flown
+        is_called_home = flown.is_called_home and self._stop_request is not StopRequest.FOLLOWED
+        at_limit = self._limit.ending()
+        self._flight.report(ending(self.failure, is_called_home, flown.is_satisfied, at_limit))
 
     def _note_phase(self) -> None:
         """Writes into the journal what the phase is, and how the flight is to end."""
@@ -337,7 +187,3 @@ class Sortie:
         if self.phase in (Phase.RETURNING, Phase.HOLDING, Phase.LANDING):
             flown = self._flown
             journal.note(now_s, ending_begun(self.failure, flown.called_to, flown.is_satisfied))
-
-    def _give_up(self, failure: CompanionError) -> None:
-        self.failure = failure
-        self._on(SortieEvent.GIVEN_UP)

@@ -142,7 +142,7 @@ def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refus
     on_the_way_to_b(operated)
     run = operated.companion._run
     assert run is not None
-    planner, vehicle = run.sortie._executive.planner, run.vehicle
+    planner, vehicle = run.executive.planner, run.vehicle
     before = {action.name: action.cost_ms for action in planner.model.actions}
     since_s = operated.now_s
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.5, 9)

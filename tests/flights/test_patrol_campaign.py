@@ -134,7 +134,7 @@ class Stretches:
 def _executive(flight: Lockstep) -> Executive:
     run = flight.companion._run
     assert run is not None
-    return run.sortie._executive
+    return run.executive
 
 
 def _actions(prefix: tuple[Action, ...], loop: tuple[Action, ...], first: int) -> Iterator[Action]:

@@ -7,7 +7,10 @@ from __future__ import annotations
 
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
+from companion.acting.flight_limit import LimitWatch
 from companion.acting.low_battery import why_not_armed
+from companion.acting.phase_work import PhaseEnd
+from companion.acting.phases import SortieEvent
 from companion.acting.preflight.arming_terms import ArmingTerms
 from companion.acting.preflight.dock_check import DockCheck, needs_docks
 from companion.acting.preflight.failsafe_check import FailsafeCheck
@@ -16,10 +19,12 @@ from companion.acting.preflight.gauge_check import GaugeCheck
 from companion.acting.preflight.kept_fence import KeptFenceCheck
 from companion.acting.preflight.rally_check import RallyJudge
 from companion.acting.preflight.upload_check import UploadCheck
+from companion.errors import Aborted
 from companion.geometry import Ned
 from companion.mission.model import Mission
 from companion.mission.steps import TakeOff
 from companion.outcomes import Failed, Outcome, Progress
+from companion.vehicle.ports.state import VehicleState
 
 
 class GroundChecks:
@@ -30,12 +35,18 @@ class GroundChecks:
         terms: what the operator has decided.
         mission: the mission to fly.
         executive: has its plan.
+        limit: the limit of the flight, which counts from the end of the checks.
     """
 
     def __init__(
-        self, flight: Flight, terms: ArmingTerms, mission: Mission, executive: Executive
+        self,
+        flight: Flight,
+        terms: ArmingTerms,
+        mission: Mission,
+        executive: Executive,
+        limit: LimitWatch,
     ) -> None:
-        self._flight, self._mission = flight, mission
+        self._flight, self._mission, self._limit = flight, mission, limit
         energy = executive.planner.energy
         reserve = None if energy is None else energy.model.charge(energy.model.reserve)
         homes = _other_homes(mission)
@@ -50,7 +61,17 @@ class GroundChecks:
         if needs_docks(mission):
             self._checks.insert(0, DockCheck(flight).tick)
 
-    def tick(self) -> Outcome:
+    def tick(self, state: VehicleState) -> PhaseEnd | None:
+        """Ends when the vehicle may be armed, or may not."""
+        outcome = self._check()
+        if isinstance(outcome, Failed):
+            return PhaseEnd(SortieEvent.GIVEN_UP, Aborted(outcome.reason))
+        if outcome is not Progress.DONE:
+            return None
+        self._limit.begin(self._flight.now_s)
+        return PhaseEnd(SortieEvent.CHECKED)
+
+    def _check(self) -> Outcome:
         """DONE when the vehicle may be armed; or why it may not."""
         if (reason := why_not_armed(self._flight, self._mission)) is not None:
             return Failed(reason)
