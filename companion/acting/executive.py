@@ -45,7 +45,14 @@ from companion.acting.flight import Flight
 from companion.acting.ground_plans import GroundPlans
 from companion.acting.plan_progress import GroundState
 from companion.acting.plan_reports import tell_awaited, tell_made, tell_replaced
-from companion.acting.plan_under_way import LeftPlan, PlanUnderWay
+from companion.acting.plan_under_way import (
+    LeftPlan,
+    LeftSafePlaceFlight,
+    LeftTaskPlan,
+    PlanUnderWay,
+    SafePlaceFlight,
+    TaskPlan,
+)
 from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
 from companion.acting.replanning.optional_lines import drop
@@ -108,14 +115,13 @@ class Executive:
     @property
     def is_leaving(self) -> bool:
         """Whether it flies to a place because the task has no plan, or has lost its way there."""
-        plan = self.state.plan
-        return plan is not None and plan.is_leaving
+        return isinstance(self.state.plan, SafePlaceFlight | LeftSafePlaceFlight)
 
     @property
     def way_lost(self) -> str | None:
         """Why the flight to a safe place has failed; None if it has not."""
         plan = self.state.plan
-        return plan.way_lost if isinstance(plan, LeftPlan) else None
+        return plan.way_lost if isinstance(plan, LeftSafePlaceFlight) else None
 
     @property
     def watched(self) -> frozenset[Fact]:
@@ -167,7 +173,7 @@ class Executive:
         lost = None if self.is_leaving else self._whereabouts.look()
         match self.state:
             case Executing(plan) if lost is not None:
-                self._replan(f"no longer at {lost.place}", LeftPlan(plan.lasso))
+                self._replan(f"no longer at {lost.place}", LeftTaskPlan(plan.lasso))
             case Executing(plan) | Leaving(plan):
                 self._tick_plan(plan)
             case ByHand(tree):
@@ -188,7 +194,9 @@ class Executive:
         tell_positions(flight)
         self.deliberation.assumptions.renew()
         is_landed = flight.progress.is_landed_by_plan
-        self._take_up(Leaving(self._adopt(lasso, is_leaving=True), failure), is_landed)
+        self.deliberation.adopt(lasso)
+        flown = SafePlaceFlight(lasso, self._ticked(build(flight, lasso, None)))
+        self._take_up(Leaving(flown, failure), is_landed)
 
     def stop(self) -> None:
         """Ends the plan, and the search for another one; the vehicle holds."""
@@ -220,20 +228,20 @@ class Executive:
         laps, task_laps = progress.laps, self._flight.task.laps
         triggers.look(plan)
         if reason := triggers.before_the_tree(plan):
-            self._replan(reason, LeftPlan(plan.lasso, plan.is_leaving))
+            self._replan(reason, _remembered(plan))
             return
         plan.tree.tick()
         plan.tree.tell()
         tell_positions(self._flight)
-        if not plan.is_leaving and not plan.lasso.ends_at_rest:
+        if isinstance(plan, TaskPlan) and not plan.lasso.ends_at_rest:
             self._count_laps(self._flight.task.laps - task_laps)
         is_over = progress.laps > laps and plan.lasso.ends_at_rest
         if is_over:
             self._flight.task.leave()
         if reason := triggers.after_the_tree(plan):
             tell_positions(self._flight)
-            way_lost = reason if plan.is_leaving and plan.tree.has_failed else None
-            self._replan(reason, LeftPlan(plan.lasso, plan.is_leaving, way_lost))
+            way_lost = reason if plan.tree.has_failed else None
+            self._replan(reason, _remembered(plan, way_lost))
         elif is_over:
             self._rest()
             self.state = Satisfied(plan, self.failure)
@@ -303,12 +311,11 @@ class Executive:
             tell_replaced(flight, self.replans, chosen.reason, plan)
         self._take_up(executing, is_landed)
 
-    def _adopt(self, lasso: Lasso, is_leaving: bool = False) -> PlanUnderWay:
-        """Begins a plan, whose assumptions are already noted."""
-        deliberation = self.deliberation
-        deliberation.adopt(lasso)
-        relied_on = None if is_leaving else deliberation.assumptions
-        return PlanUnderWay(lasso, self._ticked(build(self._flight, lasso, relied_on)), is_leaving)
+    def _adopt(self, lasso: Lasso) -> TaskPlan:
+        """Begins a plan for the task, whose assumptions are already noted."""
+        self.deliberation.adopt(lasso)
+        root = build(self._flight, lasso, self.deliberation.assumptions)
+        return TaskPlan(lasso, self._ticked(root))
 
     def _ticked(self, root: Behaviour) -> TickedTree:
         return TickedTree(self._flight, root)
@@ -320,4 +327,17 @@ class Executive:
 
     def _left(self) -> LeftPlan | None:
         """The plan that is left, for a plan for the task."""
-        return None if self.lasso is None else LeftPlan(self.lasso)
+        return None if self.lasso is None else LeftTaskPlan(self.lasso)
+
+
+def _remembered(plan: PlanUnderWay, way_lost: str | None = None) -> LeftPlan:
+    """What is remembered of a plan that is left.
+
+    Args:
+        plan: the plan.
+        way_lost: why it has failed, which is remembered of a flight to a safe place; None if it
+            has not.
+    """
+    if isinstance(plan, SafePlaceFlight):
+        return LeftSafePlaceFlight(plan.lasso, way_lost)
+    return LeftTaskPlan(plan.lasso)

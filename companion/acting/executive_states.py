@@ -21,7 +21,12 @@ from enum import Enum
 from typing import ClassVar
 
 from companion.acting.behaviour_tree.ticked_tree import TickedTree
-from companion.acting.plan_under_way import LeftPlan, PlanUnderWay
+from companion.acting.plan_under_way import (
+    LeftPlan,
+    PlanUnderWay,
+    SafePlaceFlight,
+    TaskPlan,
+)
 from companion.acting.replanning.replanner import DueReplan, PlanFailure
 
 
@@ -49,7 +54,7 @@ class Executing:
 
     status: ClassVar = TaskStatus.RUNNING
     failure: ClassVar[None] = None
-    plan: PlanUnderWay
+    plan: TaskPlan
 
     @property
     def tree(self) -> TickedTree:
@@ -67,7 +72,7 @@ class Leaving:
     """
 
     status: ClassVar = TaskStatus.RUNNING
-    plan: PlanUnderWay
+    plan: SafePlaceFlight
     failure: PlanFailure | None
 
     @property

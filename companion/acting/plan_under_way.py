@@ -1,4 +1,4 @@
-"""The plan that is flown, and what is remembered of one that was left."""
+"""The plan that is flown, and what is remembered of one that was left; a class for each purpose."""
 
 from __future__ import annotations
 
@@ -9,30 +9,40 @@ from companion.planning.lasso import Lasso
 
 
 @dataclass(frozen=True, slots=True)
-class PlanUnderWay:
-    """A plan that is flown.
-
-    Attributes:
-        lasso: the plan.
-        tree: its behaviour tree.
-        is_leaving: whether it flies to a safe place, because there is no plan for the task.
-    """
+class TaskPlan:
+    """A plan for the task, with the behaviour tree that flies it."""
 
     lasso: Lasso
     tree: TickedTree
-    is_leaving: bool
 
 
 @dataclass(frozen=True, slots=True)
-class LeftPlan:
-    """A plan that is no longer flown; its tree is stopped.
+class SafePlaceFlight:
+    """A flight to a safe place, because there is no plan for the task."""
+
+    lasso: Lasso
+    tree: TickedTree
+
+
+@dataclass(frozen=True, slots=True)
+class LeftTaskPlan:
+    """A plan for the task that is no longer flown."""
+
+    lasso: Lasso
+
+
+@dataclass(frozen=True, slots=True)
+class LeftSafePlaceFlight:
+    """A flight to a safe place that has ended elsewhere.
 
     Attributes:
-        lasso: the plan.
-        is_leaving: whether it was the flight to a safe place.
-        way_lost: why that flight has failed; None if it has not, or was for the task.
+        lasso: its plan.
+        way_lost: why it has failed; None if it has not.
     """
 
     lasso: Lasso
-    is_leaving: bool = False
     way_lost: str | None = None
+
+
+PlanUnderWay = TaskPlan | SafePlaceFlight
+LeftPlan = LeftTaskPlan | LeftSafePlaceFlight

@@ -1,19 +1,26 @@
 """Checks in each tick whether the plan under way has to be replaced.
 
-The triggers are asked in a fixed order; the first one with a reason decides.
+The triggers are asked in a fixed order; the first one with a reason decides. A flight to a safe
+place is replaced for fewer reasons than a plan for the task: it assumes nothing, and ends anyway.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from companion.acting.charge.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
-from companion.acting.plan_under_way import PlanUnderWay
+from companion.acting.plan_under_way import PlanUnderWay, SafePlaceFlight, TaskPlan
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.late_plans import LatePlans
 from companion.acting.replanning.replanner import Replanner
-from companion.acting.triggers.after_the_tree import EndSurprised, LineViolated, TreeFailed
+from companion.acting.triggers.after_the_tree import (
+    EndSurprised,
+    LineViolated,
+    TreeFailed,
+    WayLost,
+)
 from companion.acting.triggers.before_the_tree import (
     BoundLate,
     ChargeShort,
@@ -28,12 +35,25 @@ from companion.planning.planner import Planner
 from companion.slices import Question, ask_once
 
 
+@dataclass(frozen=True, slots=True)
+class TriggerOrder:
+    """The triggers of plans for one purpose, in their order.
+
+    Attributes:
+        before: those before the plan's tree is ticked.
+        after: those after it was ticked.
+    """
+
+    before: tuple[ReplanTrigger, ...]
+    after: tuple[ReplanTrigger, ...]
+
+
 class ReplanTriggers:
     """Notices what a plan did not expect.
 
     Attributes:
-        before: the triggers before the plan's tree is ticked, in their order.
-        after: those after it was ticked.
+        of_task: the triggers of plans for the task.
+        of_safe_place: those of flights to a safe place.
         has_used_slice: whether this tick's slice of search went into the question whether the plan
             is still the best one, without an answer.
 
@@ -52,19 +72,23 @@ class ReplanTriggers:
         self.has_used_slice = False
         late = Question[str | None]()
         cut_off = CutOffByMap(flight, replanner, outdated=late)
-        self.before: tuple[ReplanTrigger, ...] = (
-            cut_off,
-            *_of_charge(flight, self._energy, replanner),
-            TaskPossibleAgain(flight, assumptions, replanner),
+        dropped, possible = (
             DroppedLineKept(flight, replanner),
-            BoundLate(flight, LatePlans(planner, flight, replanner), cut_off, late),
+            TaskPossibleAgain(flight, assumptions, replanner),
         )
-        self.after: tuple[ReplanTrigger, ...] = (
-            TreeFailed(flight, assumptions),
-            LineViolated(flight, assumptions),
-            EndSurprised(flight, assumptions),
+        of_charge = _of_charge(flight, self._energy, replanner)
+        in_time = BoundLate(flight, LatePlans(planner, flight, replanner), cut_off, late)
+        self.of_task = TriggerOrder(
+            before=(cut_off, *of_charge, dropped, in_time),
+            after=(
+                TreeFailed(flight, assumptions),
+                LineViolated(flight, assumptions),
+                EndSurprised(flight, assumptions),
+            ),
         )
-        self._sliced = [each for each in self.before if isinstance(each, SlicedTrigger)]
+        self.of_safe_place = TriggerOrder(before=(cut_off, possible, dropped), after=(WayLost(),))
+        asked = dict.fromkeys((*self.of_task.before, *self.of_safe_place.before))
+        self._sliced = [each for each in asked if isinstance(each, SlicedTrigger)]
 
     def adopt(self, lasso: Lasso) -> None:
         """Begins to watch a plan."""
@@ -91,11 +115,11 @@ class ReplanTriggers:
         if self._flight.progress.is_landed_by_plan:
             assumptions.note_wrong()
             return
-        if not plan.is_leaving and assumptions.wrong and self._is_confirmed(plan):
+        if isinstance(plan, TaskPlan) and assumptions.wrong and self._is_confirmed(plan):
             assumptions.renew()
         self._replanner.reachability.look()
 
-    def _is_confirmed(self, plan: PlanUnderWay) -> bool:
+    def _is_confirmed(self, plan: TaskPlan) -> bool:
         """Whether the planner would make the same plan now, with the costs of the present map.
 
         If this takes more than a slice, the answer is no: a new plan is then made, from the next
@@ -115,13 +139,16 @@ class ReplanTriggers:
         self.has_used_slice = is_confirmed is None
         return bool(is_confirmed)
 
+    def _of(self, plan: PlanUnderWay) -> TriggerOrder:
+        return self.of_safe_place if isinstance(plan, SafePlaceFlight) else self.of_task
+
     def before_the_tree(self, plan: PlanUnderWay) -> str | None:
         """Why another plan is due, before the plan's tree is ticked; None if none is."""
-        return _first_reason(self.before, plan)
+        return _first_reason(self._of(plan).before, plan)
 
     def after_the_tree(self, plan: PlanUnderWay) -> str | None:
         """Why another plan is due, after the plan's tree was ticked; None if none is."""
-        return _first_reason(self.after, plan)
+        return _first_reason(self._of(plan).after, plan)
 
 
 def _of_charge(

@@ -15,7 +15,7 @@ from typing import Any
 
 from lockstep import COMPANION, VEHICLE, Lockstep
 
-from companion.acting.contingencies.answers import GoesOn, LandsAt, PlansAnew
+from companion.acting.contingencies.answers import GoesOn, LandsAt, Replans
 from companion.acting.contingencies.changes import BeliefLost, EventTurns, SiteLost
 from companion.acting.contingencies.table import Contingency, ContingencyTable
 from companion.api.contingency_answers import contingencies
@@ -162,7 +162,7 @@ class ContingencyFlight(Lockstep):
         return check(self, self.row.answer)
 
 
-def _planned(flight: ContingencyFlight, answer: PlansAnew) -> str | None:
+def _planned(flight: ContingencyFlight, answer: Replans) -> str | None:
     plans = [replaced.plan for replaced in flight.of(PlanReplaced)]
     if len(plans) != (1 if flight.row.after is None else 2):
         return f"plans {flight.plans}"
@@ -191,7 +191,7 @@ def _lands(flight: ContingencyFlight, answer: LandsAt) -> str | None:
 
 
 _CHECKS: dict[type[Any], Callable[[ContingencyFlight, Any], str | None]] = {
-    PlansAnew: _planned,
+    Replans: _planned,
     GoesOn: _as_planned,
     LandsAt: _lands,
 }

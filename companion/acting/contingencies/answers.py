@@ -44,7 +44,7 @@ class GoesOn:
 
 
 @dataclass(frozen=True, slots=True)
-class PlansAnew:
+class Replans:
     """Another plan is flown.
 
     Attributes:
@@ -128,7 +128,7 @@ class StaysWhereItIs:
         return self.does if self.is_asked else f"{self.does}: no safe place can be reached"
 
 
-Answer = GoesOn | PlansAnew | LandsAt | StaysWhereItIs
+Answer = GoesOn | Replans | LandsAt | StaysWhereItIs
 
 
 def short_of(missing_wh: float, short_wh: float) -> str:

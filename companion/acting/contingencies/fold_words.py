@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import groupby
 
-from companion.acting.contingencies.answers import LandsAt, PlansAnew, StaysWhereItIs, short_of
+from companion.acting.contingencies.answers import LandsAt, Replans, StaysWhereItIs, short_of
 from companion.acting.contingencies.table import FoldedContingencies
 
 SHOWN_LABELS = 8
@@ -38,8 +38,8 @@ def answers_in_words(fold: FoldedContingencies) -> str:
     """What the flight does, in words."""
     answers = fold.answers
     match answers[0]:
-        case PlansAnew():
-            return _plans_in_words([a for a in answers if isinstance(a, PlansAnew)])
+        case Replans():
+            return _plans_in_words([a for a in answers if isinstance(a, Replans)])
         case LandsAt() as lands:
             worst = max((a for a in answers if isinstance(a, LandsAt)), key=lambda a: a.missing_wh)
             return f"{worst}{_why(lands.why, lands.waits_for)}"
@@ -53,7 +53,7 @@ def _why(why: str, waits_for: tuple[str, ...]) -> str:
     return f"{waits} ({why.removeprefix('no plan: ').rstrip('.')})"
 
 
-def _plans_in_words(answers: Sequence[PlansAnew]) -> str:
+def _plans_in_words(answers: Sequence[Replans]) -> str:
     plan, dropped = answers[0].plan, answers[0].dropped
     waited = [a.waited_s for a in answers if a.waited_s]
     ways_s = [a.plan.prefix_cost_s for a in answers]

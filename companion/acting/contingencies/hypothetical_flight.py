@@ -26,7 +26,7 @@ from companion.acting.contingencies.hypothetical_charge import HypotheticalCharg
 from companion.acting.contingencies.hypothetical_vehicle import HypotheticalVehicle
 from companion.acting.deliberation import Deliberation
 from companion.acting.flight import Flight
-from companion.acting.plan_under_way import PlanUnderWay
+from companion.acting.plan_under_way import TaskPlan
 from companion.acting.positions import tell_late
 from companion.acting.preparation import PreparedMission
 from companion.acting.replanning.optional_lines import drop
@@ -203,10 +203,9 @@ class HypotheticalFlight:
             self._complete()
 
     @property
-    def under_way(self) -> PlanUnderWay:
+    def under_way(self) -> TaskPlan:
         """The plan, as the triggers see it."""
-        tree = TickedTree(self.flight, Running("plan"))
-        return PlanUnderWay(self.lasso, tree, is_leaving=False)
+        return TaskPlan(self.lasso, TickedTree(self.flight, Running("plan")))
 
     def reckon(self, factor: float) -> None:
         """From now on everything takes this multiple of what the mission says."""

@@ -10,14 +10,14 @@ from companion.acting.contingencies.answers import (
     Answer,
     GoesOn,
     LandsAt,
-    PlansAnew,
+    Replans,
     StaysWhereItIs,
 )
 from companion.acting.contingencies.changes import BeliefLost, Change, DrainUp, SiteLost
 from companion.acting.contingencies.hypothetical_flight import HypotheticalFlight
 from companion.acting.deliberation import PlanChosen, PlanDecision
 from companion.acting.executive_states import AwaitingPlan, Searching, WithoutPlan
-from companion.acting.plan_under_way import LeftPlan
+from companion.acting.plan_under_way import LeftTaskPlan
 from companion.acting.replanning.assumptions import BELIEF_CAME_BACK
 from companion.acting.replanning.replanner import PlanFailure
 from companion.acting.safe_places import AtSafePlace, NoSafePlace, SafePlaces, WayToSafePlace
@@ -68,7 +68,7 @@ class Reaction:
     def _replan(self, reason: str) -> tuple[Answer, ChosenPlan | None]:
         """Does what the deliberation decides; a wait ends when a belief is held again."""
         self._flight.task.interrupt()
-        decision = self._decided(self._deliberation.replan(reason, LeftPlan(self._flown.lasso)))
+        decision = self._decided(self._deliberation.replan(reason, LeftTaskPlan(self._flown.lasso)))
         waits_for = decision.hopes if isinstance(decision, AwaitingPlan) else ()
         waited_s, retry_s = 0.0, self._flown.retry_s
         if isinstance(decision, AwaitingPlan) and retry_s is not None:
@@ -79,7 +79,7 @@ class Reaction:
         if decision.is_rest:
             return GoesOn(), None
         plan = decision.plan
-        answer = PlansAnew(
+        answer = Replans(
             plan.lasso.planned,
             dropped=plan.lines_dropped,
             waited_s=waited_s,

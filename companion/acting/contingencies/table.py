@@ -11,7 +11,7 @@ from companion.acting.contingencies.answers import (
     Answer,
     ContingencyVerdict,
     LandsAt,
-    PlansAnew,
+    Replans,
     StaysWhereItIs,
 )
 from companion.acting.contingencies.changes import Change, EventTurns
@@ -76,7 +76,7 @@ class Contingency:
         """The same as JSON data."""
         answer, told = self.answer, dict[str, Any]()
         match answer:
-            case PlansAnew(plan, dropped, waited_s):
+            case Replans(plan, dropped, waited_s):
                 told = json_of(plan) | {"dropped": list(dropped), "waited_s": waited_s}
                 told |= {"of_reserve_wh": round(answer.reserve_wh, 2)}
             case LandsAt():
@@ -203,7 +203,7 @@ def _kind(contingency: Contingency) -> str:
 def _same(answer: Answer) -> object:
     """What two answers shown as one have in common: the loop, but not the way into it."""
     match answer:
-        case PlansAnew(plan, dropped, waited_s):
+        case Replans(plan, dropped, waited_s):
             loop = [step.action for step in plan.loop]
             first = min(range(len(loop)), key=lambda i: loop[i:] + loop[:i])
             kept = loop[first:] + loop[:first]

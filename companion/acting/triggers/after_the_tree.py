@@ -1,4 +1,7 @@
-"""The reasons to plan again that are looked at after the plan's tree was ticked."""
+"""The reasons to plan again that are looked at after the plan's tree was ticked.
+
+`WayLost` is about flights to a safe place, all others are about plans for the task.
+"""
 
 from __future__ import annotations
 
@@ -26,10 +29,20 @@ class TreeFailed(ReplanTrigger):
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """The wrong assumption, or why the tree has failed."""
-        if plan.is_leaving:
-            return plan.tree.failure
         unexpected = self._assumptions.surprise or plan.tree.failure
         return unexpected or _violation(self._task) or BELIEF_CAME_BACK
+
+
+class WayLost(ReplanTrigger):
+    """The tree of a flight to a safe place has failed."""
+
+    def guard(self, plan: PlanUnderWay) -> bool:
+        """It has failed."""
+        return plan.tree.has_failed
+
+    def reason(self, plan: PlanUnderWay) -> str | None:
+        """Why the tree has failed."""
+        return plan.tree.failure
 
 
 class LineViolated(ReplanTrigger):
@@ -45,7 +58,7 @@ class LineViolated(ReplanTrigger):
 
     def guard(self, plan: PlanUnderWay) -> bool:
         """A line is violated."""
-        if plan.is_leaving or _violation(self._flight.task) is None:
+        if _violation(self._flight.task) is None:
             return False
         progress = self._flight.progress
         is_over = plan.lasso.ends_at_rest and progress.laps > 0
@@ -70,7 +83,7 @@ class EndSurprised(ReplanTrigger):
     def guard(self, plan: PlanUnderWay) -> bool:
         """The plan is over, and an assumption is wrong."""
         is_over = plan.lasso.ends_at_rest and self._flight.progress.laps > 0
-        return is_over and not plan.is_leaving and bool(self._assumptions.wrong)
+        return is_over and bool(self._assumptions.wrong)
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """The wrong assumption."""

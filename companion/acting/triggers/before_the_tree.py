@@ -1,13 +1,14 @@
 """The reasons to plan again that are looked at before the plan's tree is ticked.
 
 They are what the map, the charge, the beliefs and the clocks say, which the tree acts on.
+`replan_triggers.py` says which of them are asked about a flight to a safe place.
 """
 
 from __future__ import annotations
 
 from companion.acting.charge.energy_watch import EnergyWatch
 from companion.acting.flight import Flight
-from companion.acting.plan_under_way import PlanUnderWay
+from companion.acting.plan_under_way import PlanUnderWay, SafePlaceFlight
 from companion.acting.replanning.assumptions import BELIEF_CAME_BACK, Assumptions
 from companion.acting.replanning.late_plans import LatePlans
 from companion.acting.replanning.replanner import Replanner
@@ -21,6 +22,8 @@ LOOKS_AT_FLIGHT_S, LOOKS_AT_SKILL_S = 1.0, 0.25
 
 class CutOffByMap(SlicedTrigger[str | None]):
     """A belief that the plan needs was given up, once the routes on the map are known.
+
+    A flight to a safe place needs none; in it, the beliefs are given up, and that is all.
 
     Args:
         flight: knows the progress of the plan.
@@ -49,7 +52,9 @@ class CutOffByMap(SlicedTrigger[str | None]):
 
         def reason() -> str | None:
             cut_off = self._replanner.follow_map()
-            if cut_off is None or plan.is_leaving or self._replanner.search_confirms(plan.lasso):
+            if cut_off is None or isinstance(plan, SafePlaceFlight):
+                return None
+            if self._replanner.search_confirms(plan.lasso):
                 return None
             return cut_off.text
 
@@ -70,8 +75,7 @@ class ChargeShort(ReplanTrigger):
 
     def guard(self, plan: PlanUnderWay) -> bool:
         """It is time for a check, in the air."""
-        may_look = self._energy.is_due and not plan.is_leaving
-        return may_look and not self._flight.progress.is_landed_by_plan
+        return self._energy.is_due and not self._flight.progress.is_landed_by_plan
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """What is missing."""
@@ -95,9 +99,8 @@ class EnergyFigureWrong(SlicedTrigger[str | None]):
 
     def guard(self, plan: PlanUnderWay) -> bool:
         """The figure is wrong."""
-        if plan.is_leaving or self._flight.progress.is_landed_by_plan:
-            return False
-        return self.is_thinking or self._energy.is_figure_wrong
+        is_wrong = self.is_thinking or self._energy.is_figure_wrong
+        return is_wrong and not self._flight.progress.is_landed_by_plan
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """The new figure, which plans use from now on."""
@@ -129,7 +132,7 @@ class TaskPossibleAgain(SlicedTrigger[bool]):
     def guard(self, plan: PlanUnderWay) -> bool:
         """Beliefs have come back, or events have changed."""
         assumptions = self._assumptions
-        return plan.is_leaving and (assumptions.may_do_better or bool(assumptions.wrong))
+        return assumptions.may_do_better or bool(assumptions.wrong)
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """What has changed, if there is a plan now."""
@@ -168,7 +171,7 @@ class DroppedLineKept(SlicedTrigger[str | None]):
     def reason(self, plan: PlanUnderWay) -> str | None:
         """The line."""
         task = self._flight.task
-        if plan.is_leaving:
+        if isinstance(plan, SafePlaceFlight):
             task.keep_dropped()
             return None
         answered = self._question.ask(task.completed, lambda: self._replanner.line_to_take_up)
@@ -207,7 +210,7 @@ class BoundLate(SlicedTrigger[str | None]):
     def guard(self, plan: PlanUnderWay) -> bool:
         """An action is under way that has just begun, or that may take longer than planned."""
         running, progress = self._flight.task.running, self._flight.progress
-        if running is None or plan.is_leaving or progress.is_landed_by_plan:
+        if running is None or progress.is_landed_by_plan:
             return False
         if not self._late_plans.are_possible or self._cut_off.guard(plan):
             return False

@@ -23,9 +23,15 @@ from companion.acting.executive_states import (
     WithoutPlan,
 )
 from companion.acting.plan_under_way import PlanUnderWay
+from companion.acting.replan_triggers import TriggerOrder
 from companion.acting.replanning.assumptions import FLAPPING_S
 from companion.acting.replanning.idle_replans import MAX_IDLE_REPLANS
-from companion.acting.triggers.after_the_tree import EndSurprised, LineViolated, TreeFailed
+from companion.acting.triggers.after_the_tree import (
+    EndSurprised,
+    LineViolated,
+    TreeFailed,
+    WayLost,
+)
 from companion.acting.triggers.before_the_tree import (
     BoundLate,
     ChargeShort,
@@ -496,8 +502,11 @@ def test_a_guard_changes_nothing_and_searches_nothing(monkeypatch: pytest.Monkey
         unguarded(owner, name)
     rig = Rig(search_and_report(FOUND, LOW))
     triggers = rig.executive.deliberation.triggers
-    triggers.before = tuple(GuardChecked(rig, each) for each in triggers.before)
-    triggers.after = tuple(GuardChecked(rig, each) for each in triggers.after)
+    before, after = triggers.of_task.before, triggers.of_task.after
+    triggers.of_task = TriggerOrder(
+        before=tuple(GuardChecked(rig, each) for each in before),
+        after=tuple(GuardChecked(rig, each) for each in after),
+    )
     rig.begin()
     rig.run_until(PlaceReached, place="A")
     rig.tick(reading("found"))
@@ -508,12 +517,15 @@ def test_a_guard_changes_nothing_and_searches_nothing(monkeypatch: pytest.Monkey
 def test_the_triggers_are_looked_at_in_their_order() -> None:
     """What the map and the beliefs say is known before the tree acts on it."""
     triggers = Rig(load_mission(two_docks())).executive.deliberation.triggers
-    assert [type(trigger) for trigger in triggers.before] == [
+    of_task, of_safe_place = triggers.of_task, triggers.of_safe_place
+    assert [type(trigger) for trigger in of_task.before] == [
         CutOffByMap,
         ChargeShort,
         EnergyFigureWrong,
-        TaskPossibleAgain,
         DroppedLineKept,
         BoundLate,
     ]
-    assert [type(trigger) for trigger in triggers.after] == [TreeFailed, LineViolated, EndSurprised]
+    assert [type(trigger) for trigger in of_task.after] == [TreeFailed, LineViolated, EndSurprised]
+    before_the_tree = CutOffByMap, TaskPossibleAgain, DroppedLineKept
+    assert tuple(type(trigger) for trigger in of_safe_place.before) == before_the_tree
+    assert [type(trigger) for trigger in of_safe_place.after] == [WayLost]

@@ -14,7 +14,7 @@ from companion.acting.contingencies.answers import (
     ContingencyVerdict,
     GoesOn,
     LandsAt,
-    PlansAnew,
+    Replans,
     StaysWhereItIs,
 )
 from companion.acting.contingencies.changes import (
@@ -138,7 +138,7 @@ def test_the_positions_are_those_of_prefix_and_loop(surveillance: ContingencyTab
 
 def test_an_event_is_answered_from_where_the_vehicle_is(surveillance: ContingencyTable) -> None:
     found = answers(surveillance, "targetFound comes")
-    plans = [str(answer.plan) for answer in found if isinstance(answer, PlansAnew)]
+    plans = [str(answer.plan) for answer in found if isinstance(answer, Replans)]
     near = "move(here, r2), upload(r2), move(r2, Home), (wait)^w"
     assert plans == [near, *3 * [near.replace("r2", "r1")]]
 
@@ -147,7 +147,7 @@ def test_what_fails_in_the_plan_for_an_event_fails_where_it_is_done(
     surveillance: ContingencyTable,
 ) -> None:
     found = answers(surveillance, "targetFound comes, then canUpload(r1) withdrawn")
-    plans = {str(answer.plan) for answer in found if isinstance(answer, PlansAnew)}
+    plans = {str(answer.plan) for answer in found if isinstance(answer, Replans)}
     assert (len(found), plans) == (3, {"move(r1, r2), upload(r2), move(r2, Home), (wait)^w"})
 
 
@@ -158,7 +158,7 @@ def test_there_is_a_plan_where_a_planner_finds_one(surveillance: ContingencyTabl
         if isinstance(each.change, BeliefLost) and each.after is None:
             place = surveillance.positions[each.position].place
             is_possible = planner.explain(at=place, without=[each.change.belief]) is None
-            assert isinstance(each.answer, GoesOn | PlansAnew) == is_possible
+            assert isinstance(each.answer, GoesOn | Replans) == is_possible
             asked += 1
     assert asked == 16
 
@@ -198,7 +198,7 @@ def test_lines_are_dropped_as_in_flight() -> None:
     table = table_of(shipped("night_watch"))
     for label in ("dockInUse comes", "no way to Dock"):
         found = answers(table, label)
-        assert {a.dropped for a in found if isinstance(a, PlansAnew)} == {("dock",)}
+        assert {a.dropped for a in found if isinstance(a, Replans)} == {("dock",)}
     dropped = [c for c in table.contingencies if c.answer.verdict.letter == "D"]
     assert f" planned ({len(dropped)} with lines dropped), " in table.summary
 
@@ -235,7 +235,7 @@ def test_a_pulse_comes_and_passes() -> None:
     pulse = Event("called", called, None, latch=False, for_s=0.0, restarts=frozenset())
     table = table_of(mission("G F at(A) & G (called -> F at(B))", "HAB", events=[pulse]))
     (first, *_) = answers(table, "called comes")
-    assert isinstance(first, PlansAnew)
+    assert isinstance(first, Replans)
     assert any("B" in step.arguments for step in (*first.plan.prefix, *first.plan.loop))
 
 
@@ -247,7 +247,7 @@ def test_a_belief_that_comes_back_is_waited_for(retry_s: int, verdict: str) -> N
     asked = replace(asked, skills={"move": fly})
     (first, *_) = answers(table_of(asked), "may_fly withdrawn")
     assert first.verdict.letter == verdict
-    if isinstance(first, PlansAnew):
+    if isinstance(first, Replans):
         assert first.waited_s == retry_s
 
 
@@ -276,7 +276,7 @@ class TestBattery:
 
     def test_with_the_floor_some_safe_place_is_reached(self, docked: ContingencyTable) -> None:
         for each in docked.contingencies:
-            if isinstance(each.change, ChargeAtFloor) and isinstance(each.answer, PlansAnew):
+            if isinstance(each.change, ChargeAtFloor) and isinstance(each.answer, Replans):
                 assert each.answer.reserve_wh < 0.1  # to charge takes more than to land
             elif isinstance(each.change, ChargeAtFloor):
                 assert each.answer.verdict.letter in "=S", each
@@ -285,7 +285,7 @@ class TestBattery:
         found = [c.answer for c in docked.contingencies if isinstance(c.change, DrainUp)]
         assert {answer.verdict.letter for answer in found} == {"P", "R"}
         last = found[-1]
-        assert isinstance(last, PlansAnew) and 0 < last.reserve_wh < 2.4
+        assert isinstance(last, Replans) and 0 < last.reserve_wh < 2.4
         (*_, first) = [*last.plan.prefix, *last.plan.loop][:2]
         assert first.action == "recharge(Dock)"
 
@@ -299,7 +299,7 @@ class TestBattery:
         """An event that comes while it lands, and a site of the flight after it."""
         at = next(p.number for p in docked.positions if p.ahead == "recharge(Dock)")
         called = answers(docked, "alarm comes")[at]
-        assert isinstance(called, PlansAnew)
+        assert isinstance(called, Replans)
         assert str(called.plan) == "move(here, Home), (wait)^w"
         after = docked.positions[at + 1].ahead.removesuffix(")").rpartition(", ")[2]
         assert verdicts(docked, f"no way to {after}")[at] == "S"
@@ -325,5 +325,5 @@ def test_an_event_that_is_true_for_a_moment_on_the_ground_is_answered_in_the_air
     table = table_of(load_mission(RESTING))
     assert table.positions[0].ahead == "rest"
     answer = answers(table, "alarm comes")[0]
-    assert isinstance(answer, PlansAnew)
+    assert isinstance(answer, Replans)
     assert "B)" in str(answer.plan)

@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from companion.acting.contingencies.answers import Answer, GoesOn, LandsAt, PlansAnew, short_of
+from companion.acting.contingencies.answers import Answer, GoesOn, LandsAt, Replans, short_of
 from companion.acting.contingencies.changes import BeliefLost, Change, EventTurns, SiteLost
 from companion.acting.contingencies.fold_words import (
     answers_in_words,
@@ -38,9 +38,9 @@ def table(*rows: tuple[int, Change, Answer]) -> ContingencyTable:
 def test_equal_answers_are_one_line() -> None:
     """A lap is the same wherever it is entered, and whatever the way there takes."""
     anew = [
-        PlansAnew(plan("", "ABC", 0.0)),
-        PlansAnew(plan("C", "BCA", 5.0)),
-        PlansAnew(plan("", "CBA", 0.0)),
+        Replans(plan("", "ABC", 0.0)),
+        Replans(plan("C", "BCA", 5.0)),
+        Replans(plan("", "CBA", 0.0)),
     ]
     (one, other) = table(*((n, ALARM, answer) for n, answer in enumerate(anew))).folded()
     assert (one.positions, other.positions) == ((0, 1), (2,))
@@ -97,11 +97,11 @@ def test_what_follows_an_event_is_a_row_of_its_own() -> None:
 
 
 def test_json_has_the_plan_or_the_place() -> None:
-    found = table((0, ALARM, PlansAnew(plan("A", "AB", 4.0), ("dock",), 20.0)))
+    found = table((0, ALARM, Replans(plan("A", "AB", 4.0), ("dock",), 20.0)))
     (told,) = found.as_json()["contingencies"]
     assert (told["verdict"], told["dropped"], told["waited_s"]) == ("lines_dropped", ["dock"], 20)
     assert (told["prefix_cost_s"], told["lap_cost_s"]) == (4.0, 8.0)
-    found = table((0, ALARM, PlansAnew(plan("A", "AB", 4.0), (), 0.0, 0.25)))
+    found = table((0, ALARM, Replans(plan("A", "AB", 4.0), (), 0.0, 0.25)))
     (told,) = found.as_json()["contingencies"]
     assert (told["verdict"], told["of_reserve_wh"]) == ("on_reserve", 0.25)
     (fold,) = found.folded()
