@@ -72,12 +72,12 @@ def checked(
     """Writes a file for each failure, and flies each file in a process of its own."""
     kit = simplifiable(search.kit)
     return tuple(
-        CheckedCase(case, _flown_anew(kit, case).kind == case.flown.kind)
+        CheckedCase(case, _flown_again(kit, case).kind == case.flown.kind)
         for case in write_cases(kit, mission, search.folder, failures)
     )
 
 
-def _flown_anew(kit: Kit, case: Case) -> FlownRow:
+def _flown_again(kit: Kit, case: Case) -> FlownRow:
     again = Kit.of(kit.mission, varied_world_of(kit.mission, case.file), kit.limit_s)
     with closing(LocalProcesses(again.packed, 1)) as engine:
         (flown,) = engine.fly([Row(0, case.flown.row.seed)])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from companion.app import Companion
 from companion.documents import Given, Source, read_source
 from companion.errors import Aborted, Collided, CompanionError
+from companion.geometry import GlobalOrigin
 from companion.mission.model import Mission
 from companion.mission.world_files import worlds_beside
 
@@ -118,13 +119,10 @@ def world_of(mission: Mission, scenario: Given | None = None) -> World:
         MissionError: the scenario cannot be read, or does not fit the mission.
         LibraryMissing: jsbsim is not installed.
     """
-    from sitl.installed import demand_jsbsim
+    given = _scenario_given(mission, scenario)
+    from sitl.world.scenario import read_scenario
 
-    demand_jsbsim()
-    from sitl.world.scenario import PX4_HOME, read_scenario
-
-    source, grid = _scenario_source(mission, scenario)
-    return read_scenario(source, mission.anchor or PX4_HOME, grid)
+    return read_scenario(*given)
 
 
 def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedScenario:
@@ -134,21 +132,26 @@ def varied_world_of(mission: Mission, scenario: Given | None = None) -> VariedSc
         MissionError: the scenario cannot be read, or does not fit the mission.
         LibraryMissing: jsbsim is not installed.
     """
+    given = _scenario_given(mission, scenario)
+    from sitl.world.varied_scenario import read_varied
+
+    return read_varied(*given)
+
+
+def _scenario_given(
+    mission: Mission, scenario: Given | None
+) -> tuple[Source, GlobalOrigin, OccupancyGrid | None]:
+    """What a scenario is read from: its source, the earth below it, and the map it need not name.
+
+    Raises:
+        LibraryMissing: jsbsim is not installed.
+    """
     from sitl.installed import demand_jsbsim
 
     demand_jsbsim()
     from sitl.world.scenario import PX4_HOME
-    from sitl.world.varied_scenario import read_varied
 
-    source, grid = _scenario_source(mission, scenario)
-    return read_varied(source, mission.anchor or PX4_HOME, grid)
-
-
-def _scenario_source(
-    mission: Mission, scenario: Given | None
-) -> tuple[Source, OccupancyGrid | None]:
-    """The source of the scenario, and the map for a scenario that names none."""
     if scenario is None:
         scenario = scenario_beside(mission) or world_alone(mission) | {"map": None}  # it is at hand
     source = read_source(scenario, "scenario")
-    return source, None if source.path else mission.grid
+    return source, mission.anchor or PX4_HOME, None if source.path else mission.grid
