@@ -14,7 +14,7 @@ Node = tuple[int, tuple[int, ...], int]
 
 Takes = tuple[int, int] | None
 """What an action takes besides its cost, where that matters: time and energy. None: it charges."""
-_Way = tuple[int, int, Takes]
+_Edge = tuple[int, int, Takes]
 """An edge: its action, its cost, and what else it takes."""
 _NOTHING: Takes = 0, 0
 
@@ -65,15 +65,18 @@ class EnteredNodes(dict[int, list[int]]):
         ends = list(itertools.chain.from_iterable(entered))
         if self._is_function and len(set(ends)) == len(ends):
             return Successors(ends, successors.actions, successors.costs)
-        best: dict[int, list[_Way]] = {}
+        best: dict[int, list[_Edge]] = {}
         each = zip(entered, successors.actions, successors.costs, strict=True)
         for numbers, action, cost_ms in each:
-            way = action, cost_ms, self._takes[action] if self._takes else _NOTHING
+            edge = action, cost_ms, self._takes[action] if self._takes else _NOTHING
             for number in numbers:
                 known = best.get(number, ())
-                if not any(_is_as_good(other, way) for other in known):
-                    best[number] = [way, *(other for other in known if not _is_as_good(way, other))]
-        kept = sorted((action, ms, end) for end, ways in best.items() for action, ms, _ in ways)
+                if not any(_is_as_good(other, edge) for other in known):
+                    best[number] = [
+                        edge,
+                        *(other for other in known if not _is_as_good(edge, other)),
+                    ]
+        kept = sorted((action, ms, end) for end, edges in best.items() for action, ms, _ in edges)
         return Successors(
             [end for _, _, end in kept],
             [action for action, _, _ in kept],
@@ -81,7 +84,7 @@ class EnteredNodes(dict[int, list[int]]):
         )
 
 
-def _is_as_good(one: _Way, other: _Way) -> bool:
+def _is_as_good(one: _Edge, other: _Edge) -> bool:
     """Whether an edge costs no more, and takes no more, than another one."""
     return one[1] <= other[1] and is_no_less(other[2], one[2])
 

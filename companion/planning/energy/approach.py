@@ -234,10 +234,10 @@ def approach(
         required: by node where it may end, the level required there.
     """
     goals = [ApproachGoal(node, needed) for node, needed in required.items()]
-    return next((way for _, way in quickest_ways(graph, starts, level, goals)), None)
+    return next((path for _, path in quickest_paths(graph, starts, level, goals)), None)
 
 
-def quickest_ways(
+def quickest_paths(
     graph: EnergyGraph, starts: Sequence[int], level: int, goals: Sequence[ApproachGoal]
 ) -> Iterator[tuple[int, LoopApproach]]:
     """The quickest path to each goal that can be reached, with the goal's number, in order of time.

@@ -23,7 +23,7 @@ from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
 from companion.planning.energy.charging_costs import costs_at_least, service_costs
-from companion.planning.energy.sorties import Sorties, WayTables, subsets
+from companion.planning.energy.sorties import PathTables, Sorties, subsets
 from companion.slices import spent
 
 Numbers = NDArray[np.int64]
@@ -66,16 +66,16 @@ class ChargingLaps:
     """The laps over some stops.
 
     Args:
-        ways: the paths between all stops.
+        paths: the paths between all stops.
         chargers: by stop, its charger.
     """
 
-    def __init__(self, ways: WayTables, chargers: dict[int, Charger]) -> None:
+    def __init__(self, paths: PathTables, chargers: dict[int, Charger]) -> None:
         self._docks = list(chargers)
         self._chargers = list(chargers.values())
-        self._sorties = Sorties(ways, self._docks)
+        self._sorties = Sorties(paths, self._docks)
         size = len(self._docks)
-        shape = size, size, ways.sets
+        shape = size, size, paths.sets
         self._costs = np.full(shape, UNREACHABLE_MS)
         self._bounds = np.full(shape, UNREACHABLE_MS)
         self._departures = np.zeros(shape, np.int64)

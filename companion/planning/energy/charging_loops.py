@@ -22,7 +22,7 @@ from companion.planning.energy.charging_laps import ChargingLap, ChargingLaps
 from companion.planning.energy.energy_product import EnergyProduct
 from companion.planning.energy.paths import Paths
 from companion.planning.energy.proved_laps import proved
-from companion.planning.energy.sorties import WayTables, joined
+from companion.planning.energy.sorties import PathTables, joined
 from companion.planning.energy.split import Splits, improved
 
 MOST_MARKS = 62
@@ -85,18 +85,18 @@ def best_loops(
     marks = np.array([met(a) | met(b) for a, b in zip(outs, ins, strict=True)], np.int64)
     quickest, thriftiest = (graph.paths(inside, outs, thrifty) for thrifty in (False, True))
     stops = frozenset(range(len(targets), len(outs)))
-    ways = WayTables(quickest.table(ins), thriftiest.table(ins), marks, stops)
+    paths = PathTables(quickest.table(ins), thriftiest.table(ins), marks, stops)
     chargers = {i: graph.charger(dock) for i, dock in enumerate(docks, len(targets))}
-    for group in joined(ways.thriftiest, chargers):
-        found = _best_round(ways, group, len(targets_of), is_proved)
+    for group in joined(paths.thriftiest, chargers):
+        found = _best_round(paths, group, len(targets_of), is_proved)
         if found is None:
             continue
         edges: list[int] = []
         levels: list[int | None] = []
         for sortie, following in pairwise([*found.sorties, found.sorties[0]]):
-            paths: Paths = thriftiest if sortie.is_thrifty else quickest
+            flown_by: Paths = thriftiest if sortie.is_thrifty else quickest
             passed = [sortie.dock, *sortie.targets, following.dock]
-            flown = [edge for a, b in pairwise(passed) for edge in paths.path(a, ins[b])]
+            flown = [edge for a, b in pairwise(passed) for edge in flown_by.path(a, ins[b])]
             edges += [docks[sortie.dock - len(targets)], *flown]
             levels += [sortie.departure, *(None for _ in flown)]
         required = required_before(graph, edges, levels)
@@ -118,25 +118,25 @@ def required_before(
 
 
 def _best_round(
-    ways: WayTables, chargers: dict[int, Charger], marks: int, is_proved: bool
+    paths: PathTables, chargers: dict[int, Charger], marks: int, is_proved: bool
 ) -> ChargingLap | None:
     """The shortest lap, or a good one if there are many marks or docks.
 
     Args:
-        ways: the paths between all stops.
+        paths: the paths between all stops.
         chargers: by stop, of docks that reach each other.
         marks: number of marks.
         is_proved: whether there is time to search for the shortest lap, or for a bound.
     """
-    served = ways.served(chargers)
-    own = ways.marks[served]
+    served = paths.served(chargers)
+    own = paths.marks[served]
     if np.bitwise_or.reduce(own, initial=0) != (1 << marks) - 1:
         return None
     if 3**marks * len(chargers) ** 3 <= MOST_ADDITIONS:
-        return ChargingLaps(ways, chargers).best(is_proved)
-    targets = [stop for stop in served if stop not in ways.docks]
-    met = np.array([[bool(ways.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
-    for table, is_thrifty in (ways.quickest, False), (ways.thriftiest, True):
+        return ChargingLaps(paths, chargers).best(is_proved)
+    targets = [stop for stop in served if stop not in paths.docks]
+    met = np.array([[bool(paths.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
+    for table, is_thrifty in (paths.quickest, False), (paths.thriftiest, True):
         tours = LocalSearch(table.times_ms[np.ix_(targets, targets)], met)
         if len(targets) > FEW_TARGETS and (table.times_ms < UNREACHABLE_MS).all():
             tours.improve()
@@ -145,5 +145,5 @@ def _best_round(
         if cost_ms < UNREACHABLE_MS:
             sorties = [replace(each, is_thrifty=is_thrifty) for each in splits.sorties(order)]
             lap = ChargingLap(tuple(sorties), cost_ms, 0)
-            return proved(ways, chargers, marks, lap) if is_proved else lap
+            return proved(paths, chargers, marks, lap) if is_proved else lap
     return None

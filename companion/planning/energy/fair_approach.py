@@ -34,7 +34,7 @@ class FairEntry:
     """
 
     place: int
-    way: LoopApproach
+    path: LoopApproach
     rank: tuple[int, int]
 
 
@@ -42,7 +42,7 @@ def fairest(
     product: Product,
     costs_ms: Sequence[int],
     ends: Sequence[int],
-    ways: Iterable[tuple[int, LoopApproach, Sequence[int]]],
+    paths: Iterable[tuple[int, LoopApproach, Sequence[int]]],
 ) -> FairEntry | None:
     """The entry for which the largest age of a mark is the least; None if there is no path.
 
@@ -52,9 +52,9 @@ def fairest(
         product: knows since when each mark waits; if none does, the quickest path is taken.
         costs_ms: costs of the loop's edges.
         ends: the nodes where these edges end.
-        ways: paths to places of the loop, the quickest one first, with the costs of their steps.
+        paths: paths to places of the loop, the quickest one first, with the costs of their steps.
     """
-    entries = _entries(product, costs_ms, ends, ways)
+    entries = _entries(product, costs_ms, ends, paths)
     if not product.waiting_since_ms:
         return next(entries, None)
     return min(entries, key=lambda entry: entry.rank, default=None)  # the first of equal ones
@@ -64,23 +64,23 @@ def _entries(
     product: Product,
     costs_ms: Sequence[int],
     ends: Sequence[int],
-    ways: Iterable[tuple[int, LoopApproach, Sequence[int]]],
+    paths: Iterable[tuple[int, LoopApproach, Sequence[int]]],
 ) -> Iterator[FairEntry]:
     lap_ms, first_ms = sum(costs_ms), None
-    for place, way, steps_ms in ways:
+    for place, path, steps_ms in paths:
         if not product.waiting_since_ms:
-            yield FairEntry(place, way, (0, way.time_ms))
+            yield FairEntry(place, path, (0, path.time_ms))
             continue
-        first_ms = way.time_ms if first_ms is None else first_ms
-        if way.time_ms > first_ms + lap_ms:
+        first_ms = path.time_ms if first_ms is None else first_ms
+        if path.time_ms > first_ms + lap_ms:
             return
         spent(_NODE_US * (len(ends) + len(steps_ms)))
-        passed = [*(step.node for step in way.steps[1:]), way.end][: len(way.steps)]
+        passed = [*(step.node for step in path.steps[1:]), path.end][: len(path.steps)]
         nodes = [*passed, *ends[place:], *ends[:place]]
         times_ms = accumulate([*steps_ms, *costs_ms[place:], *costs_ms[:place]])
         met_ms = _met(product, nodes, list(times_ms))
         worst_ms = int((met_ms - product.waiting_since_ms).max(initial=0))
-        yield FairEntry(place, way, (worst_ms, way.time_ms))
+        yield FairEntry(place, path, (worst_ms, path.time_ms))
 
 
 def _met(product: Product, nodes: Sequence[int], times_ms: Sequence[int]) -> Costs:

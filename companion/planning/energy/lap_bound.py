@@ -18,7 +18,7 @@ from companion.planning.builtin.costs import UNREACHABLE_MS, Marks
 from companion.planning.builtin.one_tree import lower_bound_ms
 from companion.planning.charger import Charger
 from companion.planning.energy.charging_laps import ChargedSortie
-from companion.planning.energy.sorties import WayTables
+from companion.planning.energy.sorties import PathTables
 
 _LOOKS = 3
 """How often the necessary number of charges is recomputed: with more charges a tour takes more."""
@@ -29,17 +29,17 @@ _ROUNDED_MS = 1
 
 
 def lap_bound_ms(
-    ways: WayTables, chargers: Mapping[int, Charger], marks: int, lap: Sequence[ChargedSortie]
+    paths: PathTables, chargers: Mapping[int, Charger], marks: int, lap: Sequence[ChargedSortie]
 ) -> int:
     """A lower bound for the cost of all laps.
 
     Args:
-        ways: the paths between all stops.
+        paths: the paths between all stops.
         chargers: by stop.
         marks: number of marks.
         lap: a known lap.
     """
-    return _LapBound(ways, chargers, marks, lap).least_ms()
+    return _LapBound(paths, chargers, marks, lap).least_ms()
 
 
 class _LapBound:
@@ -47,15 +47,15 @@ class _LapBound:
 
     def __init__(
         self,
-        ways: WayTables,
+        paths: PathTables,
         chargers: Mapping[int, Charger],
         marks: int,
         lap: Sequence[ChargedSortie],
     ) -> None:
-        stops = [s for s in range(len(ways.marks)) if s in chargers or s not in ways.docks]
+        stops = [s for s in range(len(paths.marks)) if s in chargers or s not in paths.docks]
         kept = np.ix_(stops, stops)
-        self._times_ms, self._drains = ways.quickest.times_ms[kept], ways.thriftiest.drains[kept]
-        own = ways.marks[stops]
+        self._times_ms, self._drains = paths.quickest.times_ms[kept], paths.thriftiest.drains[kept]
+        own = paths.marks[stops]
         self._marks: Marks = np.array([own >> mark & 1 for mark in range(marks)], np.bool_).T
         self._is_dock = np.array([stop in chargers for stop in stops])
         all_ = list(chargers.values())

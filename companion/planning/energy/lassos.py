@@ -18,7 +18,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from companion.planning.domain import WAIT, Action
-from companion.planning.energy.approach import ApproachGoal, LoopApproach, approach, quickest_ways
+from companion.planning.energy.approach import ApproachGoal, LoopApproach, approach, quickest_paths
 from companion.planning.energy.charged_actions import charged
 from companion.planning.energy.charging_loops import ChargingLoop, best_loops
 from companion.planning.energy.energy_product import NEVER, EnergyProduct
@@ -81,10 +81,10 @@ class EnergyLassos:
 
     def _resting(self) -> Solution | None:
         """The quickest path to where the vehicle may rest for ever."""
-        way = self._approach(self._rests())
-        if way is None:
+        path = self._approach(self._rests())
+        if path is None:
             return None
-        lasso = Lasso(tuple(self._prefix(way)), (WAIT,))
+        lasso = Lasso(tuple(self._prefix(path)), (WAIT,))
         return Solution(lasso, Objective.LAP, WAIT.cost_ms, WAIT.cost_ms, ENGINE)
 
     def _rests(self) -> dict[int, int]:
@@ -113,7 +113,7 @@ class EnergyLassos:
                 pending += into.get(node, [])  # another step of rest makes the same word
         return found
 
-    # -- the way into a loop -----------------------------------------------------------------------
+    # -- the path into a loop ----------------------------------------------------------------------
 
     def _entered(self, loops: Sequence[ChargingLoop]) -> Solution | None:
         """The shortest of some loops that can be reached, with the best path into it."""
@@ -136,13 +136,16 @@ class EnergyLassos:
             ApproachGoal(graph.start(edge), needed if self._may_enter(level) else NEVER)
             for edge, needed, level in zip(loop.edges, loop.required, loop.levels, strict=True)
         ]
-        ways = quickest_ways(graph.graph, graph.product.initial, graph.energy.level, goals)
+        paths = quickest_paths(graph.graph, graph.product.initial, graph.energy.level, goals)
         lap = tuple(map(self._action, loop.edges, loop.levels))
         return fairest(
             graph.product,
             [action.cost_ms for action in lap],
             [graph.end(edge) for edge in loop.edges],
-            ((place, way, [action.cost_ms for action in self._prefix(way)]) for place, way in ways),
+            (
+                (place, path, [action.cost_ms for action in self._prefix(path)])
+                for place, path in paths
+            ),
         )
 
     def _may_enter(self, level: int | None) -> bool:
@@ -161,12 +164,12 @@ class EnergyLassos:
         edges = loop.edges[begin:] + loop.edges[:begin]
         levels = loop.levels[begin:] + loop.levels[:begin]
         lap = tuple(map(self._action, edges, levels))
-        lasso = Lasso(tuple(self._prefix(entry.way)), lap)
+        lasso = Lasso(tuple(self._prefix(entry.path)), lap)
         return Solution(lasso, Objective.LAP, loop.cost_ms, bound_ms, ENGINE)
 
-    def _prefix(self, way: LoopApproach) -> Iterator[Action]:
+    def _prefix(self, path: LoopApproach) -> Iterator[Action]:
         level = self._graph.energy.level
-        for step in way.steps:
+        for step in path.steps:
             edge = self._graph.edge(step.node, step.number, step.departure is not None)
             yield self._action(edge, step.departure, level)
             drained = level - int(self._graph.drains[edge])

@@ -126,8 +126,8 @@ class MissionEnergy:
         landings = {name: self._landing(name) for name in self._mission.places}
         floors = {}
         for name in names:
-            ways = [(0 if name == s else self.flight(name, s), landings[s]) for s in self.safe]
-            least = [way + landing for way, landing in ways if way is not None]
+            flights = [(0 if name == s else self.flight(name, s), landings[s]) for s in self.safe]
+            least = [there + landing for there, landing in flights if there is not None]
             if least:
                 floors[name] = self.model.reserve + min(least)
         rests = {name: self.model.reserve + landing for name, landing in landings.items()}

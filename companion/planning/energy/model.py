@@ -180,8 +180,8 @@ def needs(
     """
     found = {}
     for place in places:
-        ways = [(flight(place, each) if each != place else 0, landing(each)) for each in safe]
-        open_ = [way + down for way, down in ways if way is not None]
+        flights = [(flight(place, each) if each != place else 0, landing(each)) for each in safe]
+        open_ = [there + down for there, down in flights if there is not None]
         if open_:
             found[place] = min(open_)
     return found

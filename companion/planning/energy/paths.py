@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.effort import DIJKSTRA_STEP_US
-from companion.planning.energy.sorties import Units, WayTable
+from companion.planning.energy.sorties import PathTable, Units
 from companion.slices import spent
 
 _TIME_BITS, _DRAIN_BITS = 30, 22
@@ -55,14 +55,14 @@ class Paths:
             (int(a), int(b)): int(n) for a, b, n in zip(begins, ends, numbers, strict=True)
         }
 
-    def table(self, ends: list[int]) -> WayTable:
+    def table(self, ends: list[int]) -> PathTable:
         """The paths from each start to some nodes; the path from a node to itself is empty."""
         costs = self._costs[:, ends]
         is_open = np.isfinite(costs)
         whole = np.where(is_open, costs, 0).astype(np.int64)
         upper, lower = whole >> self._bits, whole & (1 << self._bits) - 1
         times, drains = (lower, upper) if self._is_thrifty else (upper, lower)
-        return WayTable(np.where(is_open, times, UNREACHABLE_MS), drains)
+        return PathTable(np.where(is_open, times, UNREACHABLE_MS), drains)
 
     def path(self, start: int, end: int) -> list[int]:
         """The edges of the path to a node, from a start given by its index."""

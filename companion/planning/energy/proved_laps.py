@@ -28,34 +28,35 @@ from companion.planning.energy.charging_laps import ChargedSortie, ChargingLap
 from companion.planning.energy.lap_bound import lap_bound_ms
 from companion.planning.energy.mark_prices import priced
 from companion.planning.energy.sortie_table import SortieTable, sortie_table
-from companion.planning.energy.sorties import WayTable, WayTables
+from companion.planning.energy.sorties import PathTable, PathTables
 
 _TOUR_ADDITIONS = 20_000_000
 """Held and Karp's tables order sorties over up to about fifteen marks exactly."""
 
 
 def proved(
-    ways: WayTables, chargers: Mapping[int, Charger], marks: int, lap: ChargingLap
+    paths: PathTables, chargers: Mapping[int, Charger], marks: int, lap: ChargingLap
 ) -> ChargingLap:
     """A lap with a lower bound for all laps: the shortest lap, or the one that is known.
 
     Args:
-        ways: the paths between all stops.
+        paths: the paths between all stops.
         chargers: by stop.
         marks: number of marks.
         lap: a known lap.
     """
-    table = sortie_table(ways, chargers, marks)
+    table = sortie_table(paths, chargers, marks)
     if table is None:
-        bound_ms = lap_bound_ms(ways, chargers, marks, lap.sorties)
+        bound_ms = lap_bound_ms(paths, chargers, marks, lap.sorties)
         return replace(lap, bound_ms=bound_ms)
     known = [
-        int(np.bitwise_or.reduce(ways.marks[list(each.targets)], initial=0)) for each in lap.sorties
+        int(np.bitwise_or.reduce(paths.marks[list(each.targets)], initial=0))
+        for each in lap.sorties
     ]
     worth = priced(table, marks, len(chargers), known, lap.cost_ms)
     found = ChainSearch(worth, marks, lap.cost_ms).best()
     if found.sorties is not None:
-        better = _Flown(ways, chargers).lap(worth.table.of(np.array(found.sorties, np.intp)))
+        better = _Flown(paths, chargers).lap(worth.table.of(np.array(found.sorties, np.intp)))
         lap = min(lap, better, key=lambda each: each.cost_ms)
     return replace(lap, bound_ms=min(lap.cost_ms, max(found.bound_ms, worth.bound_ms)))
 
@@ -64,12 +65,12 @@ class _Flown:
     """Sorties with their stops in order.
 
     Args:
-        ways: the paths between all stops.
+        paths: the paths between all stops.
         chargers: by stop.
     """
 
-    def __init__(self, ways: WayTables, chargers: Mapping[int, Charger]) -> None:
-        self._ways, self._chargers = ways, chargers
+    def __init__(self, paths: PathTables, chargers: Mapping[int, Charger]) -> None:
+        self._paths, self._chargers = paths, chargers
 
     def lap(self, sorties: SortieTable) -> ChargingLap:
         """The lap that consists of some sorties."""
@@ -86,7 +87,7 @@ class _Flown:
     def _flown(self, origin: int, end: int, marks: int) -> Iterator[ChargedSortie]:
         """A sortie along the quickest paths, and one along those of least energy."""
         charger, floor = self._chargers[origin], self._chargers[end].floor
-        tables = (self._ways.quickest, False), (self._ways.thriftiest, True)
+        tables = (self._paths.quickest, False), (self._paths.thriftiest, True)
         for table, is_thrifty in tables:
             targets = self._in_order(table, origin, end, marks)
             legs = [*pairwise((origin, *targets, end))]
@@ -96,10 +97,10 @@ class _Flown:
             cost_ms = min(cost_ms, UNREACHABLE_MS)
             yield ChargedSortie(origin, departure, targets, cost_ms, is_thrifty)
 
-    def _in_order(self, table: WayTable, origin: int, end: int, marks: int) -> tuple[int, ...]:
+    def _in_order(self, table: PathTable, origin: int, end: int, marks: int) -> tuple[int, ...]:
         """Stops that meet some marks, in a short order from one dock to another."""
-        own = self._ways.marks
-        stops = [s for s in range(len(own)) if s not in self._ways.docks and own[s] & marks]
+        own = self._paths.marks
+        stops = [s for s in range(len(own)) if s not in self._paths.docks and own[s] & marks]
         if not stops:
             return ()
         between = np.full((len(stops) + 1, len(stops) + 1), UNREACHABLE_MS)  # docks come last
@@ -116,8 +117,8 @@ class _Flown:
 
     def _marks_of(self, stops: list[int]) -> NDArray[np.bool_]:
         """(stops, marks) of some stops, with marks for the docks, which must also be passed."""
-        bits = sorted({int(bit) for bit in self._ways.marks[stops]})
+        bits = sorted({int(bit) for bit in self._paths.marks[stops]})
         met = np.zeros((len(stops) + 1, len(bits) + 1), np.bool_)
-        met[:-1, :-1] = self._ways.marks[stops, None] == np.array(bits)
+        met[:-1, :-1] = self._paths.marks[stops, None] == np.array(bits)
         met[-1, -1] = True
         return met

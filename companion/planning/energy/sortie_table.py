@@ -24,7 +24,7 @@ from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
 from companion.planning.energy.charging_costs import costs_at_least, service_costs
-from companion.planning.energy.sorties import WayTables
+from companion.planning.energy.sorties import PathTables
 from companion.slices import spent
 
 MOST_MARKS = 24
@@ -72,25 +72,25 @@ class SortieTable:
 
 
 def sortie_table(
-    ways: WayTables, chargers: Mapping[int, Charger], marks: int
+    paths: PathTables, chargers: Mapping[int, Charger], marks: int
 ) -> SortieTable | None:
     """All sorties between some docks; None if there are too many, or a stop meets several marks.
 
     Args:
-        ways: the paths between all stops.
+        paths: the paths between all stops.
         chargers: by stop.
         marks: number of marks.
     """
-    own = ways.marks[[s for s in range(len(ways.marks)) if s not in ways.docks]]
+    own = paths.marks[[s for s in range(len(paths.marks)) if s not in paths.docks]]
     is_simple = all(mark.bit_count() == 1 for mark in own.tolist())
-    if marks > MOST_MARKS or not is_simple or ways.marks[list(ways.docks)].any():
+    if marks > MOST_MARKS or not is_simple or paths.marks[list(paths.docks)].any():
         return None
-    longest_ms = ways.quickest.times_ms[ways.quickest.times_ms < UNREACHABLE_MS].max(initial=0)
+    longest_ms = paths.quickest.times_ms[paths.quickest.times_ms < UNREACHABLE_MS].max(initial=0)
     if longest_ms * (marks + 1) >= _FAR:
         return None
     parts = []
     for origin in chargers:
-        if (found := _from(ways, chargers, marks, origin)) is None:
+        if (found := _from(paths, chargers, marks, origin)) is None:
             return None
         parts += found
     origins, ends, sets, costs_ms = (np.concatenate(each) for each in zip(*parts, strict=True))
@@ -101,14 +101,14 @@ _Part = tuple[NDArray[np.int8], NDArray[np.int8], Whole, Numbers]
 
 
 def _from(
-    ways: WayTables, chargers: Mapping[int, Charger], marks: int, origin: int
+    paths: PathTables, chargers: Mapping[int, Charger], marks: int, origin: int
 ) -> list[_Part] | None:
     """The sorties from a dock, by the dock where they end."""
     docks, all_ = list(chargers), list(chargers.values())
     i = docks.index(origin)
     is_alike = all(np.array_equal(each.times_ms, all_[0].times_ms) for each in all_)
     parts, count = [], 0
-    for sets, times_ms, drains in _layers(ways, chargers, marks, origin):
+    for sets, times_ms, drains in _layers(paths, chargers, marks, origin):
         count += len(sets)
         if count > MOST_SETS:
             return None
@@ -127,17 +127,17 @@ def _from(
 
 
 def _layers(
-    ways: WayTables, chargers: Mapping[int, Charger], marks: int, origin: int
+    paths: PathTables, chargers: Mapping[int, Charger], marks: int, origin: int
 ) -> Iterator[tuple[Whole, Whole, Whole]]:
     """Sets of marks, one size after the other, with times and drains to each dock, (docks, sets).
 
     Only sets for which the battery lasts, to at least one dock.
     """
     docks = list(chargers)
-    targets = np.array([s for s in range(len(ways.marks)) if s not in ways.docks])
-    bits = ways.marks[targets].astype(np.int32)
-    tables = [_Legs(_whole(ways.quickest.times_ms), origin, targets, docks)]
-    tables.append(_Legs(_whole(_open_drains(ways)), origin, targets, docks))
+    targets = np.array([s for s in range(len(paths.marks)) if s not in paths.docks])
+    bits = paths.marks[targets].astype(np.int32)
+    tables = [_Legs(_whole(paths.quickest.times_ms), origin, targets, docks)]
+    tables.append(_Legs(_whole(_open_drains(paths)), origin, targets, docks))
     floors = np.array([charger.floor for charger in chargers.values()])[:, None]
     highest = chargers[origin].highest
     nothing = [table.direct[:, None] for table in tables]
@@ -168,9 +168,9 @@ def _whole(table: Numbers) -> Whole:
     return np.minimum(table, _FAR).astype(np.int32)
 
 
-def _open_drains(ways: WayTables) -> Numbers:
-    is_open = ways.thriftiest.times_ms < UNREACHABLE_MS
-    return np.where(is_open, ways.thriftiest.drains, _FAR)
+def _open_drains(paths: PathTables) -> Numbers:
+    is_open = paths.thriftiest.times_ms < UNREACHABLE_MS
+    return np.where(is_open, paths.thriftiest.drains, _FAR)
 
 
 class _Legs:

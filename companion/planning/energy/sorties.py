@@ -31,7 +31,7 @@ _LAYER_US = 100.0
 
 
 @dataclass(frozen=True, eq=False)
-class WayTable:
+class PathTable:
     """Paths between stops, (N, N).
 
     Attributes:
@@ -42,13 +42,13 @@ class WayTable:
     times_ms: Costs
     drains: Units
 
-    def keys(self, of_ways: NDArray[np.int64]) -> NDArray[np.int64]:
+    def keys(self, of_paths: NDArray[np.int64]) -> NDArray[np.int64]:
         """The keys by which paths are compared; _UNREACHABLE if there is no path."""
-        return np.where(self.times_ms < UNREACHABLE_MS, of_ways, _UNREACHABLE)
+        return np.where(self.times_ms < UNREACHABLE_MS, of_paths, _UNREACHABLE)
 
 
 @dataclass(frozen=True, eq=False)
-class WayTables:
+class PathTables:
     """The paths between stops: targets of the marks, and docks.
 
     Attributes:
@@ -58,8 +58,8 @@ class WayTables:
         docks: stops that are not passed without a charge.
     """
 
-    quickest: WayTable
-    thriftiest: WayTable
+    quickest: PathTable
+    thriftiest: PathTable
     marks: NDArray[np.int64]
     docks: frozenset[int] = frozenset()
 
@@ -84,12 +84,12 @@ class WayTables:
         return [int(stop) for stop in np.flatnonzero(is_served)]
 
 
-def joined(ways: WayTable, chargers: Mapping[int, Charger]) -> list[dict[int, Charger]]:
+def joined(paths: PathTable, chargers: Mapping[int, Charger]) -> list[dict[int, Charger]]:
     """Groups of docks that reach each other, with full charges at docks of the group."""
     stops, all_ = list(chargers), list(chargers.values())
     floors = np.array([charger.floor for charger in all_])
     highest = np.array([charger.highest for charger in all_])
-    drains, times_ms = (table[np.ix_(stops, stops)] for table in (ways.drains, ways.times_ms))
+    drains, times_ms = (table[np.ix_(stops, stops)] for table in (paths.drains, paths.times_ms))
     is_near = (times_ms < UNREACHABLE_MS) & (floors + drains <= highest[:, None])
     count, group = connected_components(is_near, connection="strong")
     return [
@@ -223,20 +223,20 @@ class Sorties:
     """All sorties between some docks.
 
     Args:
-        ways: the paths between the stops.
+        paths: the paths between the stops.
         docks: where sorties begin and end.
     """
 
-    def __init__(self, ways: WayTables, docks: Sequence[int]) -> None:
-        by_time, by_drain = ways.quickest, ways.thriftiest
+    def __init__(self, paths: PathTables, docks: Sequence[int]) -> None:
+        by_time, by_drain = paths.quickest, paths.thriftiest
         quick = by_time.keys((by_time.times_ms << _MINOR) + by_time.drains)
         thrifty = by_drain.keys((by_drain.drains << _MAJOR_DRAIN) + by_drain.times_ms)
-        passed = [stop for stop in np.flatnonzero(ways.marks) if stop not in ways.docks]
+        passed = [stop for stop in np.flatnonzero(paths.marks) if stop not in paths.docks]
         keys = np.concatenate(
             [np.broadcast_to(k, (len(docks), *k.shape)) for k in (quick, thrifty)]
         )
         starts, targets = np.array([*docks, *docks], np.intp), np.array(passed, np.intp)
-        self._tables = _Tables(keys, starts, ways.marks, targets, ways.sets)
+        self._tables = _Tables(keys, starts, paths.marks, targets, paths.sets)
         self._docks = docks
 
     def between(self, i: int, j: int) -> SortieTimes:

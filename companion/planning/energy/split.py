@@ -19,7 +19,7 @@ from companion.planning.charger import Charger
 from companion.planning.effort import ADDITION_US
 from companion.planning.energy.charging_costs import service_costs
 from companion.planning.energy.charging_laps import ChargedSortie
-from companion.planning.energy.sorties import WayTable
+from companion.planning.energy.sorties import PathTable
 from companion.slices import spent
 
 Orders = NDArray[np.int64]
@@ -34,18 +34,18 @@ class Splits:
     """The best cuts of orders.
 
     Args:
-        ways: the paths between all stops.
+        paths: the paths between all stops.
         chargers: by stop, its charger.
     """
 
-    def __init__(self, ways: WayTable, chargers: dict[int, Charger]) -> None:
-        self._ways, self._docks = ways, list(chargers)
+    def __init__(self, paths: PathTable, chargers: dict[int, Charger]) -> None:
+        self._paths, self._docks = paths, list(chargers)
         self._chargers = list(chargers.values())
         size = len(self._docks)
         transfers = np.full((size, size), UNREACHABLE_MS)
         for i, j in np.ndindex(size, size):
             if i != j:
-                time_ms, drain = self._way(self._docks[i], self._docks[j])
+                time_ms, drain = self._path(self._docks[i], self._docks[j])
                 transfers[i, j] = self._priced(i, j, np.array(time_ms), np.array(drain))
         self._transfers = transfers
 
@@ -91,13 +91,13 @@ class Splits:
 
     def _sortie(self, i: int, j: int, targets: tuple[int, ...]) -> ChargedSortie:
         stops = [self._docks[i], *targets, self._docks[j]]
-        legs = [self._way(a, b) for a, b in pairwise(stops)]
+        legs = [self._path(a, b) for a, b in pairwise(stops)]
         time_ms, drain = (sum(parts) for parts in zip(*legs, strict=True))
         cost_ms = int(self._priced(i, j, np.array(time_ms), np.array(drain)))
         return ChargedSortie(self._docks[i], self._chargers[j].floor + drain, targets, cost_ms)
 
-    def _way(self, start: int, end: int) -> tuple[int, int]:
-        return int(self._ways.times_ms[start, end]), int(self._ways.drains[start, end])
+    def _path(self, start: int, end: int) -> tuple[int, int]:
+        return int(self._paths.times_ms[start, end]), int(self._paths.drains[start, end])
 
     def _priced(self, i: int, j: int, times_ms: Costs, drains: NDArray[np.int64]) -> Costs:
         return self._departing(i, times_ms, self._chargers[j].floor + drains)
@@ -111,12 +111,12 @@ class Splits:
     def _prices(self, orders: Orders) -> Costs:
         """(from, to, orders, first, last) the cost of each part of each order, between docks."""
         sums = [
-            _along(table, orders) for table in (self._ways.times_ms, self._ways.drains)
+            _along(table, orders) for table in (self._paths.times_ms, self._paths.drains)
         ]  # (orders, first, last)
         size, places = len(self._docks), orders.shape[1]
         found = np.full((size, size, len(orders), places, places), UNREACHABLE_MS)
         forward = np.triu(np.ones((places, places), np.bool_))
-        times, drains = self._ways.times_ms, self._ways.drains
+        times, drains = self._paths.times_ms, self._paths.drains
         out_ms, out = (
             table[orders[:, :, None], self._docks].transpose(2, 0, 1)[:, :, None, :]
             for table in (times, drains)

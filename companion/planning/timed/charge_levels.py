@@ -147,7 +147,7 @@ class ChargeLevels:
             level = leaves[place]
         return found
 
-    def trimmed_way(
+    def trimmed_path(
         self, steps: Sequence[TimedStep], latest: int, actions: Sequence[Action]
     ) -> list[TimedStep]:
         """The path into a lap, with no charge higher than necessary.

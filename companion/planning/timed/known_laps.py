@@ -27,11 +27,11 @@ _KnownLap = tuple[tuple[str, _Charge], ...]
 _ByAction = dict[int, dict[int, list[tuple[TimedStep, int]]]]
 
 
-class _Way(NamedTuple):
+class _Path(NamedTuple):
     """A step, and the steps before it."""
 
     last: TimedStep
-    before: _Way | None
+    before: _Path | None
 
     @property
     def steps(self) -> list[TimedStep]:
@@ -159,19 +159,19 @@ def _round(
 
     All runs of the automata are followed, because one action may lead to several states.
     """
-    reached: dict[int, dict[int, _Way | None]] = {start: {0: None}}  # by state and marks met
+    reached: dict[int, dict[int, _Path | None]] = {start: {0: None}}  # by state and marks met
     for number, charge in known:
-        after: dict[int, dict[int, _Way | None]] = {}
+        after: dict[int, dict[int, _Path | None]] = {}
         charger = actions[number].charger
-        for here, ways in reached.items():
+        for here, paths in reached.items():
             for step, marks in inside.get(here, {}).get(number, ()):
                 if charger is not None and charge is not None:
                     step = charging(step, charger, *charge)
                 into = after.setdefault(step.end, {})
-                for met, way in ways.items():
-                    into.setdefault(met | marks, _Way(step, way))
+                for met, path in paths.items():
+                    into.setdefault(met | marks, _Path(step, path))
         if not after:
             return None
         reached = after
-    way = reached.get(start, {}).get(every_mark)
-    return None if way is None else way.steps
+    path = reached.get(start, {}).get(every_mark)
+    return None if path is None else path.steps

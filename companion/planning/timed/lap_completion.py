@@ -52,7 +52,7 @@ def completion_in_order(component: TimedComponent, anchor: int, barred: frozense
     """The least cost of the rest of a lap with marks in order. Args: as in `completion`."""
     numbers, edges = _edges(component, barred)
     starts, ends, costs, marks = np.array(edges, np.int64).reshape(-1, 4).T
-    forward, backward = _both_ways(starts, ends, costs, len(numbers))
+    forward, backward = _both_directions(starts, ends, costs, len(numbers))
     spent(DIJKSTRA_STEP_US * dijkstra_steps(len(numbers), len(edges)) * len(component.targets_of))
     rest = whole(dijkstra(backward, indices=[numbers[anchor]]))[0]
     by_count = [rest.tolist()]
@@ -78,7 +78,9 @@ def _edges(component: TimedComponent, barred: frozenset[int]) -> tuple[dict[int,
     return numbers, edges
 
 
-def _both_ways(starts: Costs, ends: Costs, costs: Costs, size: int) -> tuple[csr_array, csr_array]:
+def _both_directions(
+    starts: Costs, ends: Costs, costs: Costs, size: int
+) -> tuple[csr_array, csr_array]:
     return cheapest_edges(starts, ends, costs, size), cheapest_edges(ends, starts, costs, size)
 
 
@@ -95,7 +97,7 @@ def _by_farthest_mark(
 ) -> Missing:
     """A lower bound: the path to the mark that is farthest away, and from there to the anchor."""
     starts, ends, costs, marks = np.array(edges, np.int64).reshape(-1, 4).T
-    forward, backward = _both_ways(starts, ends, costs, len(numbers))
+    forward, backward = _both_directions(starts, ends, costs, len(numbers))
     count = len(component.targets_of)
     spent(2 * DIJKSTRA_STEP_US * dijkstra_steps(len(numbers), len(edges)) * (1 + count))
     to_anchor = whole(dijkstra(backward, indices=[numbers[anchor]]))[0]

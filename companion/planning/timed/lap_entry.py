@@ -23,24 +23,24 @@ from companion.planning.timed.timed_product import Clocks, TimedProduct
 from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
-MOST_WAYS = 200
+MOST_PATHS = 200
 _STEP_US = 2.0
 
 
-class _WayLabel(NamedTuple):
+class _Label(NamedTuple):
     """A path from the start."""
 
     cost_ms: int
     state: int
     clocks: Clocks
-    before: _WayLabel | None
+    before: _Label | None
     step: TimedStep | None
 
     @property
     def steps(self) -> list[TimedStep]:
         """The steps from the start on."""
         found: list[TimedStep] = []
-        here: _WayLabel | None = self
+        here: _Label | None = self
         while here is not None and here.step is not None:
             found.append(here.step)
             here = here.before
@@ -61,7 +61,7 @@ class LapEntry(NamedTuple):
         return self.lap.steps[self.place :] + self.lap.steps[: self.place]
 
 
-class WaysIn:
+class LapEntrySearch:
     """The paths from the start of a problem that keep all bounds.
 
     Args:
@@ -74,13 +74,13 @@ class WaysIn:
     def __init__(self, graph: TimedProduct, has_unread: bool, budget: LabelBudget) -> None:
         self._graph, self._has_unread, self._budget = graph, has_unread, budget
         self._known: dict[int, ParetoSet] = defaultdict(ParetoSet)
-        self._taken: list[_WayLabel] = []
-        self._pending: list[tuple[int, int, _WayLabel]] = []
+        self._taken: list[_Label] = []
+        self._pending: list[tuple[int, int, _Label]] = []
         self._count = 0
         for node in graph.product.initial:
             state = graph.product.state_of[node]
             if graph.can_begin(state):
-                self._push(_WayLabel(0, state, graph.start, None, None))
+                self._push(_Label(0, state, graph.start, None, None))
 
     @property
     def can_begin(self) -> bool:
@@ -96,18 +96,18 @@ class WaysIn:
         Raises:
             SearchLimit: the budget is not sufficient.
         """
-        ways = self.all_into(laps)
-        best = next(ways, None)
+        entries = self.all_into(laps)
+        best = next(entries, None)
         if best is None or not self._graph.product.waiting_since_ms:
             return best
         most_ms, age_ms = best.prefix_ms + best.lap.cost_ms, self._worst_age_ms(best)
         with suppress(SearchLimit):
-            for way in islice(ways, MOST_WAYS):
-                if way.prefix_ms > most_ms:
+            for entry in islice(entries, MOST_PATHS):
+                if entry.prefix_ms > most_ms:
                     break
-                own_ms = self._worst_age_ms(way)
+                own_ms = self._worst_age_ms(entry)
                 if own_ms < age_ms:
-                    best, age_ms = way, own_ms
+                    best, age_ms = entry, own_ms
         return best
 
     def trimmed(self, entry: LapEntry) -> list[TimedStep]:
@@ -116,12 +116,12 @@ class WaysIn:
         if charges is None:
             return entry.prefix
         latest = entry.lap.latest[entry.place][-1]
-        return charges.trimmed_way(entry.prefix, latest, self._graph.all_actions)
+        return charges.trimmed_path(entry.prefix, latest, self._graph.all_actions)
 
-    def _worst_age_ms(self, way: LapEntry) -> int:
+    def _worst_age_ms(self, entry: LapEntry) -> int:
         """The largest age of a mark at the moment when a plan meets it first."""
         product = self._graph.product
-        steps = (*way.prefix, *way.round)
+        steps = (*entry.prefix, *entry.round)
         spent(_STEP_US * len(steps))
         met_ms: dict[int, int] = {}
         for step, passed_ms in zip(steps, accumulate(s.cost_ms for s in steps), strict=True):
@@ -139,7 +139,7 @@ class WaysIn:
             for lap, place in entries.at(label.state, label.clocks):
                 yield LapEntry(label.steps, label.cost_ms, lap, place)
 
-    def _labels(self) -> Iterator[_WayLabel]:
+    def _labels(self) -> Iterator[_Label]:
         """All labels, the quickest first."""
         number = 0
         while number < len(self._taken) or self._advance():
@@ -160,15 +160,15 @@ class WaysIn:
                 clocks = self._graph.after(label.clocks, step, label.before is None)
                 if clocks is not None:
                     cost_ms = label.cost_ms + step.cost_ms
-                    self._push(_WayLabel(cost_ms, step.end, clocks, label, step))
+                    self._push(_Label(cost_ms, step.end, clocks, label, step))
             return True
         return False
 
-    def _push(self, label: _WayLabel) -> None:
+    def _push(self, label: _Label) -> None:
         self._count += 1
         heapq.heappush(self._pending, (label.cost_ms, self._count, label))
 
-    def _is_new(self, label: _WayLabel) -> bool:
+    def _is_new(self, label: _Label) -> bool:
         alike = self._known[label.state]
         self._budget.take(0, len(alike))
         return alike.add(label.clocks)

@@ -89,10 +89,10 @@ class LapImprovement:
         self._bounded = [i for i, clocks in enumerate(self._clocks) if clocks]
         self.is_possible = len(self.stops) <= MOST_STOPS and len(inside) <= MOST_NODES
         if self.is_possible:
-            self._find_ways()
+            self._find_paths()
             self.is_possible = bool((self._between < UNREACHABLE_MS).all())
 
-    def _find_ways(self) -> None:
+    def _find_paths(self) -> None:
         """Finds the quickest paths between all stops."""
         nodes = self._part.nodes.tolist()
         self._number = number = {node: i for i, node in enumerate(nodes)}
@@ -109,7 +109,7 @@ class LapImprovement:
         spent(DIJKSTRA_STEP_US * len(at) * (len(costs) + 30 * len(nodes)))
         found, self._before = dijkstra(matrix, indices=at, return_predecessors=True)
         self._between = np.where(np.isfinite(found), found, UNREACHABLE_MS)[:, at].astype(np.int64)
-        self._ways = self._between.tolist()
+        self._paths_ms = self._between.tolist()
 
     def best(self, begin: Sequence[int], changes: int) -> list[TimedStep] | None:
         """The steps of the shortest lap in time that is found; None if none is.
@@ -186,14 +186,14 @@ class LapImprovement:
 
     def _flown(self, stops: list[int]) -> tuple[int, int]:
         """The time of a lap, and the total lateness of its clocks."""
-        ways, clocks, limits_ms = self._ways, self._clocks, self._limits_ms
+        paths_ms, clocks, limits_ms = self._paths_ms, self._clocks, self._limits_ms
         first: list[int | None] = [None] * len(limits_ms)
         last = [0] * len(limits_ms)
         passed_ms = late_ms = 0
         before = stops[-1]
         spent(_STOP_US * len(stops))
         for stop in stops:
-            passed_ms += ways[before][stop]
+            passed_ms += paths_ms[before][stop]
             before = stop
             for clock in clocks[stop]:
                 if first[clock] is None:
@@ -210,13 +210,13 @@ class LapImprovement:
         """The steps along some stops and back to the first one."""
         steps: list[TimedStep] = []
         for begin, end in zip(stops, [*stops[1:], stops[0]], strict=True):
-            way: list[TimedStep] = []
+            path: list[TimedStep] = []
             here = self._number[self.stops[end]]
             while here != self._number[self.stops[begin]]:
                 before = int(self._before[begin, here])
-                way.append(self._steps[before, here])
+                path.append(self._steps[before, here])
                 here = before
-            steps += way[::-1]
+            steps += path[::-1]
         return steps
 
 

@@ -32,7 +32,7 @@ from companion.planning.objective import Objective
 from companion.planning.timed.component import TimedComponent
 from companion.planning.timed.known_laps import KnownLaps, elsewhere
 from companion.planning.timed.label_budget import LabelBudget
-from companion.planning.timed.lap_entry import LapEntry, WaysIn
+from companion.planning.timed.lap_entry import LapEntry, LapEntrySearch
 from companion.planning.timed.lap_improvement import LapImprovement
 from companion.planning.timed.lap_search import LapSearch
 from companion.planning.timed.lapless import Lapless
@@ -76,7 +76,7 @@ class TimedLassos:
         self._tours: dict[int, Loops] = {}
         self._on_laps: set[int] = set()  # a state of each lap that was found
         self._budget = LabelBudget(effort.time_labels)
-        self._ways = WaysIn(into, bool(problem.unread), LabelBudget(effort.time_labels))
+        self._entries = LapEntrySearch(into, bool(problem.unread), LabelBudget(effort.time_labels))
 
     def solutions(self) -> Iterator[Solution]:
         """Lassos, each better than the one before.
@@ -84,10 +84,10 @@ class TimedLassos:
         Raises:
             SearchLimit: none was found within the budget.
         """
-        if not self._parts or not self._ways.can_begin:
+        if not self._parts or not self._entries.can_begin:
             return
         rests = self._rests()
-        if rests and (rest := self._ways.into(rests)) is not None:
+        if rests and (rest := self._entries.into(rests)) is not None:
             yield self._solution(rest, rest.lap.cost_ms)
             return
         best = self._known_entry()
@@ -203,11 +203,11 @@ class TimedLassos:
 
     def _entered(self, steps: Sequence[TimedStep]) -> LapEntry | None:
         """A lap, in the direction that is better to enter; None if it cannot be entered."""
-        ways = [self._trimmed(steps), self._backwards(steps)]
-        laps = [lap for lap in ways if lap is not None]
+        variants = [self._trimmed(steps), self._backwards(steps)]
+        laps = [lap for lap in variants if lap is not None]
         others = [part for part in self._parts if laps and steps[0].end not in part.states]
         laps += elsewhere(laps, self._problem, self._graph, others)
-        return self._ways.into(laps) if laps else None
+        return self._entries.into(laps) if laps else None
 
     def _trimmed(self, steps: Sequence[TimedStep]) -> TimedLap | None:
         """A lap with no charge higher than necessary; None if it then breaks a bound."""
@@ -287,8 +287,8 @@ class TimedLassos:
         """The path into the shortest known lap that can be entered; None if none can."""
         known = self._known.within(self._problem, self._graph, self._parts)
         alike = (list(laps) for _, laps in groupby(known, key=lambda lap: lap.cost_ms))
-        ways = map(self._ways.into, alike)
-        return next((way for way in ways if way is not None), None)
+        entries = map(self._entries.into, alike)
+        return next((entry for entry in entries if entry is not None), None)
 
     def _ordered(self, part: TimedComponent) -> Iterator[LapSearch]:
         """Searches for laps that meet most marks in the shortest tour's order, either way."""
@@ -319,7 +319,7 @@ class TimedLassos:
     def _solution(self, found: LapEntry, bound_ms: int) -> Solution:
         if not found.lap.is_rest:
             self._known.keep(self._problem, found.lap)
-        prefix = [self._action(step, in_loop=False) for step in self._ways.trimmed(found)]
+        prefix = [self._action(step, in_loop=False) for step in self._entries.trimmed(found)]
         loop = tuple(map(self._action, found.round))
         if loop == (WAIT,):
             while prefix and prefix[-1] is WAIT:  # without its last rest the word is the same

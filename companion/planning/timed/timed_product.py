@@ -180,7 +180,7 @@ class TimedProduct:
         """The nodes where the goal of a clock holds."""
         return self._goals[clock]
 
-    # -- steps and ways ----------------------------------------------------------------------------
+    # -- steps and paths ---------------------------------------------------------------------------
 
     def steps(self, state: int) -> list[TimedStep]:
         """The steps that leave a state."""

@@ -11,10 +11,10 @@ import pytest
 from companion.planning.builtin.costs import UNREACHABLE_MS, Costs
 from companion.planning.charger import Charger
 from companion.planning.energy.charging_laps import ChargingLap, ChargingLaps, in_order
-from companion.planning.energy.sorties import WayTable, WayTables
+from companion.planning.energy.sorties import PathTable, PathTables
 
 
-def instance(seed: int) -> tuple[WayTables, dict[int, Charger], WayTable]:
+def instance(seed: int) -> tuple[PathTables, dict[int, Charger], PathTable]:
     """Some sites and docks, with times and drains that need not agree."""
     rng = Random(seed)
     sites, docks, full = rng.randint(1, 5), rng.randint(1, 2), rng.randint(12, 30)
@@ -43,17 +43,17 @@ def instance(seed: int) -> tuple[WayTables, dict[int, Charger], WayTable]:
         landing, take_off = rng.randint(0, 2), rng.randint(0, 2)
         chargers[dock] = Charger(reserve + landing, landing, take_off, rng.randint(0, 9000), levels)
     np.fill_diagonal(times, UNREACHABLE_MS)
-    ways = closed(times, drains), closed(drains, times)[::-1]
-    quickest, thriftiest = (WayTable(*table) for table in ways)
+    paths = closed(times, drains), closed(drains, times)[::-1]
+    quickest, thriftiest = (PathTable(*table) for table in paths)
     return (
-        WayTables(quickest, thriftiest, np.array(marks, np.int64)),
+        PathTables(quickest, thriftiest, np.array(marks, np.int64)),
         chargers,
-        WayTable(times, drains),
+        PathTable(times, drains),
     )
 
 
 def closed(first: Costs, second: Costs) -> tuple[Costs, Costs]:
-    """Ways of any number of legs that have the least of one thing, and how much of another."""
+    """Paths of any number of legs that have the least of one thing, and how much of another."""
     first, second = first.copy(), second.copy()
     second[first >= UNREACHABLE_MS] = UNREACHABLE_MS
     first[second >= UNREACHABLE_MS] = UNREACHABLE_MS
@@ -65,9 +65,9 @@ def closed(first: Costs, second: Costs) -> tuple[Costs, Costs]:
     return first, second
 
 
-def exhaustive(ways: WayTables, chargers: dict[int, Charger], legs: WayTable) -> int:
+def exhaustive(paths: PathTables, chargers: dict[int, Charger], legs: PathTable) -> int:
     """The shortest lap that ends with no less than it began with, whatever levels it takes."""
-    size, everything = len(ways.marks), ways.sets - 1
+    size, everything = len(paths.marks), paths.sets - 1
     best = UNREACHABLE_MS
     for start, charger in chargers.items():
         for level in range(charger.floor, charger.highest + 1):
@@ -93,19 +93,19 @@ def exhaustive(ways: WayTables, chargers: dict[int, Charger], legs: WayTable) ->
                     }
                 for end, cost_ms in levels.items():
                     for after in range(size):
-                        way_ms = int(legs.times_ms[here, after])
+                        path_ms = int(legs.times_ms[here, after])
                         left = end - int(legs.drains[here, after])
                         floor = chargers[after].floor if after in chargers else 0
-                        if after == here or way_ms >= UNREACHABLE_MS or left < floor:
+                        if after == here or path_ms >= UNREACHABLE_MS or left < floor:
                             continue
-                        now = met | int(ways.marks[after])
+                        now = met | int(paths.marks[after])
                         heapq.heappush(
-                            pending, (time_ms + cost_ms + way_ms, after, now, left, True)
+                            pending, (time_ms + cost_ms + path_ms, after, now, left, True)
                         )
     return best
 
 
-def flown(ways: WayTables, chargers: dict[int, Charger], lap: ChargingLap) -> tuple[int, int]:
+def flown(paths: PathTables, chargers: dict[int, Charger], lap: ChargingLap) -> tuple[int, int]:
     """The cost of a lap by its sorties, and the marks it meets; levels are kept to."""
     stops = in_order(list(lap.sorties))
     time_ms, met, charge = 0, 0, chargers[stops[0]].floor
@@ -119,10 +119,10 @@ def flown(ways: WayTables, chargers: dict[int, Charger], lap: ChargingLap) -> tu
         for here, there in zip(
             (sortie.dock, *sortie.targets), (*sortie.targets, following), strict=True
         ):
-            table = ways.thriftiest if sortie.is_thrifty else ways.quickest
+            table = paths.thriftiest if sortie.is_thrifty else paths.quickest
             time_ms += int(table.times_ms[here, there])
             charge -= int(table.drains[here, there])
-            met |= int(ways.marks[there])
+            met |= int(paths.marks[there])
     assert charge >= chargers[stops[0]].floor
     return time_ms, met
 
@@ -139,13 +139,13 @@ LARGE = {5, 11}
     ],
 )
 def test_no_lap_is_shorter(seed: int) -> None:
-    ways, chargers, legs = instance(seed)
-    expected = exhaustive(ways, chargers, legs)
-    lap = ChargingLaps(ways, chargers).best()
+    paths, chargers, legs = instance(seed)
+    expected = exhaustive(paths, chargers, legs)
+    lap = ChargingLaps(paths, chargers).best()
     if lap is None:
         assert expected >= UNREACHABLE_MS
         return
-    assert flown(ways, chargers, lap) == (lap.cost_ms, ways.sets - 1)
+    assert flown(paths, chargers, lap) == (lap.cost_ms, paths.sets - 1)
     assert lap.bound_ms <= expected <= lap.cost_ms
     if lap.bound_ms == lap.cost_ms:
         assert expected == lap.cost_ms

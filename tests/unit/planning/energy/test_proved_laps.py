@@ -17,16 +17,16 @@ from companion.planning.energy.lap_bound import lap_bound_ms
 from companion.planning.energy.mark_prices import MarkPrices, priced
 from companion.planning.energy.proved_laps import proved
 from companion.planning.energy.sortie_table import SortieTable, sortie_table
-from companion.planning.energy.sorties import Sorties, WayTable, WayTables
+from companion.planning.energy.sorties import PathTable, PathTables, Sorties
 from companion.planning.energy.split import Splits
 
 ALL = 200
 
 
-def field(sites: int, docks: int, seed: int) -> tuple[WayTables, dict[int, Charger]]:
+def field(sites: int, docks: int, seed: int) -> tuple[PathTables, dict[int, Charger]]:
     """Sites and docks, and a battery for a fifth of a tour to all of one.
 
-    Wind makes ways back cost other times, or what takes the least time is not the thriftiest. Some
+    Wind makes paths back cost other times, or what takes the least time is not the thriftiest. Some
     docks charge alike.
     """
     rng = Random(seed)
@@ -47,23 +47,23 @@ def field(sites: int, docks: int, seed: int) -> tuple[WayTables, dict[int, Charg
         floor, take_off = rng.randint(8, 14), rng.randint(0, 3)
         chargers[dock] = Charger(floor, 2, take_off, rng.randint(2000, 30_000), levels)
     marks = np.array([1 << i for i in range(sites)] + [0] * docks, np.int64)
-    quickest = WayTable(_shortest(times), quick.astype(np.int64))
-    thriftiest = WayTable(thrifty.astype(np.int64), _shortest(drains))
-    return WayTables(quickest, thriftiest, marks, frozenset(chargers)), chargers
+    quickest = PathTable(_shortest(times), quick.astype(np.int64))
+    thriftiest = PathTable(thrifty.astype(np.int64), _shortest(drains))
+    return PathTables(quickest, thriftiest, marks, frozenset(chargers)), chargers
 
 
 def _shortest(table: np.ndarray) -> np.ndarray:
-    """Ways are shortest paths."""
+    """Paths are shortest paths."""
     table = table.astype(np.int64)
     for via in range(len(table)):
         table = np.minimum(table, table[:, via, None] + table[via])
     return table
 
 
-def known_lap(ways: WayTables, chargers: dict[int, Charger], seed: int) -> ChargingLap | None:
+def known_lap(paths: PathTables, chargers: dict[int, Charger], seed: int) -> ChargingLap | None:
     """A bad lap."""
-    sites = int((ways.marks > 0).sum())
-    splits, order = Splits(ways.quickest, chargers), Random(seed).sample(range(sites), sites)
+    sites = int((paths.marks > 0).sum())
+    splits, order = Splits(paths.quickest, chargers), Random(seed).sample(range(sites), sites)
     cost_ms = int(splits.costs(np.array([order]))[0])
     if cost_ms >= UNREACHABLE_MS:
         return None
@@ -77,11 +77,11 @@ def seeds(some: int) -> list[object]:
 @pytest.mark.parametrize("seed", seeds(8))
 def test_a_bound_is_never_above_the_shortest_lap(seed: int) -> None:
     sites = 2 + seed % 7
-    ways, chargers = field(sites, 1 + seed % 3, seed)
-    lap, best = known_lap(ways, chargers, seed), ChargingLaps(ways, chargers).best()
+    paths, chargers = field(sites, 1 + seed % 3, seed)
+    lap, best = known_lap(paths, chargers, seed), ChargingLaps(paths, chargers).best()
     if lap is None or best is None:
         return
-    found = proved(ways, chargers, sites, lap)
+    found = proved(paths, chargers, sites, lap)
     assert best.bound_ms <= found.cost_ms <= lap.cost_ms
     assert 0 < found.bound_ms <= best.cost_ms
     if best.bound_ms == best.cost_ms:
@@ -91,8 +91,8 @@ def test_a_bound_is_never_above_the_shortest_lap(seed: int) -> None:
 @pytest.mark.parametrize("seed", seeds(4))
 def test_it_holds_for_any_prices(seed: int) -> None:
     sites, docks = 3 + seed % 5, 1 + seed % 3
-    ways, chargers = field(sites, docks, seed)
-    best, table = ChargingLaps(ways, chargers).best(), sortie_table(ways, chargers, sites)
+    paths, chargers = field(sites, docks, seed)
+    best, table = ChargingLaps(paths, chargers).best(), sortie_table(paths, chargers, sites)
     if best is None:
         return
     assert table is not None
@@ -110,8 +110,8 @@ def test_it_holds_for_any_prices(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(6))
 def test_the_table_has_what_sorties_cost_at_least(seed: int) -> None:
     sites, docks = 3 + seed % 4, 1 + seed % 2
-    ways, chargers = field(sites, docks, seed)
-    sorties, table = Sorties(ways, list(chargers)), sortie_table(ways, chargers, sites)
+    paths, chargers = field(sites, docks, seed)
+    sorties, table = Sorties(paths, list(chargers)), sortie_table(paths, chargers, sites)
     assert table is not None
     for i, j in np.ndindex(docks, docks):
         own = table.of((table.origins == i) & (table.ends == j))
@@ -130,18 +130,18 @@ def test_the_table_has_what_sorties_cost_at_least(seed: int) -> None:
 def test_with_too_many_sets_one_trees_say_how_good_a_lap_is(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    ways, chargers = field(6, 1, 3)
-    lap = known_lap(ways, chargers, 3)
+    paths, chargers = field(6, 1, 3)
+    lap = known_lap(paths, chargers, 3)
     assert lap is not None
     monkeypatch.setattr(tables, "MOST_SETS", 10)
-    found = proved(ways, chargers, 6, lap)
-    assert found == replace(lap, bound_ms=lap_bound_ms(ways, chargers, 6, lap.sorties))
+    found = proved(paths, chargers, 6, lap)
+    assert found == replace(lap, bound_ms=lap_bound_ms(paths, chargers, 6, lap.sorties))
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_no_sortie_is_too_cheap_at_the_end(seed: int) -> None:
-    ways, chargers = field(7, 2, seed)
-    lap, table = known_lap(ways, chargers, seed), sortie_table(ways, chargers, 7)
+    paths, chargers = field(7, 2, seed)
+    lap, table = known_lap(paths, chargers, seed), sortie_table(paths, chargers, 7)
     if lap is None:
         return
     assert isinstance(table, SortieTable)
@@ -154,9 +154,9 @@ def test_a_search_that_is_given_up_has_a_bound_as_well(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(chain_search, "MOST_SORTIES", 20_000)
-    ways, chargers = field(8, 2, seed)
-    lap, best = known_lap(ways, chargers, seed), ChargingLaps(ways, chargers).best()
+    paths, chargers = field(8, 2, seed)
+    lap, best = known_lap(paths, chargers, seed), ChargingLaps(paths, chargers).best()
     if lap is None or best is None:
         return
-    found = proved(ways, chargers, 8, lap)
+    found = proved(paths, chargers, 8, lap)
     assert best.bound_ms <= found.cost_ms and 0 < found.bound_ms <= best.cost_ms

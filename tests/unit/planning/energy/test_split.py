@@ -11,14 +11,14 @@ import pytest
 from companion.planning.builtin.costs import UNREACHABLE_MS
 from companion.planning.charger import Charger
 from companion.planning.energy.charging_laps import ChargingLaps
-from companion.planning.energy.sorties import WayTable, WayTables
+from companion.planning.energy.sorties import PathTable, PathTables
 from companion.planning.energy.split import Splits, improved
 
 FIELD = 100
 MOST_ABOVE = 1.08
 
 
-def instance(sites: int, docks: int, seed: int) -> tuple[WayTables, dict[int, Charger]]:
+def instance(sites: int, docks: int, seed: int) -> tuple[PathTables, dict[int, Charger]]:
     """Sites and docks on a field, and a battery for about a third of a tour."""
     rng = Random(seed)
     size = sites + docks
@@ -35,16 +35,16 @@ def instance(sites: int, docks: int, seed: int) -> tuple[WayTables, dict[int, Ch
         for dock in range(sites, size)
     }
     marks = np.array([1 << i for i in range(sites)] + [0] * docks, np.int64)
-    table = WayTable(times, drains)
-    return WayTables(table, table, marks, frozenset(chargers)), chargers
+    table = PathTable(times, drains)
+    return PathTables(table, table, marks, frozenset(chargers)), chargers
 
 
 @pytest.mark.parametrize("seed", range(18))
 def test_they_are_no_better_than_the_shortest_and_little_worse(seed: int) -> None:
     sites, docks = 2 + seed % 9, 1 + seed % 2
-    ways, chargers = instance(sites, docks, seed)
-    best = ChargingLaps(ways, chargers).best()
-    splits = Splits(ways.quickest, chargers)
+    paths, chargers = instance(sites, docks, seed)
+    best = ChargingLaps(paths, chargers).best()
+    splits = Splits(paths.quickest, chargers)
     _order, cost_ms = improved(splits, Random(seed).sample(range(sites), sites))
     if best is None:
         assert cost_ms >= UNREACHABLE_MS
@@ -55,8 +55,8 @@ def test_they_are_no_better_than_the_shortest_and_little_worse(seed: int) -> Non
 @pytest.mark.parametrize("seed", range(12))
 def test_the_sorties_are_what_is_said_and_each_arrives_at_its_docks_floor(seed: int) -> None:
     sites = 3 + seed
-    ways, chargers = instance(sites, 1 + seed % 3, seed)
-    splits = Splits(ways.quickest, chargers)
+    paths, chargers = instance(sites, 1 + seed % 3, seed)
+    splits = Splits(paths.quickest, chargers)
     order, cost_ms = improved(splits, list(range(sites)))
     if cost_ms >= UNREACHABLE_MS:
         return
@@ -66,8 +66,8 @@ def test_the_sorties_are_what_is_said_and_each_arrives_at_its_docks_floor(seed: 
     for sortie, after in zip(sorties, [*sorties[1:], sorties[0]], strict=True):
         stops = [sortie.dock, *sortie.targets, after.dock]
         legs = list(itertools.pairwise(stops))
-        drain = sum(int(ways.quickest.drains[leg]) for leg in legs)
-        time_ms = sum(int(ways.quickest.times_ms[leg]) for leg in legs)
+        drain = sum(int(paths.quickest.drains[leg]) for leg in legs)
+        time_ms = sum(int(paths.quickest.times_ms[leg]) for leg in legs)
         charger, floor = chargers[sortie.dock], chargers[after.dock].floor
         assert sortie.departure - drain == floor and sortie.departure <= charger.highest
         assert sortie.cost_ms == time_ms + charger.service_ms(charger.floor, sortie.departure)
@@ -75,8 +75,8 @@ def test_the_sorties_are_what_is_said_and_each_arrives_at_its_docks_floor(seed: 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_what_many_orders_cost_is_what_each_costs(seed: int) -> None:
-    ways, chargers = instance(6, 2, seed)
-    splits, rng = Splits(ways.quickest, chargers), Random(seed)
+    paths, chargers = instance(6, 2, seed)
+    splits, rng = Splits(paths.quickest, chargers), Random(seed)
     orders = [rng.sample(range(6), 6) for _ in range(20)]
     together = splits.costs(np.array(orders))
     assert together.tolist() == [int(splits.costs(np.array([each]))[0]) for each in orders]
