@@ -51,7 +51,7 @@ def test_the_zone_of_the_corridor_is_planned_around_until_it_is_clear() -> None:
     assert places() == {"Shelf", "Bench"}
     assert places("corridorClear") == {"Shelf", "Bench", "Corridor"}
     task = {"closed": parse("past_avoidance(Corridor, corridorClear)")}
-    promising = Planner(replace(planner.mission, task=task), planner.flight_time)
+    promising = Planner(replace(planner.mission, task=task), planner.actions.flight_time)
     with pytest.raises(NoPlanError, match="corridorClear"):
         promising.plan()
 

@@ -78,7 +78,7 @@ def flight_of(
         return flight.guidance.departure
 
     times = flight_times(mission, prepared.flown_routes, here, lambda: speed_limit.target)
-    planner.follow(times)
+    planner.actions.follow(times)
     if energy is not None:
         energy.follow(here, charge_of(flight, energy))
     return flight

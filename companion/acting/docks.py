@@ -76,7 +76,9 @@ class PlannedDock:
         running = self.task.running
         if running is None or running.charger is None:
             return 0.0
-        docks = (action for action in self.planner.model.actions if action.charger is not None)
+        docks = (
+            action for action in self.planner.actions.model.actions if action.charger is not None
+        )
         if any(self._is_in_reach(each) for each in docks if _dock_of(each) != _dock_of(running)):
             return 0.0
         return max(self.planner.mission.patience_s, running.retry_after_s or 0.0)

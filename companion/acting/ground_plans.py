@@ -40,7 +40,7 @@ class GroundPlans:
     def written(self, tree: Tree) -> Behaviour:
         """The behaviours of a tree that was written by hand."""
         flight, mission = self._flight, self._planner.mission
-        root = build_by_hand(flight, tree, self._planner.actions_of(tree))
+        root = build_by_hand(flight, tree, self._planner.actions.of_tree(tree))
         flight.report(WrittenTreeAdopted(mission.written_task, mission.priorities))
         return root
 
@@ -57,7 +57,7 @@ class GroundPlans:
             return self._found()
         self._replanner.follow_map()
         try:
-            named = self._planner.actions_of(tree).values()
+            named = self._planner.actions.of_tree(tree).values()
         except CompanionError as error:
             return NoPlanError(str(error))
         flown_to = {action.destination for actions in named for action in actions}

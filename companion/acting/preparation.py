@@ -137,7 +137,7 @@ def prepare(
     planner = Planner(mission, times, energy=energy)
     routes.find(ALL)  # in flight they are only repaired, which is quicker
     if mission.tree is not None:
-        planner.actions_of(mission.tree)  # raises an error if an action does not exist
+        planner.actions.of_tree(mission.tree)  # raises an error if an action does not exist
         return PreparedMission(
             mission, flown_routes, speed_limit, planner, first_plan=None, functions=calls
         )

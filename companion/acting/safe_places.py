@@ -172,7 +172,7 @@ class SafePlaces:
                 if routes.search(state.motion.position, place, CELLS_PER_TICK):
                     break
                 spent(CELL_US * CELLS_PER_TICK)
-            found[place] = self._planner.flight_time(HERE, place)
+            found[place] = self._planner.actions.flight_time(HERE, place)
         return {place: time_s for place, time_s in found.items() if math.isfinite(time_s)}
 
     def missing(self, place: str) -> int:
@@ -191,5 +191,5 @@ def flight_to(planner: Planner, place: str) -> Lasso | None:
 
     It ignores what the skill that flies there would otherwise require.
     """
-    move = planner.way_to(place)
+    move = planner.actions.move_to(place)
     return None if move is None else Lasso((move,), (WAIT,))

@@ -95,7 +95,7 @@ def _planned(mission: Mission) -> tuple[PlanNode, ...]:
     planner, first = prepared.planner, prepared.first_plan
     flight = flight_of(prepared, HypotheticalVehicle(mission.home.position))
     if mission.tree is not None:
-        return described(build_by_hand(flight, mission.tree, planner.actions_of(mission.tree)))
+        return described(build_by_hand(flight, mission.tree, planner.actions.of_tree(mission.tree)))
     assert first is not None, "a mission without a tree of its own"
     if not isinstance(first.outcome, ChosenPlan):
         raise first.outcome

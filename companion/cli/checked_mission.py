@@ -99,7 +99,7 @@ def check_mission(
     planner = Planner(mission, clock=time.perf_counter)
     found = None
     if mission.tree is not None:
-        planner.actions_of(mission.tree)
+        planner.actions.of_tree(mission.tree)
     else:
         tell("its first plan")
         found = planner.plan()

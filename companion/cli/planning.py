@@ -248,7 +248,7 @@ def _as_json(planner: Planner, problem: Problem, search_s: float) -> dict[str, A
             for conjunct in planner.conjuncts
         ],
         "state": {
-            "facts": sorted(problem.facts - planner.model.beliefs),
+            "facts": sorted(problem.facts - planner.actions.model.beliefs),
             "withdrawn": sorted(problem.withdrawn),
             "automata": [sorted(states) for states in problem.automaton_states],
         },

@@ -64,7 +64,7 @@ def low_places(planner: Planner) -> tuple[LowPlace, ...]:
     >>> low_places(Planner(load_mission("missions/delivery.yaml")))
     ()
     """
-    flown_to = {action.destination for action in planner.all_actions()}
+    flown_to = {action.destination for action in planner.actions.every()}
     return low_among(planner.mission, flown_to)
 
 

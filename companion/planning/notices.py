@@ -105,7 +105,7 @@ def _cut_off_places(planner: Planner) -> Iterator[Notice]:
     mission, home = planner.mission, planner.mission.home.name
     if isinstance(mission.otherwise, LandAtSafePlace):
         for place in mission.otherwise.places:
-            if place != home and math.isinf(planner.flight_time(home, place)):
+            if place != home and math.isinf(planner.actions.flight_time(home, place)):
                 yield Notice(place, f"in land_at, and no clear route leads there from {home}")
 
 
@@ -115,7 +115,7 @@ def _guessed_costs(planner: Planner) -> Iterator[Notice]:
     bounded = [name for name, line in mission.task.items() if isinstance(line, TimedFormula)]
     if not bounded or mission.tree is not None:
         return
-    steps = {action.skill: action.execute for action in planner.all_actions()}
+    steps = {action.skill: action.execute for action in planner.actions.every()}
     for skill in mission.skills.values():
         done = steps.get(skill.name, ())
         if skill.cost_s is None and skill.charge_rate is None and is_guessed(done):
@@ -150,7 +150,7 @@ def _unused_events(mission: Mission) -> Iterator[Notice]:
 
 def _vacuous_lines(planner: Planner) -> Iterator[Notice]:
     """Conjuncts that hold from the start, whatever the vehicle does and whatever happens."""
-    model, mission = planner.model, planner.mission
+    model, mission = planner.actions.model, planner.mission
     open_facts = model.beliefs | {event.fact for event in mission.events.values()}
     actions = [_at_some_time(action, open_facts) for action in model.actions]
     system = TransitionSystem(actions, mission.initially, KnownActions())

@@ -5,35 +5,33 @@ flight, the task's state makes problems (task_state.py), and `solver` is asked f
 
 Formulas are translated and skills are instantiated when the planner is made. In flight only the
 initial state changes (Section V, last paragraph): the facts, the states of the automata after the
-history, and the moves from `here`. When the map changes, so do costs, and which moves there are.
+history, and the moves from `here`. When the map changes, so do the actions (mission_actions.py).
 """
 
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from companion.arguments import check_kind
 from companion.errors import CompanionError, RequestError
 from companion.ltl.monitor import Runs
-from companion.mission.facts import HERE, Fact
+from companion.mission.facts import Fact
 from companion.mission.model import Mission
-from companion.mission.tree_nodes import Tree, actions
 from companion.planning.bound_clocks import NO_CLOCKS, begun
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.product import Product
 from companion.planning.builtin.transition_system import TransitionSystem
-from companion.planning.domain import Action, is_named, reach
 from companion.planning.energy.ledger import Ledger, ledger
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.energy_check import place_of
 from companion.planning.explain import Explanation, NoPlan
 from companion.planning.flight_times import flight_times, given_times, route_map
 from companion.planning.flown_routes import FlownRoutes
-from companion.planning.instances import FlightTime, Instances, task_model
+from companion.planning.instances import FlightTime
 from companion.planning.lasso import Lasso, Letter, Problem, Solution
+from companion.planning.mission_actions import MissionActions
 from companion.planning.objective import Encoding, Objective, asked_for
 from companion.planning.optional_lines import without_lines
 from companion.planning.readiness import Readiness, ready_lines
@@ -72,8 +70,7 @@ class Planner:
 
     Attributes:
         solver: solves the problems that `problem` and `initial_problem` make.
-        flight_time: as given, or as the flight knows it.
-        without_a_move: beliefs that only moves assumed, and these moves no longer exist.
+        actions: of the mission, as they are now.
     """
 
     def __init__(
@@ -99,80 +96,29 @@ class Planner:
         self.mission = mission
         start_s = clock()
         self.energy = energy
-        self._instances = Instances(mission, drains=energy)
-        self._departures = Instances(mission, HERE, energy)
-        self.model = task_model(self._instances, flight_time)
+        self.actions = MissionActions(mission, flight_time, energy)
         self.instantiating_s = clock() - start_s
         self.conjuncts = tuple(translated(mission))
         self.translating_s = clock() - start_s - self.instantiating_s
         self.task_facts = mission.task_facts
-        self.flight_time = flight_time
-        self.without_a_move: frozenset[Fact] = frozenset()
         self._readiness = Readiness(ready_lines(mission))
-        self.solver = Solver(mission, self.model.actions)
+        self.solver = Solver(mission, self.actions.model.actions)
         self._unread_rises = UnreadRises()
-        log.debug("%d actions, %d beliefs", len(self.model.actions), len(self.model.beliefs))
+        model = self.actions.model
+        log.debug("%d actions, %d beliefs", len(model.actions), len(model.beliefs))
         if self.translating_s:  # it was measured
             times_ms = 1000 * self.instantiating_s, 1000 * self.translating_s
             log.debug("instantiated in %.1f ms, translated in %.1f ms", *times_ms)
 
-    def follow(self, flight_time: FlightTime) -> None:
-        """From now on uses the times of a flight, which knows where the vehicle is."""
-        self.flight_time = flight_time
-
     def reinstantiate(self) -> None:
-        """Applies changed flight times. All beliefs so far remain beliefs."""
-        model = task_model(self._instances, self.flight_time)
-        self.solver.take_actions(model.actions)
-        beliefs = self.model.beliefs | model.beliefs
-        self.without_a_move = beliefs - model.beliefs
-        self.model = replace(model, beliefs=beliefs)
+        """Applies changed flight times."""
+        self.actions.reinstantiate()
+        self.solver.take_actions(self.actions.model.actions)
 
     @property
     def energy_factor(self) -> float:
         """By which factor plans assume more drain than the mission; 1 without a battery."""
         return 1.0 if self.energy is None else self.energy.model.factor
-
-    def beliefs(self, is_en_route: bool) -> frozenset[Fact]:
-        """All beliefs, unless they were disproved; between places, also those about `here`."""
-        known = self.model.beliefs
-        return known | self._departures.beliefs if is_en_route else known
-
-    def departures(self, goal: str | None = None) -> tuple[Action, ...]:
-        """The moves from `here` that exist now, to one place or to all."""
-
-        def flight_time(origin: str, place: str) -> float:
-            return self.flight_time(origin, place) if goal in (None, place) else math.inf
-
-        return self._departures.actions(flight_time)
-
-    def way_to(self, place: str) -> Action | None:
-        """A flight from `here` to a place, whatever skills require; None without a route.
-
-        It is a move of the mission if one flies there, otherwise the action `reach`.
-        """
-        move = next((a for a in self.departures(place) if a.execute == reach(place).execute), None)
-        if move is not None:
-            return replace(move, requires=frozenset(), forbids=frozenset(), assumes=frozenset())
-        return reach(place) if math.isfinite(self.flight_time(HERE, place)) else None
-
-    def all_actions(self) -> tuple[Action, ...]:
-        """All actions that exist now, and all moves from `here`."""
-        return (*self.model.actions, *self._departures.actions(lambda origin, goal: 0.0))
-
-    def actions_of(self, tree: Tree) -> dict[str, tuple[Action, ...]]:
-        """The actions that a tree names; moves from `here` start wherever the vehicle is.
-
-        An action from `*` stands for several: one from each place, and one from `here`.
-
-        Raises:
-            CompanionError: an action does not exist.
-        """
-        known = self.all_actions()
-        found = {name: tuple(a for a in known if is_named(a, name)) for name in actions(tree)}
-        if missing := sorted(name for name, meant in found.items() if not meant):
-            raise RequestError(f"the tree cannot do {missing[0]}: no such action, or no route")
-        return found
 
     def problem(
         self,
@@ -195,9 +141,9 @@ class Planner:
             clocks_ms: per conjunct, what its clock shows after reading it; () without bounds.
             trials: what is known of the skills from trying them.
         """
-        actions, beliefs = self.model.actions, self.model.beliefs
+        actions, beliefs = self.actions.model.actions, self.actions.model.beliefs
         if is_en_route:
-            extra = self.departures()
+            extra = self.actions.departures()
             actions, beliefs = (*actions, *extra), beliefs.union(*(a.assumes for a in extra))
         actions = trials.usable(actions)
         held = facts | (beliefs - withdrawn)
@@ -340,9 +286,9 @@ class Planner:
         Raises:
             MissionError: the mission does not know one of the names.
         """
-        state = supposed_facts(self.mission, self.model, at, facts)
-        withdrawn = supposed_withdrawn(self.model, without)
-        letter = state | (self.model.beliefs - withdrawn)
+        state = supposed_facts(self.mission, self.actions.model, at, facts)
+        withdrawn = supposed_withdrawn(self.actions.model, without)
+        letter = state | (self.actions.model.beliefs - withdrawn)
         runs = (Runs.begin(conjunct.automaton).after(letter) for conjunct in self.conjuncts)
         states, clocks_ms = tuple(run.states for run in runs), begun(self.conjuncts, letter)
         problem = self.problem(state, states, withdrawn, clocks_ms=clocks_ms)

@@ -28,7 +28,7 @@ class TaskReplay:
         self._state = state
         self._events = planner.mission.events
         safe = map(reach, planner.mission.safe_places)
-        self._actions = {action.name: action for action in (*safe, *planner.all_actions())}
+        self._actions = {action.name: action for action in (*safe, *planner.actions.every())}
 
     def action(self, name: str) -> Action:
         """The action with this name."""

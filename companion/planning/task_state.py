@@ -94,7 +94,7 @@ class TaskState:
     @property
     def all_facts(self) -> frozenset[Fact]:
         """Facts, and the beliefs that are held, including those about `here`."""
-        beliefs = self._planner.beliefs(is_en_route=AT_HERE in self.facts)
+        beliefs = self._planner.actions.beliefs(is_en_route=AT_HERE in self.facts)
         return self.facts | (beliefs - self.withdrawn)
 
     @property
@@ -346,4 +346,4 @@ class TaskState:
 
     def _letter(self, facts: frozenset[Fact]) -> Letter:
         """What the automata read at a position with these facts."""
-        return facts | self.risen | (self._planner.model.beliefs - self.withdrawn)
+        return facts | self.risen | (self._planner.actions.model.beliefs - self.withdrawn)

@@ -66,7 +66,7 @@ def replanning(runs: int) -> Iterator[Row]:
     routes = route_map(mission)
     here = [mission.places["A"].position]
     planner = Planner(mission, flight_times(mission, FlownRoutes(routes), lambda: at_rest(here[0])))
-    actions = {action.name: action for action in planner.model.actions}
+    actions = {action.name: action for action in planner.actions.model.actions}
     task = TaskState(planner)
     yield from _phase("plan at the start", planner, [task.problem()] * runs)
 

@@ -113,7 +113,7 @@ def target_found(planner: Planner, goal: str) -> Asked:
 def interrupted(planner: Planner, goal: str, *events: str) -> Asked:
     """The first flight to a place is interrupted after some events."""
     task = TaskState(planner)
-    task.begin(next(a for a in planner.model.actions if a.name == f"move(Home, {goal})"))
+    task.begin(next(a for a in planner.actions.model.actions if a.name == f"move(Home, {goal})"))
     for event in events:
         task.take(planner.mission.events[event], True)
     task.interrupt()

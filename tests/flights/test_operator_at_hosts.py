@@ -143,7 +143,7 @@ def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refus
     run = operated.companion._run
     assert run is not None
     planner, vehicle = run.executive.planner, run.vehicle
-    before = {action.name: action.cost_ms for action in planner.model.actions}
+    before = {action.name: action.cost_ms for action in planner.actions.model.actions}
     since_s = operated.now_s
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.5, 9)
     operated.station_says(slow)
@@ -157,7 +157,7 @@ def test_a_speed_limit_in_flight_slows_the_flight_under_way_and_nothing_is_refus
         math.hypot(*operated.simulation.flight.velocity) < 0.8
     )  # it overshoots, and there is wind
     operated.until_reported(PlanReplaced)
-    after = {action.name: action.cost_ms for action in planner.model.actions}
+    after = {action.name: action.cost_ms for action in planner.actions.model.actions}
     flown = [name for name in before if name.startswith("move(")]
     assert flown and all(after[name] > 2.0 * before[name] for name in flown)
     fast = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 50.0, 9)

@@ -76,4 +76,4 @@ def test_a_height_that_is_off_as_a_px4s_is_takes_nobody_into_the_wall(seed: int)
 def test_a_ceiling_below_the_clearance_leaves_no_way() -> None:
     low = {**MISSION, "limits": {**MISSION["limits"], "up_m": [1, 3.5]}}  # type: ignore[dict-item]
     planner = Planner(load_mission(low))
-    assert planner.flight_time("Home", "B") == float("inf")
+    assert planner.actions.flight_time("Home", "B") == float("inf")

@@ -32,7 +32,7 @@ class Figure:
     def __init__(self, timeout_s: float | None = None) -> None:
         self.rig = Rig(mission("F at(A)", skills=[move(tries=TRIES, timeout_s=timeout_s)]))
         self.action: Action = next(
-            a for a in self.rig.planner.model.actions if a.name == "move(H, A)"
+            a for a in self.rig.planner.actions.model.actions if a.name == "move(H, A)"
         )
         self.root = build(
             self.rig.flight,

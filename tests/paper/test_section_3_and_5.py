@@ -71,7 +71,7 @@ def test_the_initial_state_s0(rig: Rig) -> None:
 
 
 def test_the_two_action_templates_and_their_instances(rig: Rig) -> None:
-    found = {a.name: a for a in rig.planner.model.actions}
+    found = {a.name: a for a in rig.planner.actions.model.actions}
     moves = {f"move({a}, {b})" for a, b in itertools.permutations(SITES, 2)}
     uploads = {f"upload({r})" for r in UPLOAD_SITES}
     assert set(found) == moves | uploads | {"wait"}
@@ -186,13 +186,13 @@ def test_nothing_but_the_initial_state_changes_in_flight(
     """Each conjunct is translated once, and skills are instantiated once, over the whole flight."""
     translated, instantiated = Mock(wraps=translate), Mock(wraps=Instances)
     monkeypatch.setattr("companion.planning.task_automata.translate", translated)
-    monkeypatch.setattr("companion.planning.planner.Instances", instantiated)
+    monkeypatch.setattr("companion.planning.mission_actions.Instances", instantiated)
     planned = {verb: Mock(wraps=getattr(Solver, verb)) for verb in ("solve", "replan")}
     for verb, mock in planned.items():
         monkeypatch.setattr(Solver, verb, lambda *args, mock=mock: mock(*args))
     rig = Rig(section_v, surveillance_routes)
     automata = [conjunct.automaton for conjunct in rig.planner.conjuncts]
-    actions = rig.planner.model.actions
+    actions = rig.planner.actions.model.actions
     fly_section_5(rig)
 
     calls = [call for mock in planned.values() for call in mock.call_args_list]

@@ -80,5 +80,5 @@ def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: l
     before, again = word(problem, lasso)
     promised = [problem.facts, *before, *again * (LAPS + 1)]
     for position, letter in zip(rig.positions, promised, strict=False):
-        assert set(position.facts) == letter - rig.planner.model.beliefs
+        assert set(position.facts) == letter - rig.planner.actions.model.beliefs
     assert len(rig.positions) >= len(lasso.prefix) + laps * len(lasso.loop)

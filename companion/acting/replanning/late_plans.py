@@ -110,7 +110,7 @@ class LatePlans:
         """
         left_s = 0.0
         if is_one_flight(running.execute) and running.destination is not None:
-            left_s = self._planner.flight_time(HERE, running.destination)
+            left_s = self._planner.actions.flight_time(HERE, running.destination)
         is_known = math.isfinite(left_s) and running.charger is None
         return round(1000 * (elapsed_s + left_s)) if is_known else None
 

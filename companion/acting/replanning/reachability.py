@@ -110,7 +110,7 @@ class Reachability:
             self._instantiated_on, self._costed_at = followed
             self._cut_off = self.unreachable
             self.has_changed = False
-        lost, held = flight.task.cut_off(self._planner.without_a_move)
+        lost, held = flight.task.cut_off(self._planner.actions.without_a_move)
         connected = PlacesConnected(self._named(held), restored=tuple(held)) if held else None
         cut_off = PlacesCutOff(self._named(lost), withdrawn=tuple(lost)) if lost else None
         for event in filter(None, (connected, cut_off)):
@@ -118,7 +118,7 @@ class Reachability:
         return BeliefChange(cut_off, connected)
 
     def _named(self, beliefs: list[Fact]) -> str:
-        gone, known = self._planner.without_a_move, self._planner.model.beliefs
+        gone, known = self._planner.actions.without_a_move, self._planner.actions.model.beliefs
         alike = beliefs if gone.isdisjoint(beliefs) else gone
         return in_words(beliefs, alike, known)
 

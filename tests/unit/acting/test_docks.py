@@ -31,7 +31,7 @@ def on_dock_e(out_of_reach: str, fields: dict[str, Any]) -> PlannedDock:
     task = TaskState(real)
     task.running = next(
         action
-        for action in real.model.actions
+        for action in real.actions.model.actions
         if action.skill == "recharge" and action.arguments in (("E",), ("A", "E"))
     )
     energy = SimpleNamespace(
@@ -39,7 +39,7 @@ def on_dock_e(out_of_reach: str, fields: dict[str, Any]) -> PlannedDock:
         charge=SimpleNamespace(least=lambda: LEFT),
         to_land_at=lambda place: None if place == out_of_reach else 0,
     )
-    planner = SimpleNamespace(model=real.model, mission=real.mission, energy=energy)
+    planner = SimpleNamespace(actions=real.actions, mission=real.mission, energy=energy)
     return PlannedDock(cast(Planner, planner), task)
 
 

@@ -73,7 +73,7 @@ def test_task_facts_are_what_the_formulas_mention() -> None:
 def test_beliefs_hold_but_for_those_that_were_withdrawn() -> None:
     made = planner(mission("F at(A)"))
     problem = made.problem(AT_H, (), facts_of("trans_ok(H, A)"))
-    assert problem.facts == AT_H | made.model.beliefs - {"trans_ok(H, A)"}
+    assert problem.facts == AT_H | made.actions.model.beliefs - {"trans_ok(H, A)"}
 
 
 def test_between_two_problems_only_the_initial_state_differs() -> None:
@@ -88,8 +88,8 @@ def test_en_route_the_departures_come_last_with_their_beliefs() -> None:
     """So the mission's own actions keep their places from plan to plan."""
     made = planner(mission("F at(A)"))
     problem = made.problem(facts_of("at(here)"), (), is_en_route=True)
-    own = len(made.model.actions)
-    assert problem.actions[:own] == made.model.actions
+    own = len(made.actions.model.actions)
+    assert problem.actions[:own] == made.actions.model.actions
     assert [a.name for a in problem.actions[own:]] == [
         "move(here, H)",
         "move(here, A)",
@@ -131,7 +131,7 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
     """What was flown and what is planned are one word, and it satisfies the task."""
     made = planner(mission(task, events=[event("found")]))
     events = facts_of(*(["found"] if found else []))
-    letters = [facts_of(f"at({place})") | made.model.beliefs for place in f"H{flown}"]
+    letters = [facts_of(f"at({place})") | made.actions.model.beliefs for place in f"H{flown}"]
     states = [c.automaton.initial for c in made.conjuncts]
     for letter in letters:
         states = [
@@ -150,7 +150,7 @@ def test_interrupted_on_the_way_it_plans_from_there_and_forgets_nothing(
 
 def test_a_replan_is_the_first_plan_and_a_plan_the_best(monkeypatch: pytest.MonkeyPatch) -> None:
     made = planner(mission("F at(A)", places="HA"))
-    go, back, wait = made.model.actions
+    go, back, wait = made.actions.model.actions
     plans = [Lasso((go, back, go), (wait,)), Lasso((go,), (wait,))]
     offered = [Solution(plan, Objective.LAP, 100, 100, "test") for plan in plans]
     monkeypatch.setattr(Search, "solutions", lambda *args: iter(offered))
@@ -252,7 +252,7 @@ def test_a_plan_is_a_prefix_and_a_loop_with_their_costs() -> None:
 def test_a_wrong_plan_is_never_handed_out(monkeypatch: pytest.MonkeyPatch) -> None:
     """The independent check comes after the search, whatever the search does."""
     made = planner(mission("F done", skills=[command("do", "at(H)", "done")]))
-    wait = made.model.actions[-1]
+    wait = made.actions.model.actions[-1]
     wrong = Solution(Lasso((), (wait,)), Objective.LAP, 100, 100, "test")
     monkeypatch.setattr(Search, "solutions", lambda *args: iter([wrong]))
     for ask in (made.solver.solve, made.solver.replan):
@@ -275,18 +275,18 @@ def test_moves_cost_what_they_cost_now_and_none_is_planned_without_a_route() -> 
     seconds = {("H", "B"): 8.0}
     made = Planner(asked, lambda origin, goal: seconds.get((origin, goal), 3.0))
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
-    beliefs, actions = made.model.beliefs, made.model.actions
+    beliefs, actions = made.actions.model.beliefs, made.actions.model.actions
     seconds |= {("H", "B"): 5.0, ("H", "A"): math.inf}
     made.reinstantiate()
     assert str(made.plan()) == "move(H, B), (wait)^w"
-    assert made.model.beliefs == beliefs
-    assert "move(H, A)" not in {a.name for a in made.model.actions}
-    assert [a for a in made.model.actions if a.name == "move(A, B)"] == [
+    assert made.actions.model.beliefs == beliefs
+    assert "move(H, A)" not in {a.name for a in made.actions.model.actions}
+    assert [a for a in made.actions.model.actions if a.name == "move(A, B)"] == [
         a for a in actions if a.name == "move(A, B)"
     ]
     seconds |= {("H", "B"): 8.0, ("H", "A"): 3.0}
     made.reinstantiate()
-    assert made.model.actions == actions
+    assert made.actions.model.actions == actions
     assert str(made.plan()) == "move(H, A), move(A, B), (wait)^w"
 
 

@@ -89,7 +89,7 @@ def test_from_between_places_there_is_always_a_way_back() -> None:
         def flight_time(a: str, b: str, from_here_s: float = seconds) -> float:
             return from_here_s if a == "here" else SECONDS.get(a + b, 15.0)
 
-        made.flight_time = flight_time
+        made.actions.flight_time = flight_time
         problem = made.problem(facts, states, is_en_route=True, clocks_ms=(None,))
         ways = {a.arguments[1] for a in problem.actions if a.arguments[:1] == ("here",)}
         assert ways == left

@@ -21,7 +21,7 @@ def actions(execute: Any, **more: Any) -> dict[str, Action]:
     skills = DATA["skills"] | {"asked": asked | {"execute": execute}}
     about = {"skills": skills, "limits": LIMITS, "components": {"payload": 25}} | more
     planner = Planner(load_mission(DATA | about))
-    return {action.name: action for action in planner.model.actions}
+    return {action.name: action for action in planner.actions.model.actions}
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,7 @@ def test_a_skill_on_the_spot_takes_its_waits_and_a_second_for_all_else(
     skills = {"skills": DATA["skills"] | {"asked": skill}}
     about = {"limits": LIMITS, "components": {"payload": 25}, "task": {"t": "F done"}}
     planner = Planner(load_mission(DATA | about | skills))
-    (action,) = (action for action in planner.model.actions if action.skill == "asked")
+    (action,) = (action for action in planner.actions.model.actions if action.skill == "asked")
     assert action.cost_ms == 1000 * cost_s
 
 

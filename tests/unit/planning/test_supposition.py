@@ -33,12 +33,12 @@ def test_the_papers_replans_can_be_asked_for_on_the_ground(planner: Planner) -> 
 
 def test_a_fact_of_the_beginning_can_be_taken_away(planner: Planner) -> None:
     problem, _ = planner.initial_problem(facts={"!at(Home)"})
-    assert problem.facts == planner.model.beliefs
+    assert problem.facts == planner.actions.model.beliefs
 
 
 def test_what_is_taken_away_does_not_hold_whatever_else_is_said(planner: Planner) -> None:
     problem, _ = planner.initial_problem(at="A", facts=["! at(A)", "targetFound"])
-    assert problem.facts - planner.model.beliefs == {"targetFound"}
+    assert problem.facts - planner.actions.model.beliefs == {"targetFound"}
 
 
 @pytest.mark.parametrize(

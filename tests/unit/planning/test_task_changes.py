@@ -52,7 +52,7 @@ def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: floa
             state.complete(state.running, now_s)
 
     def again() -> None:
-        if flight := state.interrupted(planner.all_actions()):
+        if flight := state.interrupted(planner.actions.every()):
             state.begin_again(flight)
 
     calls: dict[str, Callable[[], object]] = {
@@ -132,7 +132,7 @@ def test_what_changes_nothing_is_not_kept() -> None:
 def test_a_barred_action_is_in_no_plan() -> None:
     planner, state, _ = kept(mission("F done", skills=[command("do", "", "done")]))
     assert "do" in {action.name for action in state.problem()[0].actions}
-    state.bar(next(a for a in planner.all_actions() if a.name == "do"))
+    state.bar(next(a for a in planner.actions.every() if a.name == "do"))
     problem, histories = state.problem()
     assert planner.solver.replan(problem, histories) is None
     told = str(planner.solver.explain_soon(problem))

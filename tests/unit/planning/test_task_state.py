@@ -279,7 +279,7 @@ def test_departures_carry_what_a_move_carries() -> None:
     """A move from `here` differs from one from a place by its origin alone."""
     asked = mission("F at(A)")
     planner = Planner(asked, lambda origin, goal: 4.0)
-    from_here = {a.name: a for a in departures(asked, planner.flight_time)}
+    from_here = {a.name: a for a in departures(asked, planner.actions.flight_time)}
     assert set(from_here) == {"move(here, H)", "move(here, A)", "move(here, B)"}
     move = from_here["move(here, A)"]
     assert move.requires == {"at(here)", "trans_ok(here, A)"}

@@ -18,7 +18,7 @@ from companion.planning.lasso import Lasso
 
 
 def tree_of(rig: Rig, prefix: list[str], loop: list[str]) -> Behaviour:
-    known = {a.name: a for a in rig.planner.model.actions}
+    known = {a.name: a for a in rig.planner.actions.model.actions}
     lasso = Lasso(tuple(known[n] for n in prefix), tuple(known[n] for n in loop))
     return build(rig.flight, lasso, Assumptions(rig.planner, rig.flight))
 

@@ -40,7 +40,7 @@ def reported(rig: Rig) -> list[FlightEvent]:
 
 
 def action(rig: Rig, name: str) -> Action:
-    return next(a for a in rig.planner.model.actions if a.name == name)
+    return next(a for a in rig.planner.actions.model.actions if a.name == name)
 
 
 def intention(rig: Rig, name: str) -> Intention:

@@ -113,7 +113,7 @@ def asked(photo: Skill, *others: Skill) -> Mission:
 
 
 def tree_of(rig: Rig, name: str = "photo") -> Behaviour:
-    action = next(a for a in rig.planner.model.actions if a.name == name)
+    action = next(a for a in rig.planner.actions.model.actions if a.name == name)
     return action_tree(rig.flight, Intention(action.name, (action,)), None)
 
 

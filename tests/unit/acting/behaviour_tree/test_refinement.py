@@ -65,7 +65,7 @@ def test_a_skill_that_is_not_planned_only_refines_others_and_lends_them_its_beli
 
 def test_the_tree_is_refined_down_to_primitives() -> None:
     rig = Rig(charging())
-    action = next(a for a in rig.planner.model.actions if a.name == "charge(H, A)")
+    action = next(a for a in rig.planner.actions.model.actions if a.name == "charge(H, A)")
     lines = py_trees.display.ascii_tree(
         build(rig.flight, Lasso((), (action,)), Assumptions(rig.planner, rig.flight))
     ).splitlines()
@@ -88,8 +88,8 @@ def test_the_tree_is_refined_down_to_primitives() -> None:
 def test_steps_are_done_one_after_the_other() -> None:
     shoot = steps("shoot", Fly("to"), PHOTO, Wait(1.0), PHOTO)
     rig = Rig(mission("F at(A) & F at(B)", skills=[shoot]), None).begin()
-    action = next(a for a in rig.planner.model.actions if a.name == "shoot(H, A)")
-    lasso = Lasso((action,), (next(iter(rig.planner.model.actions)),))
+    action = next(a for a in rig.planner.actions.model.actions if a.name == "shoot(H, A)")
+    lasso = Lasso((action,), (next(iter(rig.planner.actions.model.actions)),))
     rig.executive._fly_on(PlanChosen(ChosenPlan(lasso, ()), "", is_rest=False))
     rig.run_until(SkillCompleted, action="shoot(H, A)")
     assert [sent[1] for sent in rig.vehicle.payloads.sent] == [31010, 31010]

@@ -168,10 +168,10 @@ def test_what_was_refused_is_not_believed_again_because_of_a_way() -> None:
 
 def test_a_new_plan_reckons_with_the_speed_limit_as_it_is_now() -> None:
     rig = inspection()
-    before = {action.name: action.cost_ms for action in rig.planner.model.actions}
+    before = {action.name: action.cost_ms for action in rig.planner.actions.model.actions}
     rig.speed_limit.set_operator_limit(0.5)
     assert rig.executive.resume() is TaskStatus.RUNNING
-    after = {action.name: action.cost_ms for action in rig.planner.model.actions}
+    after = {action.name: action.cost_ms for action in rig.planner.actions.model.actions}
     assert after.keys() == before.keys()
     assert all(after[name] > 2 * before[name] for name in before if "move" in name)
 
@@ -199,13 +199,13 @@ def test_a_flight_home_asks_for_the_way_home_alone() -> None:
     """With many places on a map that has changed, all their ways would take longer than a tick."""
     rig = Rig(mission("F at(B)", places="HABC")).begin()
     asked: list[str] = []
-    flight_time = rig.planner.flight_time
+    flight_time = rig.planner.actions.flight_time
 
     def noted(origin: str, goal: str) -> float:
         asked.append(goal)
         return flight_time(origin, goal)
 
-    rig.planner.flight_time = noted
+    rig.planner.actions.flight_time = noted
     assert flight_to(rig.planner, "H") is not None
     assert asked == ["H"]
 

@@ -138,11 +138,11 @@ def test_a_barred_dock_does_not_decide_how_much_is_lent() -> None:
     """Nobody charges there, so the landing alone counts."""
     planner = planner_at(FAR)
     state = TaskState(planner)
-    move = next(a for a in planner.all_actions() if a.name == "move(Home, B)")
+    move = next(a for a in planner.actions.every() if a.name == "move(Home, B)")
     state.begin(move)
     state.complete(move, 10.0)
     assert FAR < lent_in(state.problem()[0])
-    state.bar(next(a for a in planner.all_actions() if a.name == "recharge(E)"))
+    state.bar(next(a for a in planner.actions.every() if a.name == "recharge(E)"))
     problem, histories = state.problem()
     assert lent_in(problem) == FAR
     assert planner.solver.replan(problem, histories) is None
