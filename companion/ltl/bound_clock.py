@@ -53,7 +53,7 @@ class BoundClock:
         since_ms = now_ms if self.bound.begin() is not None else None
         return replace(self, since_ms=since_ms, asked_ms=None, met_ms=None)
 
-    def anew(self) -> BoundClock:
+    def restarted(self) -> BoundClock:
         """A clock that starts again at the next position and forgets what was before."""
         return BoundClock(self.bound, is_new=True)
 

@@ -57,11 +57,11 @@ class BoundClocks:
         """Whether any conjunct has a bound."""
         return bool(self._clocks)
 
-    def begin_anew(self, line: str) -> None:
+    def restart(self, line: str) -> None:
         """The clocks of a line start again at the next position."""
         for i, clock in self._clocks.items():
             if self._conjuncts[i].name == line:
-                self._clocks[i] = clock.anew()
+                self._clocks[i] = clock.restarted()
 
     def read(self, letter: Letter, reached_s: float, left_s: float) -> tuple[Conjunct, ...]:
         """Reads one more position. Returns the conjuncts that it finds to be late and that were not
@@ -113,10 +113,10 @@ class BoundClocks:
         return tuple(self._conjuncts[i] for i, clock in self._clocks.items() if clock.is_late)
 
     def without_late(
-        self, states: tuple[frozenset[int], ...], anew: Collection[str]
+        self, states: tuple[frozenset[int], ...], restarted: Collection[str]
     ) -> tuple[frozenset[int], ...]:
         """The automaton states, empty for conjuncts that are late and do not start again."""
-        late = [conjunct for conjunct in self.late if conjunct.name not in anew]
+        late = [conjunct for conjunct in self.late if conjunct.name not in restarted]
         pairs = zip(self._conjuncts, states, strict=True)
         return tuple(frozenset() if c in late else own for c, own in pairs) if late else states
 
@@ -124,22 +124,22 @@ class BoundClocks:
         self,
         now_s: float,
         unread: tuple[Letter, float] | None = None,
-        anew: Collection[str] = (),
+        restarted: Collection[str] = (),
     ) -> tuple[int | None, ...]:
         """What the clocks show, for each conjunct, as if the present position were read now.
 
         Args:
             now_s: the present time.
             unread: the present position and when it was reached; None if it has been read already.
-            anew: lines that start again.
+            restarted: lines that start again.
         """
         if not self._clocks:
             return NO_CLOCKS
         now_ms = _ms(now_s)
         shown: list[int | None] = [None] * len(self._conjuncts)
         for i, clock in self._clocks.items():
-            if self._conjuncts[i].name in anew:
-                clock = clock.anew()
+            if self._conjuncts[i].name in restarted:
+                clock = clock.restarted()
             if not self.are_begun:
                 clock = clock.begun(now_ms)
             if unread is not None:

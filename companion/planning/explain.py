@@ -152,9 +152,9 @@ class Explanation:
     barred: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        return self.told({})
+        return self.in_words({})
 
-    def told(self, lines: Mapping[str, int]) -> str:
+    def in_words(self, lines: Mapping[str, int]) -> str:
         """The explanation in words; `lines` gives the line numbers of parts, by their names."""
         names = list(dict.fromkeys(conjunct.name for conjunct in self.conflict))
         together = " together" if len(self.conflict) > 1 else ""
@@ -203,7 +203,7 @@ class NoPlan(NoPlanError):
 
     def __init__(self, explanation: Explanation, lines: Mapping[str, int] | None = None) -> None:
         self.explanation = explanation
-        super().__init__(explanation.told(lines or {}))
+        super().__init__(explanation.in_words(lines or {}))
 
 
 def why_no_plan(

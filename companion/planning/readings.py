@@ -36,7 +36,7 @@ class Reading:
         self.since_s = [now_s] * self.conjunct.automaton.marks
         self._tries = [0] * self.conjunct.automaton.marks
 
-    def anew(self, now_s: float) -> Reading:
+    def restarted(self, now_s: float) -> Reading:
         """A new reading of the same conjunct, which starts now."""
         fresh = copy(self)  # none of its attributes is changed in place
         fresh.restart(now_s)

@@ -108,7 +108,7 @@ class TaskReadings:
         own = [reading for reading in self._readings if reading.conjunct.name == line]
         for reading in own:
             reading.restart(now_s)
-        self._clocks.begin_anew(line)
+        self._clocks.restart(line)
         self._find_violated()
         return bool(own)
 
@@ -135,7 +135,7 @@ class TaskReadings:
         return self._clocks.are_called(lines)
 
     def so_far(
-        self, unread: Letter | None, reached_s: float, now_s: float, anew: Collection[str]
+        self, unread: Letter | None, reached_s: float, now_s: float, restarted: Collection[str]
     ) -> WordSoFar:
         """The word including the present position, as if that were read.
 
@@ -143,10 +143,12 @@ class TaskReadings:
             unread: what holds at the present position; None if it has been read.
             reached_s: when the vehicle reached it.
             now_s: the time that clocks show.
-            anew: lines that start again there.
+            restarted: lines that start again there.
         """
         spent(_READING_US * len(self._readings))
-        readings = [r.anew(reached_s) if r.conjunct.name in anew else r for r in self._readings]
+        readings = [
+            r.restarted(reached_s) if r.conjunct.name in restarted else r for r in self._readings
+        ]
         if unread is None:
             states = tuple(r.runs.states for r in readings)
             histories = [r.letters for r in readings]
@@ -158,8 +160,8 @@ class TaskReadings:
             waiting = [r.since_with(unread, reached_s) for r in readings]
             present = (unread, reached_s)
         return WordSoFar(
-            self._clocks.without_late(states, anew),
+            self._clocks.without_late(states, restarted),
             histories,
             tuple(round(1000 * min(marks, default=0.0)) for marks in waiting),
-            self._clocks.show(now_s, present, anew),
+            self._clocks.show(now_s, present, restarted),
         )

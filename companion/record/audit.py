@@ -176,14 +176,14 @@ class _Reading:
         return replace(self, violated=tuple(n for n in self.violated if n >= self.begun))
 
 
-def _read(part: AuditedConjunct, record: RunRecord, begins_anew: bool = True) -> _Reading:
+def _read(part: AuditedConjunct, record: RunRecord, restarts: bool = True) -> _Reading:
     fresh = monitor = Monitor.of(part.formula)
     overruns: Collection[int] = ()
     if part.bound is not None:
-        overruns = record.in_time.overruns(part.bound, part.name, begins_anew)
+        overruns = record.in_time.overruns(part.bound, part.name, restarts)
     begun, is_late, is_false, states, violated = 0, False, False, [], set(overruns)
     for position in record.positions:
-        if begins_anew and part.name in position.restarted:
+        if restarts and part.name in position.restarted:
             monitor, begun, is_late, is_false = fresh, position.number, False, False
         monitor, was_false = monitor.after(frozenset(position.facts)), is_false
         is_false = monitor.truth_value is TruthValue.FALSE
@@ -200,8 +200,8 @@ def _finding(reading: _Reading, record: RunRecord) -> Finding:
     outcome, number = _outcome(judged, positions)
     whole = outcome
     if reading.begun:
-        never_anew = _read(reading.part, record, begins_anew=False)
-        whole, _ = _outcome(never_anew, positions)
+        not_restarted = _read(reading.part, record, restarts=False)
+        whole, _ = _outcome(not_restarted, positions)
     return Finding(
         name=reading.part.name,
         formula=reading.part.said,

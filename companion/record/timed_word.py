@@ -43,7 +43,7 @@ class TimedWord:
     until_s: float
     told: frozenset[tuple[str, int]] = frozenset()
 
-    def overruns(self, bound: TimeBound, name: str, begins_anew: bool = True) -> tuple[int, ...]:
+    def overruns(self, bound: TimeBound, name: str, restarts: bool = True) -> tuple[int, ...]:
         """The positions after which the clock of a bound had run out.
 
         At most one, and at most one more after each restart.
@@ -51,22 +51,22 @@ class TimedWord:
         Args:
             bound: the bound of the line.
             name: the name of the line.
-            begins_anew: whether the line restarts where the record says so.
+            restarts: whether the line restarts where the record says so.
         """
-        anew = self._anew(name) if begins_anew else frozenset()
+        restarted = self._restarted_at(name) if restarts else frozenset()
         reader = _Reader(BoundClock(bound), self._positions(), self._events_at_first())
         for number, (time_s, step) in enumerate(self.steps):
             if not reader.is_at_the_end:
                 reader.run(_ms(time_s))
-            if number in anew:
-                reader.begin_anew()
+            if number in restarted:
+                reader.restart()
             if isinstance(step, MissionEventChanged):
                 reader.change(step, _ms(time_s))
             elif isinstance(step, PositionLeft):
                 reader.leave(step, _ms(time_s))
         return tuple(reader.after(_ms(self.until_s), (name, reader.last) in self.told))
 
-    def _anew(self, name: str) -> frozenset[int]:
+    def _restarted_at(self, name: str) -> frozenset[int]:
         """The steps at which a line restarts, as recorded by the next position that is left.
 
         It restarts when it is taken up again, or at the last event that has become true and
@@ -148,9 +148,9 @@ class _Reader:
         is_over = self._clock.is_over(now_ms, None)
         return [*self.found, self.last] if is_over and is_told else self.found
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         """Restarts with the next position that is left."""
-        self._clock = self._clock.anew()
+        self._clock = self._clock.restarted()
 
     def change(self, event: MissionEventChanged, now_ms: int) -> None:
         """Notes a change of an event; one from before the task belongs to its first letter."""
