@@ -24,6 +24,7 @@ from companion.planning.timed.timed_step import TimedStep
 from companion.slices import spent
 
 MOST_PATHS = 200
+MOST_LOOKED_AT = 2_000
 _STEP_US = 2.0
 
 
@@ -86,6 +87,13 @@ class LapEntrySearch:
     def can_begin(self) -> bool:
         """Whether no bound is broken, or certain to be broken."""
         return bool(self._pending or self._taken)
+
+    def reached(self) -> frozenset[int] | None:
+        """The states that paths lead to; None if there are too many paths to look at them all."""
+        with suppress(SearchLimit):
+            if next(islice(self._labels(), MOST_LOOKED_AT, None), None) is None:
+                return frozenset(label.state for label in self._taken)
+        return None
 
     def into(self, laps: list[TimedLap]) -> LapEntry | None:
         """The best path into one of some laps; None if there is none.

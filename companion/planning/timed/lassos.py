@@ -94,7 +94,7 @@ class TimedLassos:
         if best is not None and self._known.are_best:
             yield self._solution(best, 0)
         parts = self._known.lapless.without_proved(self._parts)
-        self._parts = [part for part in parts if self._can_be_served(part)]
+        self._parts = [part for part in self._within_reach(parts) if self._can_be_served(part)]
         for found in self._good_laps():
             if best is None or found.lap.cost_ms < best.lap.cost_ms:
                 best = found
@@ -112,6 +112,11 @@ class TimedLassos:
             yield self._solution(best, min(max(bound_ms, untimed_ms), best.lap.cost_ms))
         elif limit is not None:
             raise limit
+
+    def _within_reach(self, parts: Sequence[TimedComponent]) -> list[TimedComponent]:
+        """The components without those to which no path leads now, whatever laps they have."""
+        reached = self._entries.reached()
+        return [p for p in parts if reached is None or not reached.isdisjoint(p.states)]
 
     def _untimed_ms(self) -> int:
         """What laps cost at least without bounds."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from problems import action, histories, names, problem
@@ -19,6 +20,8 @@ from companion.planning.effort import BEFORE_FLIGHT, IN_FLIGHT
 from companion.planning.energy.search import BatterySearch
 from companion.planning.lasso import Problem, Solution
 from companion.planning.time_check import time_fault
+from companion.planning.timed import lassos
+from companion.planning.timed.lap_search import LapSearch
 from companion.planning.timed.lateness import late_bounds
 from companion.planning.timed.search import TimedSearch
 
@@ -153,3 +156,27 @@ def test_a_search_that_ends_too_early_does_not_say_that_there_is_no_plan() -> No
     assert search.is_solvable(of, replace(BEFORE_FLIGHT, time_labels=10)) is None
     assert late_bounds(search, of, replace(BEFORE_FLIGHT, time_labels=10)) == ()
     assert search.is_solvable(of, BEFORE_FLIGHT) is True
+
+
+def test_laps_to_which_nothing_leads_in_time_are_not_searched(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of A and C, whichever comes second is too late. The patrol has laps for all that."""
+    bounds: dict[str, TimeBound] = {
+        "west": Within(parse("done(A)"), 60_000),
+        "east": Within(parse("done(C)"), 60_000),
+        "often": Revisit(parse("at(B)"), 90_000),
+    }
+    works = [action(f"work({p})", f"at({p})", f"done({p})", cost_s=1.0) for p in "AC"]
+    of = asked(bounds)
+    of = replace(of, actions=(*of.actions, *works))
+    search = TimedSearch(BatterySearch(Search(of.actions)))
+    searched = []
+
+    def noted(*given: Any, **more: Any) -> LapSearch:
+        searched.append(given)
+        return LapSearch(*given, **more)
+
+    monkeypatch.setattr(lassos, "LapSearch", noted)
+    assert search.is_solvable(moved(of, "B", (35_000, 25_000, 0)), IN_FLIGHT) is False
+    assert not searched
