@@ -36,6 +36,8 @@ class PlanProgress:
         laps: number of laps of the loop; `Effects` counts them.
         ground: where the plan has the vehicle.
         failed: the skill whose failure has ended the plan; None if none has.
+        flight_ends_s: when the flight under way ends if nothing slows it down from now on; None if
+            its route has not begun.
         unnoticed_landing: why the last landing has failed, in LANDING_UNNOTICED; else None.
     """
 
@@ -43,6 +45,7 @@ class PlanProgress:
     laps: int = 0
     ground: GroundState = GroundState.IN_AIR
     failed: Action | None = None
+    flight_ends_s: float | None = None
     unnoticed_landing: Failed | None = None
 
     @property

@@ -98,6 +98,7 @@ class MoveCommand(Leaf):
         """Finds the route from where the vehicle is now, at its present speed."""
         state = self._flight.vehicle.state
         self._flown: Trajectory | Stop | AwaitedRoute | None = None  # None without a route
+        self._flight.progress.flight_ends_s = None
         self._updated_s: float | None = None
         if state is not None:
             self._begin(state)
@@ -171,6 +172,7 @@ class MoveCommand(Leaf):
         if self._timeout_s is not None and elapsed_s > self._timeout_s:
             return self._stop_and_fail(f"not there after {self._timeout_s:.0f} s")
         self._flown_s = self._time_s
+        flight.progress.flight_ends_s = flight.now_s + self._flown.duration_s - self._time_s
         sample = self._sample(self._flown)
         gap_m = distance(flight.guidance.sent(sample.position), state.motion.position)
         is_astray = gap_m >= ASTRAY_SHARE * flight.profile.carrot_m

@@ -19,6 +19,10 @@ from companion.slices import Question
 LOOKS_AT_FLIGHT_S, LOOKS_AT_SKILL_S = 1.0, 0.25
 """How often a flight, or a skill that works longer than its cost, is compared with time bounds."""
 
+SLOW_S = 0.3
+"""A flight is compared with them if it will end so much later than planned; finding out how much
+exactly takes milliseconds."""
+
 
 class CutOffByMap(SlicedTrigger[str | None]):
     """A belief that the plan needs was given up, once the routes on the map are known.
@@ -220,10 +224,11 @@ class BoundLate(SlicedTrigger[str | None]):
     def _is_due(self, running: Action) -> bool:
         """Whether to look again at an action that has begun."""
         now_s = self._flight.now_s
+        planned_s = self._begun_s + running.cost_ms / 1000
         if is_one_flight(running.execute):
-            return now_s - self._looked_s >= LOOKS_AT_FLIGHT_S
-        is_overdue = now_s - self._begun_s > running.cost_ms / 1000
-        return is_overdue and now_s - self._looked_s >= LOOKS_AT_SKILL_S
+            ends_s = self._flight.progress.flight_ends_s or now_s
+            return ends_s > planned_s + SLOW_S and now_s - self._looked_s >= LOOKS_AT_FLIGHT_S
+        return now_s > planned_s and now_s - self._looked_s >= LOOKS_AT_SKILL_S
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """What will be late."""
