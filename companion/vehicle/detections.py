@@ -3,7 +3,7 @@
     {"persons": 2, "door_open": true}
 
 Each key names a signal that the mission's events use, as `EVENT[persons]`. Its value is a number or
-a truth value; or a position, if a place is found by the signal:
+a truth value. If a place is found by the signal, it is a position, or 0 if nothing is seen:
 
     {"person": {"forward_m": 4.5, "right_m": -1.2, "monotonic_ns": 81234567890123}}
 
@@ -61,7 +61,7 @@ class Detections:
                 signal, number = self._signals.get(name), _number(value)
                 if signal is None:
                     self._pass_over(name)
-                elif name in self._placed:
+                elif name in self._placed and number != 0.0:  # 0: nothing is seen
                     self._see(name, value)
                 elif number is None:
                     self.refuse(f"{name} is neither a number nor a truth value: {_short(value)}")
@@ -89,9 +89,7 @@ class Detections:
         return report
 
     def _see(self, name: str, value: object) -> None:
-        """Keeps a position; a number that means "nothing there" is ignored."""
-        if _number(value) == 0.0:
-            return
+        """Keeps a position."""
         seen = sighting_of(value) if isinstance(value, dict) else None
         if seen is None or isinstance(seen, Refusal):
             why = seen.reason if seen is not None else "it finds a place, and needs a position"

@@ -36,6 +36,12 @@ def test_a_number_or_a_truth_is_a_reading(datagram: bytes, value: float) -> None
     assert heard.news() == []
 
 
+def test_a_program_that_finds_nothing_is_heard() -> None:
+    finding = Detections([PERSONS], placed={"persons"})
+    assert finding.read([b'{"persons": 0}', b'{"persons": false}']) == [(PERSONS, 0.0)]
+    assert finding.take_sightings() == {} and finding.news() == []
+
+
 def test_of_a_tick_the_last_value_counts() -> None:
     datagrams = [json.dumps({"persons": n}).encode() for n in (1, 5, 3)]
     assert detections().read([*datagrams, b'{"door": true}']) == [(PERSONS, 3.0), (DOOR, 1.0)]
