@@ -8,7 +8,8 @@
    and false within one tick. If an event flaps within a tick, its last two changes are reported; if
    it became true, that is one of them.
 4. A signal that was not heard for the event's `stale_s` is unknown: the event stays as it was,
-   unless its condition is silence. Falling silent, and being heard again, are reported.
+   unless its condition is silence. Falling silent, and being heard again, are reported, except of
+   an event whose condition is silence: its own changes say that.
 """
 
 from __future__ import annotations
@@ -61,10 +62,15 @@ class EventDetector:
         return list(_last_two(changes)) if changes else changes
 
     def silences(self, now_s: float) -> list[tuple[Event, bool]]:
-        """The events whose signal has fallen silent, or is heard again, since the last call."""
+        """The events whose signal has fallen silent, or is heard again, since the last call.
+
+        An event whose condition is silence is not among them: it changes instead.
+        """
         news = []
         for name, event in self._events.items():
-            is_silent = event.stale_s is not None and self._is_stale(event, event.when, now_s)
+            if isinstance(event.when, Silence):
+                continue
+            is_silent = self._is_stale(event, event.when, now_s)
             if is_silent != (name in self._silent):
                 self._silent ^= {name}
                 news.append((event, is_silent))

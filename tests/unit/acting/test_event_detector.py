@@ -275,6 +275,17 @@ def test_silence_of_an_event_is_told_once_and_its_end() -> None:
     assert told == [(2.05, "e", True), (6.0, "e", False), (8.05, "e", True)]
 
 
+def test_an_event_that_is_silence_does_not_keep_its_value() -> None:
+    silence = event(name="blind", when="BATTERY_STATUS.battery_remaining is silent", stale_s=2.0)
+    detector = EventDetector({"blind": silence})
+    told = []
+    for tick in range(100):
+        now_s = tick / 20
+        detector.update(now_s, [(LEVEL, 5.0)] if now_s == 4.0 else [])
+        told += detector.silences(now_s)
+    assert told == []
+
+
 def test_until_may_be_heard_while_when_is_silent() -> None:
     watched = event(until="COMMAND.MAV_CMD_USER_1", stale_s=1.0)
     detector = EventDetector({"e": watched})
