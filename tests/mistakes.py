@@ -123,6 +123,7 @@ SKILLS: Table = {
     "an unknown component": Mistake("photo(camera)", "photo(kamera)", "    exec", "mean camera?"),
     "no components": Mistake("components: {", "# {", "    exec", "add components: {camera: 100}"),
     "a component by its name": Mistake("100}", "MAV_COMP_ID_CAMERA}", "components", "(1 to 255)"),
+    "the companion as a component": Mistake("100}", "191}", "components", "give camera another id"),
     "an unknown command": Mistake(
         "photo(camera)", "command(camera, MAV_CMD_TAKE_PHOTO)", "    exec", "common.xml lists them"
     ),

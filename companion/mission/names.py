@@ -1,4 +1,4 @@
-"""Checks the names of a mission and the members of its sets."""
+"""Checks the names of a mission, the members of its sets, and the ids of its components."""
 
 from __future__ import annotations
 
@@ -12,14 +12,17 @@ from companion.mission.facts import AT, HERE
 from companion.mission.schema import MissionFile
 
 _SHOWN = 20  # names listed in a message
+_COMPANION = 191  # MAV_COMP_ID_ONBOARD_COMPUTER, by which the companion itself is heard
 
 
 def check_names(file: MissionFile, document: Document, reading: DocumentReading) -> None:
-    """Refuses names that formulas cannot use, ambiguous names, and wrong members of sets."""
+    """Refuses names that formulas cannot use or that are ambiguous, and other wrong entries."""
     if HERE in file.places:
         reading.check(_refuse_here, document)
     for name in file.events:
         reading.check(_check_event, name, document)
+    for name in file.components:
+        reading.check(_check_component, name, file, document)
     reading.read(("objects",), _check_objects, file, document)
     if all(map(reading.knows, ("places", "objects"))):
         things = dict.fromkeys([*file.places, *file.objects])
@@ -41,6 +44,16 @@ def _check_event(name: str, document: Document) -> None:
             f"an event cannot be called {name}",
             document.key_at("events", name),
             "this word has a meaning of its own in formulas; choose another name",
+        )
+
+
+def _check_component(name: str, file: MissionFile, document: Document) -> None:
+    if file.components[name] == _COMPANION:
+        raise MissionError(
+            f"the component {name} is {_COMPANION}, which is the companion itself",
+            document.where("components", name),
+            f"give {name} another id, here and where it runs: two components with one id answer "
+            "for each other",
         )
 
 
