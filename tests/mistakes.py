@@ -209,7 +209,10 @@ PLACES: Table = {
         "  fence:", "  no_fly: {a: [[0, 0], [1, 0], [1, 1]]}\n  fence:", "  no_fly", "keep_out?"
     ),
     "a decimal comma": Mistake("speed_mps: 5", "speed_mps: 2,5", "  speed", "a point: 2.5"),
-    "a number in quotes": Mistake("speed_mps: 5", "speed_mps: '5'", "  speed", "Greatest speed"),
+    "a decimal comma in braces": Mistake(
+        "A: {east_m: 40,", "A: {east_m: 40,5,", "  A:", "ends an entry: write 40.5"
+    ),
+    "a number in quotes": Mistake("speed_mps: 5", "speed_mps: '5'", "  speed", "without quotes: 5"),
     "km/h": Mistake("speed_mps: 5", "speed_kmh: 18", "  speed", "Did you mean speed_mps?"),
     "a key misspelt": Mistake("speed_mps: 5", "sped_mps: 5", "  sped", "mean speed_mps?"),
     "heights reversed": Mistake("[1, 10]", "[10, 1]", "  up_m", "lowest first"),

@@ -177,6 +177,9 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
     if is_rest and str(keys[-1]).endswith(")") and _at(data, keys) is None:
         hint = "a comma within { } ends an entry: put quotes around a text that has one"
         return Diagnostic(f"{_short(keys[-1])} is the rest of a text", keys, hint, True)
+    if kind == "extra_forbidden" and (number := _cut_number(keys, data)):
+        hint = f"a comma within {{ }} ends an entry: write {number}"
+        return Diagnostic(f"{_short(keys[-1])} is the rest of a number", keys, hint, True)
     if kind == "extra_forbidden":
         known = list(schema_at(root, keys[:-1]).get("properties", ()))
         meant = meant_key(str(keys[-1]), known)
@@ -193,6 +196,24 @@ def _diagnostic(details: list[Detail], keys: Keys, root: Schema, data: object) -
         explained = f"{explained.rstrip('.')}. keys are {', '.join(keys_there)}{alone(root, keys)}."
     is_share = schema_at(root, keys).get("maximum") == 1
     return _wrong_value(details, keys, explained, _at(data, keys), is_share)
+
+
+def _cut_number(keys: Keys, data: object) -> str:
+    """A number that a decimal comma within { } has cut in two, with a point; empty if it is none.
+
+    >>> _cut_number(("Pond", "5"), {"Pond": {"east_m": 40, "5": None, "up_m": 3}})
+    '40.5'
+    """
+    entries = _at(data, keys[:-1])
+    if not isinstance(entries, dict) or not str(keys[-1]).isdecimal() or _at(data, keys):
+        return ""
+    before = None
+    for key, value in entries.items():
+        if key == keys[-1]:
+            break
+        before = value
+    is_whole = isinstance(before, int) and not isinstance(before, bool)
+    return f"{before}.{keys[-1]}" if is_whole else ""
 
 
 def meant_key(word: str, known: Sequence[str]) -> str:

@@ -16,6 +16,8 @@ _OTHER_MINUS = re.compile(r"\s*[\u2010-\u2015\u2212](\d+(?:\.\d+)?)\s*")
 _PERCENT = re.compile(r"\s*(\d+(?:\.\d+)?)\s*%\s*")
 _COMMENT = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)#.*")
 """A number followed by a comment without a space."""
+_QUOTED = re.compile(r"\s*([-+]?\d+(?:\.\d+)?)\s*")
+"""A number alone, which is a text because of its quotes."""
 _COMMA = re.compile(r"\s*([-+]?\d+),(\d+)\s*")
 """A number with a decimal comma."""
 
@@ -27,6 +29,8 @@ def number_meant(text: str, keys: Keys, is_share: bool = False) -> str:
     ('write a point: 2.5.', '')
     >>> number_meant("30 km/h", ("limits", "speed_mps"))
     'write metres per second: 8.33.'
+    >>> number_meant("2.5", ("speed_mps",))
+    'write it without quotes: 2.5.'
     >>> number_meant("50 %", ("charge",), is_share=True)
     'write a share: 0.5.'
 
@@ -41,6 +45,8 @@ def number_meant(text: str, keys: Keys, is_share: bool = False) -> str:
         return f"write the minus of the keyboard: -{minus[1]}."
     if comment := _COMMENT.fullmatch(text):
         return f"write a space before #, after {comment[1]}."
+    if quoted := _QUOTED.fullmatch(text):
+        return f"write it without quotes: {quoted[1]}."
     if comma := _COMMA.fullmatch(text):
         return f"write a point: {comma[1]}.{comma[2]}."
     wanted = unit_of_key(next((key for key in reversed(keys) if isinstance(key, str)), ""))
