@@ -126,6 +126,7 @@ class Run:
         self.mission, self.recorder, self.start_s = mission, prepared.recorder, start_s
         self._wire, self._telemetry = wire, telemetry
         telemetry.placed.anchor_at(mission.anchor)
+        self._heard_before = list(telemetry.newest.values())
         telemetry.words.take_news()  # discards that of another flight
         signals = detector.signals | confirming(mission.skills)
         said = frozenset(signal for signal in signals if not signal.is_report)
@@ -286,8 +287,13 @@ class Run:
             self._seen_s = now_s
 
     def record(self, now_s: float, packets: list[bytes], reports: list[Stamped]) -> None:
-        """Passes everything on to the recorder."""
-        self.recorder.packets(now_s - self.start_s, packets)
+        """Passes everything on to the recorder.
+
+        The record begins with what was last heard before: without the origin of the local frame,
+        which is not told again, a reader would not know where the vehicle is.
+        """
+        self.recorder.packets(now_s - self.start_s, self._heard_before + packets)
+        self._heard_before = []
         state = self.vehicle.state
         if state is not None and self.vehicle.frame.doubt is None:
             self.recorder.position(now_s - self.start_s, state.motion.position)

@@ -33,6 +33,8 @@ from companion.vehicle.range_below import RangeBelow
 from companion.vehicle.restart_watch import RestartWatch
 from companion.vehicle.velocity_bias import STILL, VelocityBias
 
+PASSING = frozenset({*SPOKEN, "TIMESYNC"})
+"""Names of messages that say nothing about the state."""
 KNOWN_MODES = {mode.value: mode for mode in Mode}
 MOST_TILT_RAD = math.radians(60.0)  # beyond, the thrust does not carry the weight
 
@@ -52,6 +54,7 @@ class Telemetry:
         accuracy_m: as in `MeasuredMotion`.
         words: what the autopilot says in words.
         wanted: names of the messages that are read.
+        newest: the newest message of each kind that is part of the state, as received, by name.
     """
 
     def __init__(self, laid: LaidFrames | None = None) -> None:
@@ -86,6 +89,7 @@ class Telemetry:
             **dict.fromkeys(SPOKEN, self.words.take),
         }
         self.wanted = frozenset(self._readers)
+        self.newest: dict[str, bytes] = {}
 
     @property
     def state(self) -> VehicleState | None:
@@ -179,6 +183,9 @@ class Telemetry:
         if reader is not None:
             reader(now_s, message)
             self._forget_state()
+            if (kind := message.get_type()) not in PASSING:
+                self.newest.pop(kind, None)  # so that they stay in the order of their arrival
+                self.newest[kind] = message.get_msgbuf()
 
     def _on_heartbeat(self, now_s: float, message: Message) -> None:
         self._heartbeat = heartbeat_of(now_s, message)

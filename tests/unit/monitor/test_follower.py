@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from pymavlink import mavutil
 
+from companion import simulate
 from companion.app import Companion
 from companion.errors import MissionError
 from companion.flight_events.event import FlightEvent, Stamped
@@ -191,6 +192,16 @@ def test_the_automata_stand_as_the_word_says(whole: Follower) -> None:
     rings = [automaton.accepting for automaton in drawn.automata]
     for ring, nodes in zip(rings, at_end, strict=True):
         assert any(ring[node] for node in nodes), "home at rest satisfies the task"
+
+
+def test_a_flight_in_degrees_is_seen_from_its_beginning_on(tmp_path: Path) -> None:
+    """It begins when the origin was heard, which no autopilot tells twice."""
+    simulate(
+        load_mission(MISSIONS / "field.yaml"), {"version": 1}, folder=tmp_path / "run", limit_s=1
+    )
+    run = read_whole(tmp_path / "run")
+    assert abs(run.snapshots[0].time_s) < 0.06
+    assert of(run, RoutePlanned)[0].legs
 
 
 def test_the_map_comes_with_its_distance_field(whole: Follower, surveillance: Mission) -> None:
