@@ -53,6 +53,17 @@ def test_all_of_it_is_there_and_fits(width: int, charging: str, open_page: Open)
     assert replay.page.locator("#hall").bounding_box()["height"] > 100  # type: ignore[index]
 
 
+def test_a_full_battery_can_be_read(charging: str, open_page: Open) -> None:
+    replay = open_page(charging)
+    at_the_end(replay)
+    left_px = replay.page.evaluate("""() => {
+        const text = document.querySelector('#charge-strip .percent');
+        text.textContent = '100 %';
+        return text.getBBox().x;
+    }""")
+    assert left_px >= 0
+
+
 def test_it_is_what_was_known_at_that_time(charging: str, open_page: Open) -> None:
     """Back before the first charge there is a plan ahead, and no charge yet."""
     replay = open_page(charging)

@@ -4,7 +4,7 @@
 import { byId, minutes, say, svg } from "./dom.js";
 
 const HEIGHT_PX = 120;
-const MARGIN = { left: 34, right: 10, top: 16, bottom: 18 };
+const MARGIN = { left: 42, right: 10, top: 16, bottom: 18 };
 const LEAST_LABEL_PX = 14; // between the numbers of two replans
 const TIMES_PX = 90; // between two times on the axis
 const STEPS_S = [5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 14400];
