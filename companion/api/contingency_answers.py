@@ -46,10 +46,13 @@ def contingencies(
 
     Raises:
         NoPlanError: the mission has no first plan.
-        CompanionError: it is no mission, or has its own tree; or a process has died.
+        CompanionError: it is no mission, or has its own tree; the number of jobs is below 1; or a
+            process has died.
     """
     check_kind(mission, Mission, "a mission, as of load_mission")
     check_kind(jobs, (int, NoneType), "a number of jobs")
+    if jobs is not None and jobs < 1:
+        raise CompanionError(f"{jobs} is no number of jobs; give 1 or more")
     if on_progress is not None:
         check_function(on_progress, "on_progress")
     asked = Contingencies(mission)

@@ -62,6 +62,10 @@ DOORS: dict[str, tuple[Callable[[Any], Any], st.SearchStrategy[Any]]] = {
     "behaviour_tree": (companion.behaviour_tree, NO_VALUE | NO_PATH),
     "contingencies": (companion.contingencies, NO_OBJECT),
     "contingencies, jobs": (lambda given: companion.contingencies(FIELD, given), st.text()),
+    "contingencies, no jobs": (
+        lambda given: companion.contingencies(FIELD, given),
+        st.integers(max_value=0),
+    ),
     "contingencies, on_progress": (
         lambda given: companion.contingencies(FIELD, 1, given),
         NO_TEXT | st.text(),
