@@ -19,7 +19,7 @@ def check_kind(value: object, kinds: type | tuple[type, ...], expected: str) -> 
 
     >>> check_kind("hall.yaml", int, "a number")
     Traceback (most recent call last):
-    companion.errors.CompanionError: expected a number, and this is a str
+    companion.errors.CompanionError: expected a number, and this is of type str
 
     Args:
         value: the argument.
@@ -30,7 +30,7 @@ def check_kind(value: object, kinds: type | tuple[type, ...], expected: str) -> 
         CompanionError: it has none of these types.
     """
     if not isinstance(value, kinds):
-        raise CompanionError(f"expected {expected}, and this is a {type(value).__name__}")
+        raise CompanionError(f"expected {expected}, and this is of type {type(value).__name__}")
 
 
 def check_function(value: object, argument: str) -> None:
@@ -45,7 +45,7 @@ def check_function(value: object, argument: str) -> None:
     """
     if not callable(value):
         kind = type(value).__name__
-        raise CompanionError(f"expected a function as {argument}, and this is a {kind}")
+        raise CompanionError(f"expected a function as {argument}, and this is of type {kind}")
 
 
 def names_of(given: object, kind: str) -> frozenset[str]:
@@ -62,7 +62,9 @@ def names_of(given: object, kind: str) -> frozenset[str]:
         CompanionError: it is a single string, or contains something else than strings.
     """
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise CompanionError(f"expected names of {kind}, and this is a {type(given).__name__}")
+        raise CompanionError(
+            f"expected names of {kind}, and this is of type {type(given).__name__}"
+        )
     names = list(given)
     for name in names:
         check_kind(name, str, f"names of {kind}")
@@ -97,7 +99,7 @@ def path_of(given: object, expected: str) -> Path:
         CompanionError: it is no path, or one that no system accepts.
     """
     if not isinstance(given, str | Path):
-        raise CompanionError(f"expected {expected}, and this is a {type(given).__name__}")
+        raise CompanionError(f"expected {expected}, and this is of type {type(given).__name__}")
     try:
         is_possible = b"\0" not in os.fsencode(given)
     except UnicodeEncodeError:

@@ -127,7 +127,7 @@ def _print_checked(checked: CheckedMission) -> None:
         typer.echo(f"event      {name}: {duration}")
     for name, states in checked.states.items():
         rank = f", priority {checked.priorities[name]}" if name in checked.priorities else ""
-        typer.echo(f"task       {name}: {states} states{rank}")
+        typer.echo(f"task       {name}: {states} state{'s' * (states != 1)}{rank}")
     typer.echo(f"plan       {checked.plan}")
     if checked.energy is not None:
         typer.echo(f"energy     {checked.energy}")

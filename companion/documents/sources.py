@@ -52,7 +52,8 @@ def read_source(given: Given, kind: str, folder: Path | None = None) -> Source:
     if isinstance(given, str) and ("\n" in given or given.lstrip().startswith("{")):
         return Source(given, f"<{kind}>", folder or Path(), None)
     if not isinstance(given, str | Path):
-        what = f"a {kind} is a path, a YAML text or a dict, and this is a {type(given).__name__}"
+        own = type(given).__name__
+        what = f"a {kind} is a path, a YAML text or a dict, and this is of type {own}"
         raise MissionError(what)
     path = Path(given)
     return Source(_text(path, kind), str(path), folder or path.parent, path)

@@ -61,7 +61,7 @@ def _texts(kind: str, given: Iterable[str]) -> list[str]:
     listed = [given] if isinstance(given, str) or not isinstance(given, Iterable) else [*given]
     for each in listed:
         if not isinstance(each, str):
-            raise MissionError(f"a {kind} is a text, and this is a {type(each).__name__}")
+            raise MissionError(f"a {kind} is a text, and this is of type {type(each).__name__}")
     return sorted(listed)
 
 

@@ -104,7 +104,7 @@ def test_what_is_expected_is_said() -> None:
         Planner("missions/open_field.yaml")  # type: ignore[arg-type]
     with pytest.raises(MissionError, match="a mission is a path, a YAML text or a dict, and this"):
         load_mission(None)  # type: ignore[arg-type]
-    with pytest.raises(MissionError, match="a place is a text, and this is a int"):
+    with pytest.raises(MissionError, match="a place is a text, and this is of type int"):
         PLANNER.plan(at=5)  # type: ignore[arg-type]
 
 
