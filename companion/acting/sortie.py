@@ -167,6 +167,7 @@ class Sortie:
         if self.failure is None or end.event not in CONSEQUENCES:
             self.failure = end.failure or self.failure
         if end.event is SortieEvent.HIT and self.phase in LANDS:
+            self._note_phase()
             return
         self.phase = TRANSITIONS.next(self.phase, end.event)
         self._note_phase()

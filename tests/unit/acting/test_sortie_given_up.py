@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import pytest
+from kept_journal import KeptJournal
 from sortie_rig import SortieRig, aborted
 from synthetic import command, mission
 
 from companion.acting import authority
 from companion.acting.authority import LINK_LOST_S, SILENT_S
+from companion.acting.journal import EndingBegun
 from companion.acting.phases import GOALS
-from companion.errors import LinkError, NoPlanError, SearchLimit
+from companion.errors import Aborted, LinkError, NoPlanError, SearchLimit
 from companion.flight_events.sortie import (
     Phase,
     PhaseEntered,
@@ -145,9 +147,16 @@ def test_a_vehicle_that_has_hit_something_and_still_flies_is_landed() -> None:
 
 def test_a_hit_while_landing_ends_the_landing_with_exit_code_5() -> None:
     run = SortieRig(SHORT)
+    run.rig.flight.journal = journal = KeptJournal()
     run.vehicle.goals.script[Goal.LANDED] = (1.0, Progress.DONE)
     run.until(Phase.LANDING)
     hit(run)
+    assert journal.noted[-1] == EndingBegun(
+        is_satisfied=True,
+        is_called_home=False,
+        reason="the vehicle has hit something",
+        exit_code=Aborted.exit_code,
+    )
     run.until(Phase.ENDED)
     assert run.end == aborted("the vehicle has hit something")
 
