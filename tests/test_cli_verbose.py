@@ -52,7 +52,7 @@ def test_with_the_option_they_are_on_standard_error(
     done = subprocess.run([*PLAN, "--verbose"], capture_output=True, timeout=60, check=False)
     assert (done.returncode, done.stdout) == (0, quiet.stdout)
     lines = done.stderr.decode()
-    assert "companion.planning.planner  automaton of upload: " in lines
+    assert "companion.planning.task_automata  automaton of upload: " in lines
     assert "companion.planning.builtin.search  product of " in lines
     assert " ms" in lines
 
