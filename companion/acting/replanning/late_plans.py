@@ -20,7 +20,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from companion.acting.flight import Flight
-from companion.acting.replanning.replanner import COMPARED, Replanner
+from companion.acting.replanning.replanner import Replanner
 from companion.mission.facts import HERE
 from companion.planning.domain import Action, is_one_flight
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
@@ -62,7 +62,8 @@ class LatePlans:
         rest = self._as_flown(problem, lasso.rest(self._flight.progress.completed))
         late = tuple(late_lines(problem, rest))
         new = self._better(late, *task.problem()) if late else None
-        return None if new is None or _is_same(rest, new.lasso) else late[0].text
+        is_other = new is not None and not self._replanner.is_rest_of(lasso, new.lasso)
+        return late[0].text if is_other else None
 
     def under_way(self, lasso: Lasso, elapsed_s: float) -> str | None:
         """What will be late because the action under way takes longer than planned, in words; None
@@ -176,7 +177,3 @@ def _with_first(lasso: Lasso, takes_ms: int) -> Lasso:
     """A plan whose first action takes this time; in later laps it does not."""
     _, *others = lasso.prefix or lasso.loop
     return Lasso((replace(_first(lasso), cost_ms=takes_ms), *others), lasso.loop)
-
-
-def _is_same(rest: Lasso, new: Lasso) -> bool:
-    return rest.names(COMPARED) == new.names(COMPARED)
