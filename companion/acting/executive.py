@@ -225,7 +225,7 @@ class Executive:
 
     def _tick_plan(self, plan: PlanUnderWay) -> None:
         triggers, progress = self.deliberation.triggers, self._flight.progress
-        laps, task_laps = progress.laps, self._flight.task.laps
+        laps, task_laps = progress.laps, self._flight.task.word.laps
         triggers.look(plan)
         if reason := triggers.before_the_tree(plan):
             self._replan(reason, _remembered(plan))
@@ -234,7 +234,7 @@ class Executive:
         plan.tree.tell()
         tell_positions(self._flight)
         if isinstance(plan, TaskPlan) and not plan.lasso.ends_at_rest:
-            self._count_laps(self._flight.task.laps - task_laps)
+            self._count_laps(self._flight.task.word.laps - task_laps)
         is_over = progress.laps > laps and plan.lasso.ends_at_rest
         if is_over:
             self._flight.task.leave()
@@ -257,12 +257,12 @@ class Executive:
         After a skill has failed on the ground, it continues in the air, as a new plan would.
         """
         flight = self._flight
-        task_laps = flight.task.laps
+        task_laps = flight.task.word.laps
         tree.tick()
         flight.hold_unless_told()
         tree.tell()
         tell_positions(flight)
-        self.laps += flight.task.laps - task_laps
+        self.laps += flight.task.word.laps - task_laps
         if tree.has_succeeded:
             self._rest()
             self.state = Satisfied(None, failure_at_the_end(flight.task))

@@ -80,7 +80,7 @@ class LimitWatch:
         if self.called_home_for is None:
             return None
         task = self._flight.task
-        names, dropped = ", ".join(task.violated), ", ".join(sorted(task.dropped))
+        names, dropped = ", ".join(task.violated), ", ".join(sorted(task.lines.dropped))
         verdict = f"{names} violated" if names else "the task holds so far"
         verdict += f", without {dropped}" if dropped else ""
         return EndedAtLimit(self.called_home_for, verdict)

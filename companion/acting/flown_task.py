@@ -141,9 +141,9 @@ class FlownTask:
         late.
         """
         task, now_s = self._flight.task, self._flight.now_s
-        has_begun = phase is Phase.TASK or task.now_s > 0.0
+        has_begun = phase is Phase.TASK or task.word.now_s > 0.0
         is_counted = has_begun and phase in CLOCKED and not self.is_called_home
         if is_counted:
-            task.now_s = now_s
+            task.word.now_s = now_s
             tell_late(self._flight)
         self._executive.sense(readings)

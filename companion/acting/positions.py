@@ -18,7 +18,7 @@ def tell_overrun(flight: Flight, late: Iterable[Conjunct]) -> None:
     """Reports the bounded lines that have become late since the last position was left."""
     task = flight.task
     for conjunct in late:
-        _tell_violated(flight, conjunct, task.last_position, tuple(sorted(task.facts)))
+        _tell_violated(flight, conjunct, task.word.last_position, tuple(sorted(task.facts)))
 
 
 def tell_positions(flight: Flight, for_ever: bool = False) -> None:
@@ -27,7 +27,7 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
     Args:
         for_ever: whether the vehicle rests there, so that all later positions are the same.
     """
-    for position in flight.task.left:
+    for position in flight.task.word.left:
         number, facts = position.number, tuple(sorted(position.facts))
         left = PositionLeft(
             number,
@@ -42,9 +42,9 @@ def tell_positions(flight: Flight, for_ever: bool = False) -> None:
         flight.report(left)
         for conjunct in position.violated:
             _tell_violated(flight, conjunct, number, facts)
-    flight.task.left.clear()
+    flight.task.word.left.clear()
 
 
 def _tell_violated(flight: Flight, conjunct: Conjunct, number: int, facts: tuple[str, ...]) -> None:
-    is_optional = conjunct.name in flight.task.optional
+    is_optional = conjunct.name in flight.task.lines.optional
     flight.report(ConjunctViolated(conjunct.name, conjunct.text, number, facts, is_optional))

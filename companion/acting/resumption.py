@@ -156,7 +156,7 @@ def restore(
     flight.photos_reported |= journalled.photos
     for shot in journalled.shots:
         flight.vehicle.cameras.recall(shot)
-        if shot.position == task.positions and shot.owner not in journalled.photos:
+        if shot.position == task.word.positions and shot.owner not in journalled.photos:
             flight.report(
                 OutcomeUnknown(shot.action, "the camera is asked how many photos it has taken")
             )

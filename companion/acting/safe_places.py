@@ -21,10 +21,10 @@ from companion.motion.distance_maps import CELL_US
 from companion.motion.position_error import greatest_error_m
 from companion.motion.routes import CELLS_PER_TICK
 from companion.planning.domain import WAIT
+from companion.planning.en_route import AT_HERE
 from companion.planning.energy.mission_energy import MissionEnergy
 from companion.planning.lasso import Lasso
 from companion.planning.planner import Planner
-from companion.planning.task_state import AT_HERE
 from companion.slices import Answered, Question, spent
 
 MAX_PARTS = 200

@@ -31,7 +31,7 @@ def _unmet_at_rest(task: TaskState) -> list[str]:
     unmet = dict.fromkeys(
         conjunct.name
         for conjunct, letters in zip(problem.conjuncts, histories, strict=True)
-        if conjunct.name not in task.optional
+        if conjunct.name not in task.lines.optional
         and not holds(conjunct.formula, letters[:-1], letters[-1:] or [task.all_facts])
     )
     return list(unmet)

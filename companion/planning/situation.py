@@ -36,7 +36,8 @@ class Position:
 
 @dataclass(frozen=True, slots=True)
 class TaskSituation:
-    """The part of a task's state that decides on plans; the fields are those of `TaskState`."""
+    """The part of a task's state that decides on plans; the fields are those of `TaskState` and its
+    word."""
 
     facts: frozenset[Fact]
     risen: frozenset[Fact]

@@ -1,6 +1,6 @@
 """How far the conjuncts of a task have read the word: automata, clocks, waits and laps.
 
-The task's state decides what is read, and when (task_state.py).
+word.py decides what is read, and when.
 
 1. Every conjunct reads every position that is left, also if its line is dropped.
 2. A conjunct that no continuation can satisfy is violated by the position read last. No plan leads

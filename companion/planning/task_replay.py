@@ -37,7 +37,7 @@ class TaskReplay:
     def make(self, change: changes.TaskChange) -> Sequence[Conjunct]:
         """Makes the next change. Returns the bounded conjuncts whose clock then has run out."""
         state = self._state
-        state.now_s = change.at.now_s
+        state.word.now_s = change.at.now_s
         match change:
             case changes.ActionBegun():
                 state.begin(self._actions[change.action])

@@ -82,7 +82,7 @@ class BeginAgain(Leaf):
 
     def initialise(self) -> None:
         """Notes where the first try of an action begins; no position is left between its tries."""
-        progress, positions = self._flight.progress, self._flight.task.positions
+        progress, positions = self._flight.progress, self._flight.task.word.positions
         if self._first_at != positions:
             self._first_at = positions
             self._began_on_ground = progress.is_landed_by_plan
@@ -148,7 +148,7 @@ class ChargeBattery(Leaf):
     def _is_called(self, percent: int) -> bool:
         """Whether an event asks for an answer for which there is enough charge."""
         enough = self._called_percent
-        return enough is not None and percent >= enough and self._flight.task.is_called
+        return enough is not None and percent >= enough and self._flight.task.word.is_called
 
     def _await_power(self, percent: int | None) -> Status:
         """At a dock that gives nothing: FAILURE if another dock is to be used, or finally."""

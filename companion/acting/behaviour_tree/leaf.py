@@ -45,7 +45,7 @@ class Leaf(Behaviour):
         task = self._flight.task
         action = task.running
         name, begun_as = (action.from_anywhere, action.name) if action is not None else ("", "")
-        return StepOwner(name, task.positions, self.nth, asked, begun_as)
+        return StepOwner(name, task.word.positions, self.nth, asked, begun_as)
 
     def fail(self, reason: str) -> Status:
         """Returns FAILURE, with the reason for people."""

@@ -72,7 +72,7 @@ class Precondition(Leaf):
         if assumptions is not None and assumptions.may_do_better:
             return self.fail("")
         is_surprised = assumptions is not None and bool(assumptions.wrong)
-        if (task.may_take_up or is_surprised) and not is_landed:
+        if (task.lines.may_take_up or is_surprised) and not is_landed:
             self._flight.guidance.hold()
             return Status.RUNNING
         if intention.tries.is_any and (again := task.interrupted(intention.actions)) is not None:
@@ -199,7 +199,7 @@ class UpdateParam(Leaf):
         """Begins with the previous waypoint, unless a flight to it has failed."""
         flight, place, state = self._flight, self._place, self._flight.vehicle.state
         self._before = flight.symbols[place]
-        self._has_failed = self._move.failed_at == flight.task.positions
+        self._has_failed = self._move.failed_at == flight.task.word.positions
         if self._has_failed:
             flight.symbols.refuse(place, flight.now_s)
         if state is not None:

@@ -208,7 +208,7 @@ class MoveCommand(Leaf):
     def terminate(self, new_status: Status) -> None:
         """Holds where the vehicle is when something above interrupts; notes a failure."""
         if new_status is Status.FAILURE:
-            self.failed_at = self._flight.task.positions
+            self.failed_at = self._flight.task.word.positions
         if new_status is Status.INVALID and self.status is Status.RUNNING:
             self._brake()
 

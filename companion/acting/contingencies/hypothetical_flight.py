@@ -129,7 +129,7 @@ class HypotheticalFlight:
         """Lets time pass, also for the clocks of bounded lines."""
         flight = self.flight
         flight.now_s += seconds
-        flight.task.now_s = flight.now_s
+        flight.task.word.now_s = flight.now_s
         tell_late(flight)
 
     def _begin(self) -> None:

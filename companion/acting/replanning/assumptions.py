@@ -85,7 +85,7 @@ class Assumptions:
             for event in self._planner.mission.events.values()
             if violated <= event.restarts
         }
-        self._foreseen, self._positions = task.risen, task.positions
+        self._foreseen, self._positions = task.word.risen, task.word.positions
         self._noted = frozenset()
 
     def narrow(self, lasso: Lasso) -> None:
@@ -109,8 +109,8 @@ class Assumptions:
         An event that has just led to a new plan may be flapping, and is left out for a second.
         """
         task = self._flight.task
-        is_still_unread = task.positions == self._positions
-        news = task.risen - self._foreseen if is_still_unread else task.risen
+        is_still_unread = task.word.positions == self._positions
+        news = task.word.risen - self._foreseen if is_still_unread else task.word.risen
         read_next = task.facts | news
         return [
             fact

@@ -23,10 +23,10 @@ from companion.acting.flight import Flight
 from companion.acting.replanning.replanner import Replanner
 from companion.mission.facts import HERE
 from companion.planning.domain import Action, is_one_flight
+from companion.planning.en_route import AT_HERE
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
-from companion.planning.task_state import AT_HERE
 from companion.planning.time_check import LateLine, late_lines
 
 CHANGE_S = 0.5
@@ -58,7 +58,7 @@ class LatePlans:
         self._judged, self._instead = frozenset(), None
         self._replanner.follow_map()
         task = self._flight.task
-        problem, _ = without_lines(task.dropped, *task.problem())
+        problem, _ = without_lines(task.lines.dropped, *task.problem())
         rest = self._as_flown(problem, lasso.rest(self._flight.progress.completed))
         late = tuple(late_lines(problem, rest))
         new = self._better(late, *task.problem()) if late else None
@@ -78,7 +78,7 @@ class LatePlans:
         if running is None or takes_ms is None or takes_ms <= running.cost_ms:
             return None
         self._replanner.follow_map()
-        rest, dropped = lasso.rest(self._flight.progress.completed), task.dropped
+        rest, dropped = lasso.rest(self._flight.progress.completed), task.lines.dropped
         if self._instead is not None:
             rest, dropped = self._instead.lasso, frozenset(self._instead.lines_dropped)
         problem, _ = without_lines(dropped, *task.problem())
@@ -142,7 +142,7 @@ class LatePlans:
         """Whether lines are dropped only for more important ones that would be late."""
         ranks = {line: rank for rank, line in enumerate(self._planner.mission.optional)}
         first = min(ranks.get(line, -1) for line in late)
-        return all(ranks[line] > first for line in set(dropped) - self._flight.task.dropped)
+        return all(ranks[line] > first for line in set(dropped) - self._flight.task.lines.dropped)
 
 
 def as_flown_now(problem: Problem, lasso: Lasso, begun: Action | None = None) -> Lasso:

@@ -15,7 +15,7 @@ LED_NOWHERE = "several plans in a row led nowhere"
 
 def drop(flight: Flight, dropped: tuple[DroppedLine, ...]) -> None:
     """From now on drops these lines and keeps all others; reports the changes."""
-    before = flight.task.dropped
+    before = flight.task.lines.dropped
     now = [each.line for each in dropped]
     anew = flight.task.drop(now)
     for each in dropped:

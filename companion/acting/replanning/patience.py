@@ -43,8 +43,8 @@ class Patience:
     def begin(self, failure: NoPlanError | SearchLimit) -> None:
         """Notes that there is no plan, or still none, and why."""
         task = self._flight.task
-        if self._positions != task.positions:
-            self._positions, self._since_s = task.positions, self._flight.now_s
+        if self._positions != task.word.positions:
+            self._positions, self._since_s = task.word.positions, self._flight.now_s
         is_lost = isinstance(failure, SearchLimit) or bool(task.violated)
         self.hopes = [] if is_lost else self._find_hopes()
 

@@ -176,7 +176,7 @@ class Replanner:
         if planner.mission.tree is not None:
             return NoPlanError("no plan: the mission has a tree of its own")
         task, idle = flight.task, self._idle
-        is_last = task.dropped == task.optional
+        is_last = task.lines.dropped == task.lines.optional
         if idle.are_too_many and (is_last or idle.number > MAX_IDLE_REPLANS):
             return NoPlanError(f"no plan: {idle.number} plans in a row led nowhere")
         self._planned_in = task.situation
@@ -268,7 +268,7 @@ class Replanner:
 
     def plan_now(self) -> Lasso | None:
         """The plan that would be made now for the lines that are kept; None if none is found."""
-        return self._plan_without(self._flight.task.dropped)
+        return self._plan_without(self._flight.task.lines.dropped)
 
     @property
     def is_possible(self) -> bool:
@@ -277,13 +277,13 @@ class Replanner:
         No plan is made for a mission with a tree written by hand, whatever its task.
         """
         is_planned = self._planner.mission.tree is None
-        return is_planned and self._plan_without(self._flight.task.optional) is not None
+        return is_planned and self._plan_without(self._flight.task.lines.optional) is not None
 
     @property
     def line_to_take_up(self) -> str | None:
         """The most important dropped line that can be kept now; None if there is none."""
         task = self._flight.task
-        return self._planner.solver.line_to_take_up(task.problem()[0], task.dropped)
+        return self._planner.solver.line_to_take_up(task.problem()[0], task.lines.dropped)
 
     def _plan_without(self, lines: Collection[str]) -> Lasso | None:
         found = self.search(*without_lines(lines, *self._flight.task.problem()))

@@ -92,5 +92,5 @@ class EndSurprised(ReplanTrigger):
 
 def _violation(task: TaskState) -> str | None:
     """What is violated, in words; None if nothing is."""
-    violated = *task.violated, *task.violated_anew
+    violated = *task.violated, *task.violated_kept
     return f"{', '.join(violated)} violated" if violated else None

@@ -170,7 +170,7 @@ class DroppedLineKept(SlicedTrigger[str | None]):
 
     def guard(self, plan: PlanUnderWay) -> bool:
         """A skill was completed, and lines are dropped."""
-        return self._flight.task.may_take_up and not self._flight.progress.is_landed_by_plan
+        return self._flight.task.lines.may_take_up and not self._flight.progress.is_landed_by_plan
 
     def reason(self, plan: PlanUnderWay) -> str | None:
         """The line."""

@@ -45,13 +45,13 @@ def flown() -> SortieRig:
 def test_a_pause_freezes_the_task(flown: SortieRig) -> None:
     assert flown.sortie.pause() is None
     flown.run(3.0)
-    held, positions = flown.position, flown.rig.task.positions
+    held, positions = flown.position, flown.rig.task.word.positions
     flown.run(30.0)
     assert math.dist(flown.position, held) < 1e-6
-    assert flown.rig.task.positions == positions
+    assert flown.rig.task.word.positions == positions
     assert flown.sortie.resume() is None
     flown.run(20.0)
-    assert flown.rig.task.positions > positions
+    assert flown.rig.task.word.positions > positions
     assert {"A", "B"} <= set(flown.places)
 
 

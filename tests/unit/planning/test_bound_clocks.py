@@ -89,9 +89,9 @@ class Pilot:
         for _ in range(ticks):
             self._tick += 1
             self._now_s = round(self._tick * TICK_S, 3)
-            self.task.now_s = self._now_s
+            self.task.word.now_s = self._now_s
             for conjunct in self.task.run_clocks(self._now_s).over:
-                self.flown.told.add((conjunct.name, self.task.last_position))
+                self.flown.told.add((conjunct.name, self.task.word.last_position))
             self._events()
             self._act()
         self.flown.until_s = self._now_s
@@ -100,7 +100,7 @@ class Pilot:
     def leave(self) -> None:
         """Leaves the position that was reached last, for those who are to know it."""
         self.task.leave()
-        self.flown.unread = [_left(position) for position in self.task.left]
+        self.flown.unread = [_left(position) for position in self.task.word.left]
 
     def _events(self) -> None:
         for _ in range(2):
@@ -122,10 +122,10 @@ class Pilot:
             action = random.choice([a for a in choices if a is not WAIT])
             task.begin(action)
             self._busy_until = self._tick + random.randint(40, 160)
-        for left in task.left:
+        for left in task.word.left:
             self.flown.steps.append((self._now_s, _left(left)))
             self.flown.told |= {(conjunct.name, left.number) for conjunct in left.violated}
-        task.left.clear()
+        task.word.left.clear()
 
 
 def _left(position: Position) -> PositionLeft:
@@ -309,7 +309,7 @@ def test_a_journal_brings_the_clocks_back() -> None:
         for change in flown.changes:
             replay.make(change)
         for task in (pilot.task, again):
-            task.now_s = 10 + random_length * TICK_S + 100.0
+            task.word.now_s = 10 + random_length * TICK_S + 100.0
             task.interrupt()
         here, there = pilot.task.problem()[0], again.problem()[0]
         assert here.clocks_ms == there.clocks_ms
@@ -320,10 +320,10 @@ def test_a_journal_brings_the_clocks_back() -> None:
 def waiting(task: TaskState, until_s: float) -> list[str]:
     """Time goes on; the lines that are told to be late meanwhile."""
     told = []
-    now_s = task.now_s
+    now_s = task.word.now_s
     while now_s < until_s:
         now_s = round(now_s + TICK_S, 3)
-        task.now_s = now_s
+        task.word.now_s = now_s
         told += [conjunct.name for conjunct in task.run_clocks(now_s).over]
     return told
 
@@ -334,12 +334,12 @@ def test_a_violated_line_has_no_plan_and_one_that_may_be_dropped_begins_anew() -
     assert waiting(task, 19.0) == []
     assert task.problem()[0].clocks_ms == (18_950, 18_950)
     assert waiting(task, 26.0) == ["first", "often"]
-    assert (task.violated, task.violated_anew) == (("first",), ("often",))
+    assert (task.violated, task.violated_kept) == (("first",), ("often",))
     first, often = task.problem()[0].automaton_states
     assert not first and often
     assert task.problem()[0].clocks_ms[1] == 0  # as if it began anew
     assert task.drop(["often"]) == ()
-    assert task.violated_anew == ()
+    assert task.violated_kept == ()
     assert task.drop([]) == ("often",)
     assert waiting(task, 40.0) == []  # not before a position was left
     move = next(a for a in task.problem()[0].actions if a.name == "move(H, B)")
@@ -391,7 +391,7 @@ def test_an_event_from_before_the_task_begins_asks_from_then_on() -> None:
     task = TaskState(Planner(bounded("answer"), lambda origin, goal: 4.0))
     task.take(ALARM, True)
     task.take(ALARM, False)
-    task.now_s = 10.0
+    task.word.now_s = 10.0
     assert waiting(task, 24.0) == []
     asked = PositionLeft(0, ("alarm", "at(A)"), ("alarm",), 10.0, (), (), False, ())
     met = PositionLeft(1, ("at(B)",), (), 24.0, (), (), False, ())

@@ -15,6 +15,7 @@ from companion.flight_events.writing import json_of
 from companion.mission.model import Mission
 from companion.planning.bound_clocks import BoundClocks
 from companion.planning.domain import Action
+from companion.planning.en_route import InterruptedFlight
 from companion.planning.held_beliefs import HeldBeliefs
 from companion.planning.planner import Planner
 from companion.planning.readings import Reading
@@ -22,6 +23,7 @@ from companion.planning.task_changes import ClocksChanged, TaskChange
 from companion.planning.task_readings import TaskReadings
 from companion.planning.task_replay import TaskReplay
 from companion.planning.task_state import TaskState
+from companion.planning.word import Word
 
 ASKED = mission(
     {"sites": "G F at(A) & G F at(B)", "report": "G(found -> F done)", "first": "F at(A)"},
@@ -80,6 +82,8 @@ def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: floa
 def told(state: TaskState) -> dict[str, Any]:
     """All of a state, with the actions by their names and the readings by their contents."""
 
+    left_out = ("on_change", "_planner", "_conjuncts")
+
     def plain(value: object) -> object:
         match value:
             case Action():
@@ -87,13 +91,14 @@ def told(state: TaskState) -> dict[str, Any]:
             case Reading():
                 inner = {k: v for k, v in vars(value).items() if k not in ("conjunct", "_begin")}
                 return inner | {"runs": value.runs.states}
-            case HeldBeliefs() | BoundClocks() | TaskReadings():
-                return {k: plain(v) for k, v in vars(value).items() if k != "_conjuncts"}
+            case HeldBeliefs() | BoundClocks() | TaskReadings() | Word():
+                return {k: plain(v) for k, v in vars(value).items() if k not in left_out}
+            case InterruptedFlight():
+                return value.flight.name, value.left
             case list():
                 return [plain(each) for each in value]
         return value
 
-    left_out = ("on_change", "_planner")
     return {name: plain(value) for name, value in vars(state).items() if name not in left_out}
 
 

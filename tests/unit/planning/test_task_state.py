@@ -41,7 +41,7 @@ def letters(task: TaskState, conjunct: int = 0) -> list[set[str]]:
 def test_position_0_is_the_state_at_the_start() -> None:
     task = state(mission("F at(A)"))
     assert letters(task) == [{"at(H)"}]
-    assert task.positions == 0
+    assert task.word.positions == 0
 
 
 def test_a_letter_holds_the_beliefs() -> None:
@@ -55,7 +55,7 @@ def test_each_completed_skill_and_each_rest_appends_a_position() -> None:
     for name in ("move(H, A)", "wait", "move(A, B)"):
         perform(task, name)
     assert letters(task) == [{"at(H)"}, {"at(A)"}, {"at(A)"}, {"at(B)"}]
-    assert task.positions == 3
+    assert task.word.positions == 3
 
 
 def test_an_interrupted_skill_appends_none() -> None:
@@ -65,7 +65,7 @@ def test_an_interrupted_skill_appends_none() -> None:
     assert letters(task) == [{"at(H)"}]
     perform(task, "move(here, B)")
     assert letters(task) == [{"at(H)"}, {"at(B)"}]
-    assert task.positions == 1
+    assert task.word.positions == 1
 
 
 def test_a_position_is_read_when_it_is_left_and_an_event_may_change_it_until_then() -> None:
@@ -96,7 +96,7 @@ def test_a_rise_between_two_letters_is_in_the_next_one_alone() -> None:
     assert letters(task) == [{"at(H)"}, {"at(A)", "asked"}]
     perform(task, "move(A, B)")
     assert letters(task) == [{"at(H)"}, {"at(A)", "asked"}, {"at(B)"}]
-    assert [set(position.risen) for position in task.left] == [set(), {"asked"}]
+    assert [set(position.risen) for position in task.word.left] == [set(), {"asked"}]
 
 
 def test_a_rise_in_a_position_that_is_not_read_yet_is_in_its_letter() -> None:
@@ -114,7 +114,7 @@ def test_what_still_holds_is_not_said_to_have_risen_before() -> None:
     task.take(asked, True)
     task.complete(WAIT, 0.0)
     task.leave()
-    assert [(set(p.facts), set(p.risen)) for p in task.left] == [
+    assert [(set(p.facts), set(p.risen)) for p in task.word.left] == [
         ({"at(H)"}, set()),
         ({"at(H)", "asked"}, set()),
     ]
@@ -173,14 +173,14 @@ def test_no_rise_is_missing_from_the_word_and_none_is_in_two_letters(
                 task.leave()
             case "depart" if task.running is None:
                 task.depart()
-        while read < task.positions:
+        while read < task.word.positions:
             expected.append(holds | risen)
             risen.clear()
             read += 1
     task.leave()
-    expected += [holds | risen] if task.positions > read else []
-    assert [set(position.facts) & {"x", "y"} for position in task.left] == expected
-    assert not task.risen or task.positions == read
+    expected += [holds | risen] if task.word.positions > read else []
+    assert [set(position.facts) & {"x", "y"} for position in task.word.left] == expected
+    assert not task.word.risen or task.word.positions == read
 
 
 @pytest.mark.parametrize("formula", ["F at(A)", "X at(A)", "at(H) U at(B)", "G F at(A)"])
@@ -296,7 +296,7 @@ def test_each_position_is_kept_as_it_was_left() -> None:
     task.begin(WAIT)
     task.interrupt()
     task.begin(action(task, "wait"))
-    first, second = task.left
+    first, second = task.word.left
     mentioned = "trans_ok(H, A)"  # all other beliefs would say nothing to a reader of the task
     assert (first.number, first.restarted) == (0, ())
     assert first.facts == {"at(H)", mentioned}
@@ -314,7 +314,7 @@ def test_a_violation_is_noticed_once_and_again_after_a_restart() -> None:
     perform(task, "move(H, A)")
     task.take(calm, True)
     perform(task, "wait")
-    assert [[c.name for c in p.violated] for p in task.left] == [[], ["safe"], [], ["safe"]]
+    assert [[c.name for c in p.violated] for p in task.word.left] == [[], ["safe"], [], ["safe"]]
 
 
 def test_a_line_that_nothing_satisfies_is_violated_by_the_first_position() -> None:
@@ -324,13 +324,13 @@ def test_a_line_that_nothing_satisfies_is_violated_by_the_first_position() -> No
     perform(task, "wait")
     task.take(again, True)
     perform(task, "wait")
-    assert [[c.name for c in p.violated] for p in task.left] == [["never"], [], ["never"]]
+    assert [[c.name for c in p.violated] for p in task.word.left] == [["never"], [], ["never"]]
 
 
 def test_who_departs_leaves_the_position_as_it_was() -> None:
     task = state(mission("F at(A)"))
     task.depart()
-    assert [set(position.facts) for position in task.left] == [{"at(H)"}]
+    assert [set(position.facts) for position in task.word.left] == [{"at(H)"}]
     assert task.facts == {"at(here)"}
 
 
@@ -344,8 +344,8 @@ def test_a_line_that_may_be_dropped_is_no_violation_of_the_task() -> None:
     task = state(OPTIONAL)
     task.take(CALM, True)
     perform(task, "move(H, A)")
-    assert (task.violated, task.violated_anew) == ((), ("calm",))
-    (position,) = task.left
+    assert (task.violated, task.violated_kept) == ((), ("calm",))
+    (position,) = task.word.left
     assert [conjunct.name for conjunct in position.violated] == ["calm"]
 
 
@@ -362,17 +362,17 @@ def test_a_line_that_is_taken_up_after_a_violation_begins_anew() -> None:
     task.take(CALM, True)
     assert task.drop(["calm"]) == ()
     perform(task, "move(H, A)")
-    assert task.may_take_up and task.violated_anew == ()
+    assert task.lines.may_take_up and task.violated_kept == ()
     task.take(CALM, False)
     assert task.drop([]) == ("calm",)
     perform(task, "move(A, H)")
     task.leave()
-    assert [(p.dropped, p.restarted) for p in task.left] == [
+    assert [(p.dropped, p.restarted) for p in task.word.left] == [
         (("calm",), ()),
         ((), ("calm",)),
         ((), ()),
     ]
-    assert letters(task, 1) == [{"at(A)"}, {"at(H)"}] and task.violated_anew == ()
+    assert letters(task, 1) == [{"at(A)"}, {"at(H)"}] and task.violated_kept == ()
 
 
 def test_a_dropped_line_has_no_part_in_laps() -> None:
@@ -381,11 +381,11 @@ def test_a_dropped_line_has_no_part_in_laps() -> None:
     task.drop(["far"])
     for name in ("move(H, A)", "move(A, H)", "move(H, A)", "move(A, H)"):
         perform(task, name)
-    assert task.laps == 2
+    assert task.word.laps == 2
     task.drop([])
     for name in ("move(H, A)", "move(A, H)"):
         perform(task, name)
-    assert task.laps == 2
+    assert task.word.laps == 2
 
 
 def test_since_when_a_dropped_line_waits_is_known_when_it_is_taken_up() -> None:

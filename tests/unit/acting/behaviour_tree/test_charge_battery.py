@@ -29,7 +29,7 @@ class Charging:
             report=self.reports.append,
             vehicle=SimpleNamespace(state=changed(standing(), percent=20)),
             dock=self,
-            task=SimpleNamespace(is_called=False),
+            task=SimpleNamespace(word=SimpleNamespace(is_called=False)),
         )
         self.leaf = ChargeBattery(cast(Flight, self.flight), 60, 30)
         self.leaf.initialise()
@@ -84,7 +84,7 @@ def test_where_there_is_no_other_one_it_stays_for_as_long_as_it_waits() -> None:
 
 def test_an_event_that_is_answered_ends_a_charge_with_enough_for_it() -> None:
     charging = Charging()
-    charging.flight.task.is_called = True
+    charging.flight.task.word.is_called = True
     assert charging.give(95, RATE) is Status.RUNNING  # 29 %
     assert charging.give(10, RATE) is Status.SUCCESS
     assert charging.reports == [ChargeCutShort(30)]
@@ -95,6 +95,6 @@ def test_without_a_line_that_is_ready_no_event_ends_it() -> None:
     charging = Charging()
     charging.leaf = ChargeBattery(cast(Flight, charging.flight), 60)
     charging.leaf.initialise()
-    charging.flight.task.is_called = True
+    charging.flight.task.word.is_called = True
     assert charging.give(400, RATE) is Status.SUCCESS
     assert charging.reports == [BatteryCharged(60)]

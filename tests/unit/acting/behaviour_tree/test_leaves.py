@@ -67,7 +67,7 @@ def test_as_predicted_compares_each_event(predicted: bool, present: bool) -> Non
 def test_a_precondition_that_holds_leaves_the_position() -> None:
     rig = a_rig()
     assert tick(rig, Precondition(rig.flight, intention(rig, "do"), None)) is Status.SUCCESS
-    assert rig.task.positions == 1
+    assert rig.task.word.positions == 1
     assert rig.task.running is action(rig, "do")
 
 
@@ -77,7 +77,7 @@ def test_a_precondition_that_does_not_hold_names_what_is_missing() -> None:
     leaf = Precondition(rig.flight, intention(rig, "move(A, B)"), None)
     assert tick(rig, leaf) is Status.FAILURE
     assert leaf.feedback_message == "move(A, B) cannot begin: at(A), trans_ok(A, B)"
-    assert rig.task.positions == 0
+    assert rig.task.word.positions == 0
 
 
 def test_a_forbidden_fact_does_not_allow_it() -> None:

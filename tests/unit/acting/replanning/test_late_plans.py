@@ -31,7 +31,7 @@ class ClockedRig(Rig):
 
     def pass_time(self) -> None:
         super().pass_time()
-        self.task.now_s = self.flight.now_s
+        self.task.word.now_s = self.flight.now_s
         tell_late(self.flight)
 
     def at(self, place: str) -> float:

@@ -113,7 +113,7 @@ def test_it_is_asked_once_a_completed_skill(monkeypatch: pytest.MonkeyPatch) -> 
     line_to_take_up = Solver.line_to_take_up
 
     def spied(solver: Solver, problem: Problem, dropped: frozenset[str]) -> str | None:
-        tried.append(rig.task.positions)
+        tried.append(rig.task.word.positions)
         return line_to_take_up(solver, problem, dropped)
 
     monkeypatch.setattr(Solver, "line_to_take_up", spied)
@@ -300,7 +300,7 @@ def test_laps_are_those_of_the_lines_that_are_kept() -> None:
     rig = Rig(asked()).begin()
     rig.tick(reading("rain"))
     rig.run_until(PlaceReached, times=8)
-    assert rig.task.laps >= 3
+    assert rig.task.word.laps >= 3
 
 
 def test_a_plan_that_rests_without_a_line_satisfies_the_task() -> None:
