@@ -68,9 +68,14 @@ class ActionBarred(TimedChange):
 
 @dataclass(frozen=True, slots=True)
 class SkillsPutAside(TimedChange):
-    """No plan has these skills until an event or a belief comes; none ends that for all."""
+    """No plan has these skills until an event or a belief comes."""
 
     skills: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SkillsPutBack(TimedChange):
+    """Plans may have the skills again that were put aside."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +84,11 @@ class SkillOverdue(TimedChange):
 
     skill: str
     least_ms: int
+
+
+@dataclass(frozen=True, slots=True)
+class OverdueForgotten(TimedChange):
+    """No skill counts as overdue any more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,7 +157,9 @@ TaskChange = (
     | FlightBegunAgain
     | ActionBarred
     | SkillsPutAside
+    | SkillsPutBack
     | SkillOverdue
+    | OverdueForgotten
     | PositionRead
     | VehicleDeparted
     | EventValueTaken

@@ -10,6 +10,7 @@ from companion.planning import task_changes as changes
 from companion.planning.domain import Action, reach
 from companion.planning.lasso import Conjunct
 from companion.planning.planner import Planner
+from companion.planning.skill_trials import OverdueSkill
 from companion.planning.task_state import TaskState
 
 
@@ -51,8 +52,12 @@ class TaskReplay:
                 state.bar(self._actions[change.action])
             case changes.SkillsPutAside():
                 state.put_aside(change.skills)
+            case changes.SkillsPutBack():
+                state.put_back()
             case changes.SkillOverdue():
-                state.note_overdue(change.skill, change.least_ms)
+                state.note_overdue(OverdueSkill(change.skill, change.least_ms))
+            case changes.OverdueForgotten():
+                state.forget_overdue()
             case changes.PositionRead():
                 state.leave()
             case changes.VehicleDeparted():

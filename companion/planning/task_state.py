@@ -33,7 +33,7 @@ from companion.planning.lasso import Letter, Problem
 from companion.planning.line_choice import LineChoice
 from companion.planning.planner import Planner
 from companion.planning.situation import TaskSituation, unread_events
-from companion.planning.skill_trials import UNTRIED
+from companion.planning.skill_trials import UNTRIED, OverdueSkill
 from companion.planning.word import Word
 
 
@@ -223,16 +223,27 @@ class TaskState:
         self.on_change(changes.ActionBarred(self._moment, action.name))
 
     def put_aside(self, skills: Collection[str]) -> None:
-        """Leaves skills out of plans until an event or a belief comes; none puts all back."""
-        aside = self.trials.put_aside.union(skills) if skills else frozenset[str]()
-        if aside != self.trials.put_aside:
-            self.trials = replace(self.trials, put_aside=aside)
+        """Leaves skills out of plans until an event or a belief comes."""
+        before, self.trials = self.trials, self.trials.putting_aside(skills)
+        if self.trials != before:
             self.on_change(changes.SkillsPutAside(self._moment, tuple(sorted(skills))))
 
-    def note_overdue(self, skill: str, least_ms: int) -> None:
+    def put_back(self) -> None:
+        """Plans may have the skills again that were put aside."""
+        before, self.trials = self.trials, self.trials.forgiven
+        if self.trials != before:
+            self.on_change(changes.SkillsPutBack(self._moment))
+
+    def note_overdue(self, skill: OverdueSkill) -> None:
         """A skill works longer than its cost; until one is completed, plans say so, too."""
-        self.trials = replace(self.trials, overdue=skill, least_ms=least_ms)
-        self.on_change(changes.SkillOverdue(self._moment, skill, least_ms))
+        self.trials = replace(self.trials, overdue=skill)
+        self.on_change(changes.SkillOverdue(self._moment, skill.name, skill.least_ms))
+
+    def forget_overdue(self) -> None:
+        """Plans assume again that each skill takes as long as its cost says."""
+        before, self.trials = self.trials, self.trials.in_time
+        if self.trials != before:
+            self.on_change(changes.OverdueForgotten(self._moment))
 
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
         """Withdraws what the map contradicts, holds again what it no longer does; returns both."""

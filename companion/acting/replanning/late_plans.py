@@ -27,6 +27,7 @@ from companion.planning.en_route import AT_HERE
 from companion.planning.lasso import ChosenPlan, Lasso, Letter, Problem
 from companion.planning.optional_lines import without_lines
 from companion.planning.planner import Planner
+from companion.planning.skill_trials import OverdueSkill
 from companion.planning.time_check import LateLine, late_lines
 
 CHANGE_S = 0.5
@@ -89,14 +90,13 @@ class LatePlans:
             return None
         self._judged |= judged
         if not is_one_flight(running.execute):
-            task.note_overdue(running.from_anywhere, takes_ms)
+            task.note_overdue(OverdueSkill(running.from_anywhere, takes_ms))
         new = self._soon_better(late)
         if new is not None and _first(new.lasso).from_anywhere != running.from_anywhere:
             return late[0].text
         if new is not None:
             self._instead, self._judged = new, frozenset()
-        if task.trials.overdue:
-            task.note_overdue("", 0)
+        task.forget_overdue()
         return None
 
     def _as_flown(self, problem: Problem, rest: Lasso) -> Lasso:

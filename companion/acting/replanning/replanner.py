@@ -127,7 +127,7 @@ class Replanner:
     def forgive(self) -> None:
         """Forgets plans that led nowhere, because the operator wants to continue."""
         self._idle.forgive()
-        self._flight.task.put_aside(())
+        self._flight.task.put_back()
 
     def step(self, due: DueReplan) -> ChosenPlan | PlanFailure | None:
         """Works for one slice; returns the plan, or why there is none, once that is known."""
@@ -195,10 +195,10 @@ class Replanner:
         task = self._flight.task
         if self._idle.are_too_many:
             task.put_aside(self._idle.failed)
-        if task.trials.overdue and not self.is_possible:
-            task.note_overdue("", 0)
+        if task.trials.overdue is not None and not self.is_possible:
+            task.forget_overdue()
         if task.trials.put_aside and not self.is_possible:
-            task.put_aside(())
+            task.put_back()
 
     def _lines_to_drop(self, problem: Problem) -> tuple[DroppedLine, ...]:
         """The lines that the next plan drops; all of them if plans led nowhere for another reason

@@ -19,6 +19,7 @@ from companion.planning.en_route import InterruptedFlight
 from companion.planning.held_beliefs import HeldBeliefs
 from companion.planning.planner import Planner
 from companion.planning.readings import Reading
+from companion.planning.skill_trials import OverdueSkill
 from companion.planning.task_changes import ClocksChanged, TaskChange
 from companion.planning.task_readings import TaskReadings
 from companion.planning.task_replay import TaskReplay
@@ -32,7 +33,8 @@ ASKED = mission(
     priorities={"first": 2, "sites": 1},
 )
 MUTATORS = ("begin", "complete", "interrupt", "again", "take", "depart", "withdraw", "cut_off")
-CALLS = (*MUTATORS, "restore", "drop", "keep", "leave", "bar", "aside", "overdue")
+TRIALS = ("bar", "aside", "back", "overdue", "in time")
+CALLS = (*MUTATORS, "restore", "drop", "keep", "leave", *TRIALS)
 
 
 def kept(asked: Mission) -> tuple[Planner, TaskState, list[TaskChange]]:
@@ -73,8 +75,10 @@ def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: floa
         "keep": state.keep_dropped,
         "leave": state.leave,
         "bar": lambda: state.bar(action),
-        "aside": lambda: state.put_aside([action.from_anywhere][: choice % 3]),
-        "overdue": lambda: state.note_overdue(action.from_anywhere, 1000 * choice),
+        "aside": lambda: state.put_aside([action.from_anywhere]),
+        "back": state.put_back,
+        "overdue": lambda: state.note_overdue(OverdueSkill(action.from_anywhere, 1000 * choice)),
+        "in time": state.forget_overdue,
     }
     calls[name]()
 
@@ -119,7 +123,7 @@ def test_changes_that_are_replayed_make_the_same_state(calls: list[tuple[str, in
 def test_every_kind_of_change_is_reported() -> None:
     planner, state, changes = kept(ASKED)
     flying = ("begin", "complete", "begin", "interrupt", "again", "leave", "depart")
-    others = ("take", "withdraw", "restore", "cut_off", "drop", "keep", "aside", "overdue")
+    others = ("take", "withdraw", "restore", "cut_off", "drop", "keep", *TRIALS[1:])
     for choice in range(20):
         for name in (*flying, *others):
             call(state, planner, name, choice, 10.0 * choice)
