@@ -8,7 +8,6 @@ limit of simulated time; the reported reason then says what the true vehicle was
 
 from __future__ import annotations
 
-import hashlib
 import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -18,6 +17,7 @@ import numpy.typing as npt
 
 from companion.acting.authority import loss_of_link
 from companion.api.simulating import flight_of
+from companion.campaigns.novelty import signature
 from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome, rounded
 from companion.campaigns.rows import Row
 from companion.campaigns.tracks import simplified
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
 SET_DOWN_M = 2.0
 """An obstacle that appears nearer to the vehicle than this leaves it no chance."""
-SIGNED_KINDS = frozenset({"phase", "replan", "failed", "violation", "dropped", "crash", "gate"})
 
 
 class FlightWatch:
@@ -182,7 +181,7 @@ def _measured(
         place=nearest.name,
         east_m=rounded(east_m),
         north_m=rounded(north_m),
-        signature=_signature(recorder),
+        signature=signature(events),
         track=simplified([(east, north) for _, (north, east, _) in flight.truth]),
     )
 
@@ -259,13 +258,3 @@ def _lands_on_the_way(mission: Mission) -> bool:
 
 def _finite(number: float | None) -> float | None:
     return rounded(number) if number is not None and math.isfinite(number) else None
-
-
-def _signature(recorder: Recording) -> str:
-    """A hash of what happened: the kinds of events, without numbers."""
-    told = [
-        f"{each.event.kind} {''.join(c for c in each.event.text if c.isalpha())[:24]}"
-        for each in recorder.events
-        if each.event.kind in SIGNED_KINDS
-    ]
-    return hashlib.sha256("\n".join(told).encode()).hexdigest()[:12]
