@@ -100,9 +100,11 @@ class FakeFence:
         written: all that were written.
         is_mine: whether what it has was written by this companion, in another flight.
         is_as_sent: whether it tells what was written, wherever the frame is by now.
+        number: differs for another fence.
     """
 
     def __init__(self) -> None:
+        self.number: int | None = None
         self.is_as_sent = False
         self.nowhere: str | None = "the autopilot reports no position on the earth"
         self.stored: StoredFence | None = StoredFence((), 0)

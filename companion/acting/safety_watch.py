@@ -17,6 +17,7 @@ from collections.abc import Collection
 from companion.acting.authority import is_silent, loss_of_control
 from companion.acting.control import Control
 from companion.acting.crash_watch import Crash, CrashWatch
+from companion.acting.fence_watch import FenceWatch
 from companion.acting.flight import Flight
 from companion.acting.flown_task import FlownTask
 from companion.acting.frame_watch import FrameWatch
@@ -47,10 +48,12 @@ class SafetyWatch:
         self._crash_watch = CrashWatch(flight.profile)
         self._crash: Crash | None = None
         self._gate_watch, self._frame_watch = GateWatch(flight), FrameWatch(flight)
+        self._fence_watch = FenceWatch(flight)
 
     def look(self, phase: Phase, state: VehicleState | None) -> PhaseEnd | None:
         """What ends the phase for the sake of safety; None if nothing does."""
         self._gate_watch.step()
+        self._fence_watch.step(phase)
         lost = self._frame_watch.step(phase)
         if lost is not None and (state is None or phase in ON_THE_GROUND):
             return PhaseEnd(SortieEvent.GIVEN_UP, lost)

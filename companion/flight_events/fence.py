@@ -1,8 +1,9 @@
-"""Events about the fence of the autopilot, before arming."""
+"""Events about the fence of the autopilot."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Annotated
 
 from companion.flight_events.event import FlightEvent
@@ -77,3 +78,24 @@ class FenceNear(FlightEvent):
     )
 
     error_m: Annotated[float, Doc("the possible error of the position, rounded to 0.1 m")]
+
+
+class FenceChange(Enum):
+    """What somebody else has done to the autopilot's fence."""
+
+    REPLACED = "replaced"
+    REMOVED = "removed"
+
+
+@dataclass(frozen=True, slots=True)
+class FenceChanged(FlightEvent):
+    """Somebody changed the autopilot's fence after it was checked.
+
+    The companion reads no fence in the air, so it does not know the new one: the flight keeps to
+    the limits it had, and the autopilot may stop it.
+    """
+
+    kind = "fence"
+    template = "somebody has {change} the autopilot's fence; the flight keeps to the limits it had"
+
+    change: Annotated[FenceChange, Doc("what was done to it")]

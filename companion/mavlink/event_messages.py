@@ -1,6 +1,8 @@
-"""Defines the messages of the events service, and of component metadata, which pymavlink lacks.
+"""Defines messages that pymavlink lacks, or has without their newest fields.
 
-Each row of `DEFINITIONS` repeats a message of common.xml: its number, its name, its fields.
+They are those of the events service and of component metadata, and MISSION_CURRENT with the
+numbers of the stored plans. Each row of `DEFINITIONS` repeats a message of common.xml: its number,
+its name, its fields.
 `define` turns it into a class like pymavlink's own, so that it is packed and decoded like them.
 
 Source: common.xml, and https://mavlink.io/en/guide/serialization.html (order of the fields on the
@@ -38,21 +40,43 @@ class MessageField(NamedTuple):
 
 
 class Definition(NamedTuple):
-    """A message of common.xml, with its fields in the order given there."""
+    """A message of common.xml, with its fields in the order given there.
+
+    Extensions may be missing at the end of a frame; they are then 0.
+    """
 
     number: int
     name: str
     fields: tuple[MessageField, ...]
+    extensions: tuple[MessageField, ...] = ()
 
     @property
     def on_the_wire(self) -> list[MessageField]:
-        """The fields in the order of the wire: largest types first."""
+        """The fields in the order of the wire: largest types first, then the extensions."""
+        return [*self.without_extensions, *self.extensions]
+
+    @property
+    def without_extensions(self) -> list[MessageField]:
+        """The same for the fields that each frame has."""
         return sorted(self.fields, key=lambda field: -field.size)
 
 
 _TARGET = (MessageField("uint8_t", "target_system"), MessageField("uint8_t", "target_component"))
 
 DEFINITIONS = (
+    Definition(
+        42,
+        "MISSION_CURRENT",
+        (MessageField("uint16_t", "seq"),),
+        (
+            MessageField("uint16_t", "total"),
+            MessageField("uint8_t", "mission_state"),
+            MessageField("uint8_t", "mission_mode"),
+            MessageField("uint32_t", "mission_id"),
+            MessageField("uint32_t", "fence_id"),
+            MessageField("uint32_t", "rally_points_id"),
+        ),
+    ),
     Definition(
         397,
         "COMPONENT_METADATA",
@@ -103,7 +127,7 @@ DEFINITIONS = (
 
 
 def extended(common: Dialect) -> Dialect:
-    """Returns a copy of a dialect that has these messages, too, under names like its own.
+    """Returns a copy of a dialect that has these messages, under names like its own.
 
     The dialect itself stays as it is: others in the process may use it.
     """
@@ -119,14 +143,15 @@ def extended(common: Dialect) -> Dialect:
 
 def define(dialect: Dialect, definition: Definition) -> Any:
     """Returns the class of a message, with the attributes of pymavlink's own classes."""
-    names = [field.name for field in definition.fields]
-    wire = definition.on_the_wire
+    fields, wire = definition.fields + definition.extensions, definition.on_the_wire
+    names = [field.name for field in fields]
+    defaults = {field.name: 0 for field in definition.extensions}
     layout = struct.Struct("<" + "".join(field.layout for field in wire))
 
     def __init__(self: Any, *values: Any, **named: Any) -> None:
         dialect.MAVLink_message.__init__(self, definition.number, definition.name)
         self._fieldnames, self._instance_field, self._instance_offset = names, None, -1
-        given = dict(zip(names, values, strict=False)) | named
+        given = defaults | dict(zip(names, values, strict=False)) | named
         for name in names:
             value = given.pop(name)
             if isinstance(value, bytes):
@@ -153,12 +178,12 @@ def define(dialect: Dialect, definition: Definition) -> Any:
             "msgname": definition.name,
             "fieldnames": names,
             "ordered_fieldnames": [field.name for field in wire],
-            "fieldtypes": [field.type for field in definition.fields],
+            "fieldtypes": [field.type for field in fields],
             "fielddisplays_by_name": {},
             "fieldenums_by_name": {},
             "fieldunits_by_name": {},
             "native_format": bytearray(layout.format.encode()),
-            "orders": [wire.index(field) for field in definition.fields],
+            "orders": [wire.index(field) for field in fields],
             "lengths": [1 if field.type == "char" else field.length or 1 for field in wire],
             "array_lengths": [field.length for field in wire],
             "crc_extra": crc_extra(dialect, definition),
@@ -173,7 +198,7 @@ def define(dialect: Dialect, definition: Definition) -> Any:
 def crc_extra(dialect: Dialect, definition: Definition) -> int:
     """Returns the byte by which both ends check that they mean the same message."""
     text = f"{definition.name} ".encode()
-    for field in definition.on_the_wire:
+    for field in definition.without_extensions:
         text += f"{field.type} {field.name} ".encode()
         if field.length:
             text += bytes([field.length])

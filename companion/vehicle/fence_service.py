@@ -5,6 +5,8 @@
    heard. This service listens to both.
 2. PX4 does not reload identical items. So a fence that is written again begins with another corner.
 3. A fence that PX4 would interpret otherwise than it is drawn is not written.
+4. MISSION_CURRENT has a number that differs for another fence, and is 0 without one. During our
+   own write it is not known.
 
 Source: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/navigator/geofence.cpp.
 """
@@ -43,12 +45,13 @@ class FenceService(ItemStore):
         own: the fences that this companion has written.
     """
 
-    wanted = TRANSFER_MESSAGES | {"HOME_POSITION", "STATUSTEXT", "EVENT"}
+    wanted = TRANSFER_MESSAGES | {"HOME_POSITION", "STATUSTEXT", "EVENT", "MISSION_CURRENT"}
 
     def __init__(self, wire: Wire, telemetry: Telemetry, own: OwnItems) -> None:
         super().__init__(wire, telemetry, FENCE, own, "fence")
         self._home: tuple[float, float] | None = None
         self._objections: list[str] = []
+        self._number: int | None = None
 
     # -- ports.stores --------------------------------------------------------------------------
 
@@ -68,13 +71,18 @@ class FenceService(ItemStore):
         enforce."""
         return tuple(self._objections)
 
+    @property
+    def number(self) -> int | None:
+        """The number of the fence by rule 4; None if not known."""
+        return self._number
+
     def write(self, areas: Sequence[FenceArea]) -> None:
         """Begins to replace the stored fence; applies rules 2 and 3."""
         on_earth = self._telemetry.frame.on_earth
         items = items_of(areas, on_earth)
         if items is not None and items == self.items:
             items = items_of(areas, on_earth, first=1)
-        self._objections = []
+        self._objections, self._number = [], None
         read = None if items is None else self._fence(items)
         if read is not None and read.flaw is not None:
             self._refuse(f"PX4 cannot keep the mission's fence: {read.flaw}")
@@ -117,6 +125,8 @@ class FenceService(ItemStore):
             case "EVENT":
                 if (text := OBJECTIONS.get(message.id & 0xFFFFFF)) is not None:
                     self._object(text)
+            case "MISSION_CURRENT":
+                self._number = None if self.is_writing else message.fence_id
             case _:
                 super().take(moment, message)
 

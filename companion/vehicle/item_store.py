@@ -79,6 +79,12 @@ class ItemStore:
             return Failed(f"{self._purpose}: {transfer.failure.reason}")
         return Progress.DONE
 
+    @property
+    def is_writing(self) -> bool:
+        """Whether items are being written."""
+        transfer = self._transfer
+        return transfer is not None and transfer.is_under_way and not self._is_reading
+
     def locate(self) -> Outcome:
         """Asks where the autopilot's frame lies on the earth."""
         if self._telemetry.placed.location is not None:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import ClassVar
+from zlib import crc32
 
 from companion.mavlink.framing import Message, dialect, source
 from companion.mavlink.px4_modes import mode_name
@@ -283,6 +284,7 @@ class AutopilotComponent:
         self, kind: MissionType, items: tuple[WireItem, ...], current: int | None
     ) -> None:
         autopilot, origin = self._vehicle.autopilot, self._vehicle.origin
+        self._vehicle.plan_numbers[kind] = crc32(repr(items).encode()) if items else 0
         if kind is MissionType.MISSION:
             flown = [item_from(item, origin) for item in items]
             autopilot.mission.load(flown, current, self._vehicle.state.time_s)

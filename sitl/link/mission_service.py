@@ -25,8 +25,8 @@ each MAV_MISSION_TYPE. Rules:
 MISSION_CLEAR_ALL leads to `none`. While receiving, so do silence and a client that gives up.
 
 Sources: https://mavlink.io/en/services/mission.html; PX4 1.16, src/modules/mavlink/
-mavlink_mission.cpp, and observed answers of PX4. Left out: opaque ids, which the dialect lacks;
-partial lists, which PX4 does not serve either.
+mavlink_mission.cpp, and observed answers of PX4. Left out: the numbers of plans in answers
+(MISSION_CURRENT has them); partial lists, which PX4 does not serve either.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from companion.geometry import GlobalOrigin
 from sitl.autopilot.autopilot import Autopilot
@@ -10,6 +10,7 @@ from sitl.flight.battery import Battery
 from sitl.flight.estimate import Estimator
 from sitl.flight.physics import FlightState
 from sitl.flight.sensors import Sensors
+from sitl.link.mission_items import MissionType
 
 
 @dataclass(slots=True)
@@ -22,6 +23,7 @@ class SimulatedVehicle:
         battery: with its gauge.
         estimator: makes the state, and reports its accuracy.
         booted_s: when the autopilot was last started.
+        plan_numbers: of each stored plan, a number that differs for another plan; 0 for none.
     """
 
     autopilot: Autopilot
@@ -31,6 +33,9 @@ class SimulatedVehicle:
     battery: Battery
     estimator: Estimator
     booted_s: float = 0.0
+    plan_numbers: dict[MissionType, int] = field(
+        default_factory=lambda: dict.fromkeys(MissionType, 0)
+    )
 
     @property
     def boot_ms(self) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from lockstep import COMPANION, Cut, Deaf, Lockstep, Lossy
+from lockstep import COMPANION, VEHICLE, Cut, Deaf, Lockstep, Lossy
 from meadow import (
     CIRCLE,
     DATA,
@@ -28,7 +28,13 @@ from meadow import (
 )
 
 from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
-from companion.flight_events.fence import FenceKept, FenceReplaced, FenceWritten
+from companion.flight_events.fence import (
+    FenceChange,
+    FenceChanged,
+    FenceKept,
+    FenceReplaced,
+    FenceWritten,
+)
 from companion.flight_events.sortie import (
     AutopilotSaid,
     ControlTakenBack,
@@ -101,6 +107,32 @@ def test_it_lies_where_it_was_drawn_wherever_the_origin_is(frame: str) -> None:
     else:
         drawn = [origin.to_local(*each, 0.0)[:2] for each in degrees]
     assert FencePolygon(tuple(drawn)).is_like(area.shape, within_m=0.1)
+
+
+def test_a_fence_that_somebody_changes_in_flight_is_reported_once() -> None:
+    flight = armed(start(has_station=True))
+    assert not flight.of(FenceChanged)
+    flight.until_reported(PhaseEntered, 60.0, phase=Phase.TASK)
+    corners = [(POLYGON, 4.0, (north, east, 0.0)) for north, east in SQUARE]
+    station_uploads(flight, *corners)
+    changed = flight.until_reported(FenceChanged, 3.0)
+    assert changed.one(FenceChanged).change is FenceChange.REPLACED
+    flight.station_says(
+        dialect.MAVLink_mission_clear_all_message(VEHICLE, 1, dialect.MAV_MISSION_TYPE_FENCE)
+    )
+    flight.until_the_end()
+    changes = [event.change for event in flight.of(FenceChanged)]
+    assert changes == [FenceChange.REPLACED, FenceChange.REMOVED]
+    assert flight.exit_code == 0
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.5])
+def test_one_that_the_companion_itself_writes_is_not(loss: float) -> None:
+    flight = start(down=Lossy(loss, 7), policy=UploadPolicy.REPLACE)
+    station_uploads(flight, (CIRCLE, 60.0, (0.0, 0.0, 0.0)))
+    flight.until_reported(PhaseEntered, 90.0, phase=Phase.TASK)
+    flight.run(3.0)
+    assert flight.of(FenceReplaced) and not flight.of(FenceChanged)
 
 
 def test_a_fence_across_the_180th_meridian_is_not_written_because_px4_misreads_it() -> None:

@@ -51,6 +51,13 @@ class AutopilotFence(AutopilotStore, Protocol):
         """What the autopilot has said since the last `write` about areas that it does not
         enforce."""
 
+    @property
+    def number(self) -> int | None:
+        """A number that differs for another fence, 0 for none; None if not known.
+
+        An autopilot that numbers no fences always says 0.
+        """
+
     def write(self, areas: Sequence[FenceArea]) -> None:
         """Begin to replace the stored fence."""
 

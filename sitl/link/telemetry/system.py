@@ -101,13 +101,14 @@ def extended_sys_state(v: SimulatedVehicle) -> Fields:
 
 
 def mission_current(v: SimulatedVehicle) -> Fields:
-    """MISSION_CURRENT: the item that is flown now or next."""
+    """MISSION_CURRENT: the item that is flown now or next; which plans are stored."""
     mission, mode = v.autopilot.mission, v.autopilot.mode
     return (
         mission.current,
         len(mission.items) or UNKNOWN_16,
         mission.reported_state(mode, v.state.time_s),
         1 if mission.is_active(mode) else 2,
+        *v.plan_numbers.values(),
     )
 
 

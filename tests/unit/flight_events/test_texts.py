@@ -21,6 +21,8 @@ from companion.flight_events.facts import (
     PlacesCutOff,
 )
 from companion.flight_events.fence import (
+    FenceChange,
+    FenceChanged,
     FenceKept,
     FenceMissing,
     FenceNear,
@@ -259,6 +261,10 @@ TEXTS: list[tuple[FlightEvent, str]] = [
         FenceNear(0.8),
         "the fence is nearer than the possible error of the position, 0.8 m: the autopilot may "
         "end the flight during the climb",
+    ),
+    (
+        FenceChanged(FenceChange.REMOVED),
+        "somebody has removed the autopilot's fence; the flight keeps to the limits it had",
     ),
     (
         RallyWritten("East, North"),

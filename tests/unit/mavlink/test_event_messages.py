@@ -1,4 +1,4 @@
-"""The messages that pymavlink lacks, against pymavlink's own reading of what common.xml says."""
+"""Messages that pymavlink lacks, or has without newer fields, against its own reader of XML."""
 
 from __future__ import annotations
 
@@ -9,10 +9,20 @@ from pymavlink.dialects.v20 import common as pymavlinks
 from pymavlink.generator import mavparse
 
 from companion.mavlink.event_messages import DEFINITIONS
-from companion.mavlink.framing import dialect
+from companion.mavlink.framing import MavlinkCodec, decode, dialect
 
 COMMON = """<?xml version="1.0"?>
 <mavlink><version>3</version><messages>
+<message id="42" name="MISSION_CURRENT"><description/>
+  <field type="uint16_t" name="seq"/>
+  <extensions/>
+  <field type="uint16_t" name="total"/>
+  <field type="uint8_t" name="mission_state"/>
+  <field type="uint8_t" name="mission_mode"/>
+  <field type="uint32_t" name="mission_id"/>
+  <field type="uint32_t" name="fence_id"/>
+  <field type="uint32_t" name="rally_points_id"/>
+</message>
 <message id="397" name="COMPONENT_METADATA"><description/>
   <field type="uint32_t" name="time_boot_ms" units="ms"/>
   <field type="uint32_t" name="file_crc"/>
@@ -75,5 +85,16 @@ def test_fields_are_given_by_place_or_by_name() -> None:
 
 
 def test_pymavlink_s_own_dialect_stays_as_it_is() -> None:
-    assert {d.number for d in DEFINITIONS}.isdisjoint(pymavlinks.mavlink_map)
+    for definition in DEFINITIONS:
+        kind = dialect.mavlink_map[definition.number]
+        assert pymavlinks.mavlink_map.get(definition.number) is not kind
     assert not hasattr(pymavlinks, "MAVLink_event_message")
+
+
+def test_extensions_may_be_missing_and_pymavlink_reads_the_rest() -> None:
+    short = decode(MavlinkCodec(1, 1).pack(pymavlinks.MAVLink_mission_current_message(3, 9, 1, 2)))
+    assert short is not None
+    assert (short.seq, short.total, short.mission_mode, short.fence_id) == (3, 9, 2, 0)
+    frame = MavlinkCodec(1, 1).pack(dialect.MAVLink_mission_current_message(3, fence_id=7))
+    assert getattr(decode(frame), "fence_id", None) == 7
+    assert pymavlinks.MAVLink(None).parse_buffer(frame)[0].seq == 3
