@@ -36,7 +36,7 @@ def contingencies(
     """What a flight does after each single change, at each position of its first plan.
 
     >>> from companion import load_mission
-    >>> print(contingencies(load_mission("missions/surveillance.yaml"), jobs=1).summary)
+    >>> print(contingencies(load_mission("missions/surveillance.yaml"), jobs=1))
     60 contingencies: 48 planned, 12 end at Home, 0 unsafe
 
     Args:

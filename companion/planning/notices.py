@@ -16,6 +16,7 @@ from companion.mission.facts import Fact
 from companion.mission.first_place import as_begun_at_zero, begins_at_zero
 from companion.mission.model import Mission
 from companion.mission.otherwise import LandAtSafePlace
+from companion.mission.steps import Charge
 from companion.planning.builtin.masked_actions import KnownActions
 from companion.planning.builtin.transition_system import TransitionSystem
 from companion.planning.domain import Action, ConditionalEffect, destination
@@ -62,7 +63,7 @@ def notices(planner: Planner, plan: Solution | None) -> tuple[Notice, ...]:
         found += [*_vacuous_lines(planner), *_met_by_rest(kept, plan.lasso)]
         found += _walls_below_the_end(mission, plan.lasso)
     found += [*_begins_elsewhere(mission), *_low_places(planner), *_cut_off_places(planner)]
-    return (*found, *_guessed_costs(planner))
+    return (*found, *_guessed_costs(planner), *_nothing_to_hold_again(mission))
 
 
 def not_heard(mission: Mission) -> tuple[Notice, ...]:
@@ -124,6 +125,16 @@ def _guessed_costs(planner: Planner) -> Iterator[Notice]:
                 skill.name,
                 f"without cost, so plans assume {known} for it, and the bounds in time of"
                 f" {', '.join(bounded)} hold only if it is done by then; write its time",
+            )
+
+
+def _nothing_to_hold_again(mission: Mission) -> Iterator[Notice]:
+    """Skills with a time after which beliefs are held again, whose failure withdraws none."""
+    for skill in mission.skills.values():
+        charges = any(isinstance(step, Charge) for step in skill.execute)
+        if skill.retry_after_s is not None and not skill.assumes and not charges:
+            yield Notice(
+                skill.name, "retry_after_s has no effect: the skill assumes nothing (assumes)"
             )
 
 

@@ -165,6 +165,9 @@ class ContingencyTable:
         parts.append(f"{verdicts[kinds.UNSAFE]} unsafe")
         return f"{len(answers)} contingencies: {', '.join(parts)}"
 
+    def __str__(self) -> str:
+        return self.summary
+
     def folded(self) -> Iterator[FoldedContingencies]:
         """Contingencies with equal answers, joined so that people can read them."""
         by_label: dict[tuple[str, str, object], list[Contingency]] = {}

@@ -189,3 +189,15 @@ def test_a_plan_that_ends_above_a_low_wall_is_noticed(
     given = DATA | {"limits": limits, "map": {"walls": [wall]}, "task": {"go": "F at(A)"}}
     text = "A: the plan ends there, and lands above a wall of 2 m"
     assert told(load_mission(given)) == ([text] if is_told else [])
+
+
+@pytest.mark.parametrize(("assumes", "notices_told"), [({}, 1), ({"assumes": "works"}, 0)])
+def test_beliefs_that_would_be_held_again_and_are_none_are_noticed(
+    assumes: dict[str, str], notices_told: int
+) -> None:
+    knock = {"effect": "done", "cost": 1, "execute": "wait(1)", "retry_after_s": 30} | assumes
+    limits = {"speed_mps": 4, "up_m": [1, 10], "fence": [[-9, -9], [30, -9], [30, 9], [-9, 9]]}
+    data = {"limits": limits, "task": {"knock": "F done"}}
+    asked = load_mission(DATA | data | {"skills": DATA["skills"] | {"knock": knock}})
+    text = "knock: retry_after_s has no effect: the skill assumes nothing (assumes)"
+    assert told(asked) == [text] * notices_told
