@@ -22,7 +22,7 @@ from companion.acting.plan_under_way import LeftPlan
 from companion.acting.replan_triggers import ReplanTriggers
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.patience import Patience
-from companion.acting.replanning.replanner import PlanFailure, Replanner
+from companion.acting.replanning.replanner import PlanFailure, Replanner, ReplanReason
 from companion.planning.engine_port import Engine
 from companion.planning.explain import Explanation
 from companion.planning.lasso import ChosenPlan, Lasso, Problem
@@ -88,12 +88,12 @@ class Deliberation:
         self.triggers.abandon()
 
     def replan(
-        self, reason: str, left: LeftPlan | None, failure: PlanFailure | None = None
+        self, reason: ReplanReason, left: LeftPlan | None, failure: PlanFailure | None = None
     ) -> PlanDecision:
         """Begins to search another plan, with the rest of this tick's slice.
 
         Args:
-            reason: why.
+            reason: why, or the plan to change to, if that is known.
             left: the plan that was left; None if another process has flown it.
             failure: why there was no plan before; None if there was one.
         """

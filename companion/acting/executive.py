@@ -56,7 +56,7 @@ from companion.acting.plan_under_way import (
 from companion.acting.positions import tell_positions
 from companion.acting.preparation import PreparedMission
 from companion.acting.replanning.optional_lines import drop
-from companion.acting.replanning.replanner import PlanFailure
+from companion.acting.replanning.replanner import PlanFailure, ReplanReason
 from companion.acting.waiting_hold import WaitingHold
 from companion.acting.whereabouts import Whereabouts
 from companion.acting.written_end import failure_at_the_end
@@ -240,8 +240,7 @@ class Executive:
             self._flight.task.leave()
         if reason := triggers.after_the_tree(plan):
             tell_positions(self._flight)
-            way_lost = reason if plan.tree.has_failed else None
-            self._replan(reason, _remembered(plan, way_lost))
+            self._replan(reason, _remembered(plan))
         elif is_over:
             self._rest()
             self.state = Satisfied(plan, self.failure)
@@ -282,7 +281,7 @@ class Executive:
 
     # -- another plan --------------------------------------------------------------------------
 
-    def _replan(self, reason: str, left: LeftPlan | None) -> None:
+    def _replan(self, reason: ReplanReason, left: LeftPlan | None) -> None:
         self.stop()
         self._flight.task.interrupt()
         self._follow(self.deliberation.replan(reason, left, self.failure))
@@ -330,14 +329,8 @@ class Executive:
         return None if self.lasso is None else LeftTaskPlan(self.lasso)
 
 
-def _remembered(plan: PlanUnderWay, way_lost: str | None = None) -> LeftPlan:
-    """What is remembered of a plan that is left.
-
-    Args:
-        plan: the plan.
-        way_lost: why it has failed, which is remembered of a flight to a safe place; None if it
-            has not.
-    """
+def _remembered(plan: PlanUnderWay) -> LeftPlan:
+    """What is remembered of a plan that is left; of a flight to a safe place, why it has failed."""
     if isinstance(plan, SafePlaceFlight):
-        return LeftSafePlaceFlight(plan.lasso, way_lost)
+        return LeftSafePlaceFlight(plan.lasso, plan.tree.failure if plan.tree.has_failed else None)
     return LeftTaskPlan(plan.lasso)

@@ -14,7 +14,7 @@ from companion.acting.flight import Flight
 from companion.acting.plan_under_way import PlanUnderWay, SafePlaceFlight, TaskPlan
 from companion.acting.replanning.assumptions import Assumptions
 from companion.acting.replanning.late_plans import LatePlans
-from companion.acting.replanning.replanner import Replanner
+from companion.acting.replanning.replanner import BetterPlan, Replanner, ReplanReason
 from companion.acting.triggers.after_the_tree import (
     EndSurprised,
     LineViolated,
@@ -70,7 +70,7 @@ class ReplanTriggers:
         self._flight, self._assumptions, self._replanner = flight, assumptions, replanner
         self._energy = EnergyWatch(flight, planner.energy) if planner.energy else None
         self.has_used_slice = False
-        late = Question[str | None]()
+        late = Question[BetterPlan | None]()
         cut_off = CutOffByMap(flight, replanner, outdated=late)
         dropped, possible = (
             DroppedLineKept(flight, replanner),
@@ -142,11 +142,11 @@ class ReplanTriggers:
     def _of(self, plan: PlanUnderWay) -> TriggerOrder:
         return self.of_safe_place if isinstance(plan, SafePlaceFlight) else self.of_task
 
-    def before_the_tree(self, plan: PlanUnderWay) -> str | None:
+    def before_the_tree(self, plan: PlanUnderWay) -> ReplanReason | None:
         """Why another plan is due, before the plan's tree is ticked; None if none is."""
         return _first_reason(self._of(plan).before, plan)
 
-    def after_the_tree(self, plan: PlanUnderWay) -> str | None:
+    def after_the_tree(self, plan: PlanUnderWay) -> ReplanReason | None:
         """Why another plan is due, after the plan's tree was ticked; None if none is."""
         return _first_reason(self._of(plan).after, plan)
 
@@ -160,7 +160,7 @@ def _of_charge(
     return ChargeShort(flight, energy), EnergyFigureWrong(flight, energy, replanner)
 
 
-def _first_reason(triggers: Sequence[ReplanTrigger], plan: PlanUnderWay) -> str | None:
+def _first_reason(triggers: Sequence[ReplanTrigger], plan: PlanUnderWay) -> ReplanReason | None:
     for trigger in triggers:
         if trigger.guard(plan) and (reason := trigger.reason(plan)) is not None:
             return reason

@@ -19,7 +19,7 @@ from companion.acting.deliberation import PlanChosen, PlanDecision
 from companion.acting.executive_states import AwaitingPlan, Searching, WithoutPlan
 from companion.acting.plan_under_way import LeftTaskPlan
 from companion.acting.replanning.assumptions import BELIEF_CAME_BACK
-from companion.acting.replanning.replanner import PlanFailure
+from companion.acting.replanning.replanner import PlanFailure, ReplanReason
 from companion.acting.safe_places import AtSafePlace, NoSafePlace, SafePlaces, WayToSafePlace
 from companion.mission.otherwise import Otherwise
 from companion.planning.charger import UNITS_PER_WH
@@ -40,7 +40,7 @@ class Reaction:
 
     def to(self, change: Change) -> tuple[Answer, ChosenPlan | None]:
         """What the flight does about a change now; and the new plan, if it makes one."""
-        reason = self._flown.take(change)
+        reason: ReplanReason | None = self._flown.take(change)
         if reason is None:
             self._flown.finish_on_the_ground()
             reason = self._why_to_replan(change)
@@ -48,7 +48,7 @@ class Reaction:
             return GoesOn(), None
         return self._replan(reason)
 
-    def _why_to_replan(self, change: Change) -> str | None:
+    def _why_to_replan(self, change: Change) -> ReplanReason | None:
         if isinstance(change, SiteLost) and self._flown.running.destination == change.place:
             return self._flown.fail(self._flown.running)
         if isinstance(change, DrainUp):
@@ -65,7 +65,7 @@ class Reaction:
             reason = triggers.before_the_tree(plan)
         return reason or deliberation.assumptions.surprise
 
-    def _replan(self, reason: str) -> tuple[Answer, ChosenPlan | None]:
+    def _replan(self, reason: ReplanReason) -> tuple[Answer, ChosenPlan | None]:
         """Does what the deliberation decides; a wait ends when a belief is held again."""
         self._flight.task.interrupt()
         decision = self._decided(self._deliberation.replan(reason, LeftTaskPlan(self._flown.lasso)))

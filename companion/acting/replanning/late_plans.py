@@ -1,15 +1,16 @@
 """Judges whether a plan will be late for time bounds that another plan keeps.
 
 1. When an action has begun, the rest of the plan is compared with the limits of the task, with the
-   present clocks and flight times, from the place left last.
+   present clocks and flight times, from the place left last. Other plans begin here and now.
 2. While an action is under way it may take longer than planned: a flight as long as it has taken,
    and what is left from here; anything else at least as long as it has taken. Half of the margin
    that plans keep is left for the change to another plan.
 3. Another plan is better if it keeps the most important line that will be late, and drops no line
    that is more important. In it, a skill that is begun again takes as long as it has taken.
-4. A better plan that goes on with the action under way does not interrupt it. It is judged instead
+4. A better plan is flown as it was found, without another search: that might find it gone.
+5. A better plan that goes on with the action under way does not interrupt it. It is judged instead
    of the present plan from then on; when the action ends, rule 1 applies.
-5. If no plan is better, the plan goes on, since it may still be in time. Nobody asks again about
+6. If no plan is better, the plan goes on, since it may still be in time. Nobody asks again about
    the same action, unless another line will be late, or one has no time left.
 """
 
@@ -20,7 +21,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from companion.acting.flight import Flight
-from companion.acting.replanning.replanner import Replanner
+from companion.acting.replanning.replanner import COMPARED, BetterPlan, Replanner
 from companion.mission.facts import HERE
 from companion.planning.domain import Action, is_one_flight
 from companion.planning.en_route import AT_HERE
@@ -31,7 +32,7 @@ from companion.planning.skill_trials import OverdueSkill
 from companion.planning.time_check import LateLine, late_lines
 
 CHANGE_S = 0.5
-"""What the change to another plan may cost, besides the search for it."""
+"""What the change to another plan may cost, after the search for it."""
 
 
 class LatePlans:
@@ -52,23 +53,27 @@ class LatePlans:
         self._judged = frozenset[tuple[str, bool]]()
         self._instead: ChosenPlan | None = None
 
-    def from_the_beginning(self, lasso: Lasso) -> str | None:
-        """What will be late in the rest of a plan whose next action has just begun, in words; None
-        if no plan is better.
-        """
+    def from_the_beginning(self, lasso: Lasso) -> BetterPlan | None:
+        """A better plan, if the rest of a plan whose next action has just begun will be late."""
         self._judged, self._instead = frozenset(), None
         self._replanner.follow_map()
         task = self._flight.task
         problem, _ = without_lines(task.lines.dropped, *task.problem())
         rest = self._as_flown(problem, lasso.rest(self._flight.progress.completed))
         late = tuple(late_lines(problem, rest))
-        new = self._better(late, *task.problem()) if late else None
-        is_other = new is not None and not self._replanner.is_rest_of(lasso, new.lasso)
-        return late[0].text if is_other else None
+        new = self._better(late, *task.problem(is_interrupted=True)) if late else None
+        return None if new is None or self._is_rest_of(lasso, new.plan.lasso) else new
 
-    def under_way(self, lasso: Lasso, elapsed_s: float) -> str | None:
-        """What will be late because the action under way takes longer than planned, in words; None
-        if no plan is better, or if a better one goes on with it.
+    def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
+        """Whether a plan from here is what the present one still has, the action under way first."""
+        completed = self._flight.progress.completed
+        _, *others = new.names(COMPARED)
+        goes_on = _first(new).from_anywhere == _first(lasso.rest(completed)).from_anywhere
+        return goes_on and others == lasso.names(COMPARED, completed)[1:]
+
+    def under_way(self, lasso: Lasso, elapsed_s: float) -> BetterPlan | None:
+        """A better plan, if the present one will be late because the action under way takes longer
+        than planned; None also if the better plan goes on with this action.
 
         Args:
             lasso: the plan.
@@ -92,10 +97,10 @@ class LatePlans:
         if not is_one_flight(running.execute):
             task.note_overdue(OverdueSkill(running.from_anywhere, takes_ms))
         new = self._soon_better(late)
-        if new is not None and _first(new.lasso).from_anywhere != running.from_anywhere:
-            return late[0].text
+        if new is not None and _first(new.plan.lasso).from_anywhere != running.from_anywhere:
+            return new
         if new is not None:
-            self._instead, self._judged = new, frozenset()
+            self._instead, self._judged = new.plan, frozenset()
         task.forget_overdue()
         return None
 
@@ -115,28 +120,31 @@ class LatePlans:
         is_known = math.isfinite(left_s) and running.charger is None
         return round(1000 * (elapsed_s + left_s)) if is_known else None
 
-    def _soon_better(self, late: Sequence[LateLine]) -> ChosenPlan | None:
-        """A better plan that is still in time once another search has found it again."""
+    def _soon_better(self, late: Sequence[LateLine]) -> BetterPlan | None:
+        """A better plan that is still in time when the vehicle changes to it."""
         begun_s = self._flight.now_s
         problem, histories = self._flight.task.problem(is_interrupted=True)
         new = self._better(late, problem, histories)
         if new is None:
             return None
-        change_ms = round(1000 * (2 * (self._flight.now_s - begun_s) + CHANGE_S))
-        kept, _ = without_lines(new.lines_dropped, problem)
+        change_ms = round(1000 * (self._flight.now_s - begun_s + CHANGE_S))
+        kept, _ = without_lines(new.plan.lines_dropped, problem)
         clocks = tuple(ms if ms is None else ms + change_ms for ms in kept.clocks_ms)
-        return None if any(late_lines(replace(kept, clocks_ms=clocks), new.lasso)) else new
+        flown = replace(kept, clocks_ms=clocks)
+        return None if any(late_lines(flown, new.plan.lasso)) else new
 
     def _better(
         self, late: Sequence[LateLine], problem: Problem, histories: Sequence[Sequence[Letter]]
-    ) -> ChosenPlan | None:
+    ) -> BetterPlan | None:
         """The plan for a problem, if it keeps more important lines than one with late lines."""
         dropped = self._planner.solver.lines_to_drop(problem)
         names = [each.line for each in dropped]
         if not self._keeps_more({each.line for each in late}, names):
             return None
         new = self._replanner.search(*without_lines(names, problem, histories))
-        return ChosenPlan(new, dropped) if isinstance(new, Lasso) else None
+        if not isinstance(new, Lasso):
+            return None
+        return BetterPlan(late[0].text, ChosenPlan(new, dropped), problem)
 
     def _keeps_more(self, late: Collection[str], dropped: Collection[str]) -> bool:
         """Whether lines are dropped only for more important ones that would be late."""

@@ -3,7 +3,8 @@
 1. A plan waits until the routes on the map are known, but not for ever: a map may keep changing.
 2. The moves are taken from the map, the lines of the task that can be kept are chosen, and the
    first plan found for them is used. If there is none, the reason is searched for. If facts change
-   meanwhile, it starts again.
+   meanwhile, it starts again. A plan that was found while the one before was flown is used without
+   a search, unless something has changed since.
 3. It waits for an engine from outside; if that fails, the built-in search is used.
 4. Replans for failed skills without a completed skill in between lead nowhere (idle_replans.py).
    After some in a row, the optional lines that need one of these skills are dropped, until an event
@@ -49,6 +50,25 @@ sortie reports as its failure."""
 
 
 @dataclass(frozen=True, slots=True)
+class BetterPlan:
+    """A plan that was found while the present one is flown.
+
+    Attributes:
+        reason: why it is better, in words for people.
+        plan: the plan.
+        problem: what it was found for: the task from here, with the action under way ended.
+    """
+
+    reason: str
+    plan: ChosenPlan
+    problem: Problem
+
+
+ReplanReason = str | BetterPlan
+"""Why a new plan is due, in words for people; or the plan to change to."""
+
+
+@dataclass(frozen=True, slots=True)
 class DueReplan:
     """A plan that is due in flight.
 
@@ -56,11 +76,13 @@ class DueReplan:
         reason: why, in words for people.
         since_s: when it became due.
         left_for: why the plan before was left; differs from `reason` if a plan was waited for.
+        better: the plan that has been found already, if one has.
     """
 
     reason: str
     since_s: float
     left_for: str
+    better: BetterPlan | None = None
 
 
 class Replanner:
@@ -105,7 +127,7 @@ class Replanner:
         self._looking = Question[bool]()
         self._unchanged: object = None
 
-    def begin(self, reason: str, left_for: str | None = None) -> DueReplan:
+    def begin(self, reason: ReplanReason, left_for: str | None = None) -> DueReplan:
         """Begins a replan; `left_for` is given if earlier searches for it found no plan."""
         self.abandon()
         wrong = self._assumptions.wrong
@@ -113,7 +135,9 @@ class Replanner:
             self._assumptions.note_replan(wrong)
         else:
             self._idle.count()
-        return DueReplan(reason, self._flight.now_s, left_for or reason)
+        better = reason if isinstance(reason, BetterPlan) else None
+        words = reason.reason if isinstance(reason, BetterPlan) else reason
+        return DueReplan(words, self._flight.now_s, left_for or words, better)
 
     def abandon(self) -> None:
         """Ends the search, because nobody waits for its plan any more."""
@@ -139,7 +163,7 @@ class Replanner:
             self.abandon()
             self._idle.count()  # flapping facts must not cause endless searches
         if self._planning is None:
-            self._planning = InSlices(self._plan)
+            self._planning = InSlices(lambda: self._plan(due.better))
         if not self._planning.step():
             return None
         found = self._planning.result
@@ -160,15 +184,15 @@ class Replanner:
         assumptions.note_replan(self._planned_in.changed_events(now))
         return True
 
-    def _plan(self) -> ChosenPlan | PlanFailure:
-        found = self._find()
+    def _plan(self, better: BetterPlan | None) -> ChosenPlan | PlanFailure:
+        found = self._find(better)
         if isinstance(found, ChosenPlan):
             spent(_ADOPTION_US * (len(found.lasso.prefix) + len(found.lasso.loop)))
         else:
             self._patience.begin(found)
         return found
 
-    def _find(self) -> ChosenPlan | PlanFailure:
+    def _find(self, better: BetterPlan | None) -> ChosenPlan | PlanFailure:
         flight, planner = self._flight, self._planner
         self.follow_map()
         self._looked_s = flight.now_s
@@ -181,12 +205,19 @@ class Replanner:
             return NoPlanError(f"no plan: {idle.number} plans in a row led nowhere")
         self._planned_in = task.situation
         self._assumptions.renew()
+        if better is not None and not idle.are_too_many and self._is_current(better):
+            return better.plan
         self._review_skills()
         problem, histories = task.problem()
         self._looked_at, self._unchanged = _what_decides(problem), None
         dropped = self._lines_to_drop(problem)
         found = self._solve(*without_lines([each.line for each in dropped], problem, histories))
         return ChosenPlan(found, dropped) if isinstance(found, Lasso) else found
+
+    def _is_current(self, better: BetterPlan) -> bool:
+        """Whether nothing that decides on plans has changed since this one was found."""
+        self._looked_at, self._unchanged = _what_decides(self._flight.task.problem()[0]), None
+        return _what_decides(better.problem) == self._looked_at
 
     def _review_skills(self) -> None:
         """Puts skills aside that failed in vain; forgets about skills what leaves no plan for the

@@ -11,7 +11,7 @@ from companion.acting.flight import Flight
 from companion.acting.plan_under_way import PlanUnderWay, SafePlaceFlight
 from companion.acting.replanning.assumptions import BELIEF_CAME_BACK, Assumptions
 from companion.acting.replanning.late_plans import LatePlans
-from companion.acting.replanning.replanner import Replanner
+from companion.acting.replanning.replanner import BetterPlan, Replanner
 from companion.acting.triggers.trigger import ReplanTrigger, SlicedTrigger
 from companion.planning.domain import Action, is_one_flight
 from companion.slices import Question
@@ -36,7 +36,7 @@ class CutOffByMap(SlicedTrigger[str | None]):
     """
 
     def __init__(
-        self, flight: Flight, replanner: Replanner, outdated: Question[str | None]
+        self, flight: Flight, replanner: Replanner, outdated: Question[BetterPlan | None]
     ) -> None:
         super().__init__()
         self._flight, self._replanner, self._outdated = flight, replanner, outdated
@@ -185,7 +185,7 @@ class DroppedLineKept(SlicedTrigger[str | None]):
         return None if answered.answer is None else f"{answered.answer} has a plan again"
 
 
-class BoundLate(SlicedTrigger[str | None]):
+class BoundLate(SlicedTrigger[BetterPlan | None]):
     """A time bound will be late, and another plan keeps it.
 
     It is asked when an action has begun, and then again and again while that takes longer than
@@ -203,7 +203,7 @@ class BoundLate(SlicedTrigger[str | None]):
         flight: Flight,
         late_plans: LatePlans,
         cut_off: CutOffByMap,
-        question: Question[str | None],
+        question: Question[BetterPlan | None],
     ) -> None:
         super().__init__(question)
         self._flight, self._late_plans, self._cut_off = flight, late_plans, cut_off
@@ -230,8 +230,8 @@ class BoundLate(SlicedTrigger[str | None]):
             return ends_s > planned_s + SLOW_S and now_s - self._looked_s >= LOOKS_AT_FLIGHT_S
         return now_s > planned_s and now_s - self._looked_s >= LOOKS_AT_SKILL_S
 
-    def reason(self, plan: PlanUnderWay) -> str | None:
-        """What will be late."""
+    def reason(self, plan: PlanUnderWay) -> BetterPlan | None:
+        """The other plan."""
         now_s, late_plans = self._flight.now_s, self._late_plans
         action = plan, self._flight.progress.completed
         if self._begun != action:

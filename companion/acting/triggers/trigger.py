@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from typing import Generic, TypeVar
 
 from companion.acting.plan_under_way import PlanUnderWay
+from companion.acting.replanning.replanner import ReplanReason
 from companion.slices import Question
 
 T = TypeVar("T")
@@ -19,8 +20,8 @@ class ReplanTrigger(ABC):
         """Whether to look closer; it is quick and changes nothing."""
 
     @abstractmethod
-    def reason(self, plan: PlanUnderWay) -> str | None:
-        """Looks closer; returns in words why a new plan is due, or None if it is not."""
+    def reason(self, plan: PlanUnderWay) -> ReplanReason | None:
+        """Looks closer; returns why a new plan is due, or None if it is not."""
 
 
 class SlicedTrigger(ReplanTrigger, Generic[T]):

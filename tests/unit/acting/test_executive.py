@@ -26,6 +26,7 @@ from companion.acting.plan_under_way import PlanUnderWay
 from companion.acting.replan_triggers import TriggerOrder
 from companion.acting.replanning.assumptions import FLAPPING_S
 from companion.acting.replanning.idle_replans import MAX_IDLE_REPLANS
+from companion.acting.replanning.replanner import ReplanReason
 from companion.acting.triggers.after_the_tree import (
     EndSurprised,
     LineViolated,
@@ -481,7 +482,7 @@ class GuardChecked(ReplanTrigger):
         self.guarded.update([type(self._trigger)] if holds else [])
         return holds
 
-    def reason(self, plan: PlanUnderWay) -> str | None:
+    def reason(self, plan: PlanUnderWay) -> ReplanReason | None:
         return self._trigger.reason(plan)
 
 

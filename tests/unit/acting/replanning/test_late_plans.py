@@ -7,16 +7,17 @@ from typing import Any
 
 import pytest
 from rig import Rig
-from synthetic import mission, skill
+from synthetic import event, mission, skill
 
 from companion.acting.positions import tell_late
 from companion.acting.replanning.late_plans import LatePlans
+from companion.acting.replanning.replanner import BetterPlan, Replanner
+from companion.errors import NoPlanError
 from companion.flight_events.plans import LineDropped, PlanReplaced
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.word import ConjunctViolated
 from companion.mission.steps import Command
 from companion.outcomes import Progress
-from companion.planning.lasso import ChosenPlan
 from companion.planning.optional_lines import NO_PLAN
 from companion.planning.time_check import LateLine
 
@@ -82,7 +83,7 @@ def test_a_bound_that_no_plan_can_keep_is_asked_about_once_or_twice(
     asked: list[Sequence[LateLine]] = []
     soon_better = LatePlans._soon_better
 
-    def counted(plans: LatePlans, late: Sequence[LateLine]) -> ChosenPlan | None:
+    def counted(plans: LatePlans, late: Sequence[LateLine]) -> BetterPlan | None:
         asked.append(late)
         return soon_better(plans, late)
 
@@ -92,6 +93,48 @@ def test_a_bound_that_no_plan_can_keep_is_asked_about_once_or_twice(
     assert rig.flight.now_s > LIMIT_S
     assert 1 <= len(asked) <= 2
     assert rig.of(PlanReplaced) == [] or rig.flight.now_s > LIMIT_S
+
+
+def test_the_plan_that_was_found_is_flown_though_another_search_would_find_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Replanner, "_solve", lambda *_: NoPlanError("it is gone"))
+    rig = looking({"look": "F seen"}, 200.0)
+    assert rig.at("B") < LIMIT_S
+    assert rig.one(PlanReplaced).plan.prefix[0].action == "move(A, B)"
+
+
+def test_a_skill_that_has_taken_too_long_is_followed_by_what_has_a_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The way to B was to lead past C, which is too long now."""
+    monkeypatch.setattr(Replanner, "_solve", lambda *_: NoPlanError("it is gone"))
+    monkeypatch.setattr(LatePlans, "under_way", lambda *_: None)
+    task = {**SOON, "look": "F seen", "far": "F at(C)", "end": "F G at(B)"}
+    rig = ClockedRig(mission(task, places="HABC", skills=[LOOK])).begin()
+    assert rig.plans[0].names(4) == ["move(H, A)", "look", "move(A, C)", "move(C, B)"]
+    rig.vehicle.payloads.answers = [(LIMIT_S - 2 * LEG_S, Progress.DONE)]
+    assert isinstance(rig, ClockedRig)
+    assert rig.at("B") < LIMIT_S
+    assert rig.one(PlanReplaced).plan.prefix[0].action == "move(here, B)"
+    rig.run_until(PlaceReached, place="C")
+
+
+def test_a_plan_that_was_found_before_something_changed_is_searched_again() -> None:
+    task = {"look": "F seen", "alarm": "G(alarm -> F at(H))"}
+    rig = looking(task, 200.0, events=[event("alarm")])
+    under_way = LatePlans.under_way
+
+    def changed(plans: LatePlans, *asked: Any) -> BetterPlan | None:
+        better = under_way(plans, *asked)
+        if better is not None:
+            rig.task.take(event("alarm"), True)
+        return better
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(LatePlans, "under_way", changed)
+        rig.run_until(PlanReplaced)
+    assert "move(A, H)" in {each.action for each in rig.one(PlanReplaced).plan.prefix}
 
 
 def test_a_skill_on_the_ground_is_finished_first() -> None:
