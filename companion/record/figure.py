@@ -17,6 +17,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from companion.geometry import Ned, enu_from_ned
@@ -33,8 +34,8 @@ LEGEND_COLUMNS = 3
 """Most columns of a legend, for each panel above it: more would be wider than the figure."""
 COLUMNS = 3
 """Most panels side by side."""
-SETTLING_DRAWS = 2
-"""Drawings before the final one: with three, the layout has room for titles above equal scales."""
+SETTLING_LAYOUTS = 2
+"""Layouts before the final one: with three there is room for titles above equal scales."""
 TITLE_LETTERS = 50
 """Most letters in a line of a title."""
 ARROWS, ARROW_EVERY = 6, 0.2
@@ -64,7 +65,8 @@ def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
     columns = math.ceil(panels / rows)
     width, height = PANEL_INCHES[0] * columns, PANEL_INCHES[1] * rows
     strip = CHARGE_INCHES if trail.charge.says_something else 0.0
-    figure = Figure(figsize=(width, height + strip + LEGEND_INCHES), layout="constrained")
+    layout = ConstrainedLayoutEngine()
+    figure = Figure(figsize=(width, height + strip + LEGEND_INCHES), layout=layout)
     FigureCanvasAgg(figure)
     heights = [PANEL_INCHES[1]] * rows + [strip] * bool(strip)
     grid = figure.add_gridspec(len(heights), columns, height_ratios=heights)
@@ -88,8 +90,8 @@ def figure_of(backdrop: Backdrop, trail: Trail) -> Figure:
         fontsize="small",
         frameon=False,
     )
-    for _ in range(SETTLING_DRAWS):
-        figure.draw_without_rendering()
+    for _ in range(SETTLING_LAYOUTS):
+        layout.execute(figure)
     names = {name: enu_from_ned(at)[:2] for name, (at, _) in backdrop.places.items()}
     for axis in axes:
         write_names(axis, names)
