@@ -166,13 +166,31 @@ the others over sockets, `.ci/run` that of README.md. Those are flown here with 
 is endless_patrol, eleven minutes long."""
 FLOWN_ELSEWHERE = {
     *SHIPPED,
+    "companion sim missions/surveillance.yaml --speed max --seed 7",  # companion/api/simulating.py
     REFUSED,  # tests/flights/test_shipped.py
     # tests/paper/test_engines_in_flight.py
     "companion sim missions/paper_section_v.yaml --speed max --engine fast-downward --encoding v1",
 }
+CHECKS = {
+    "companion check missions/surveillance.yaml",
+    "sitl --check missions/surveillance.sim.yaml",
+}
+PROCESSES = [c for c in QUICK if c in CHECKS or "sim" in c.split()]
+"""Those of each program that take least, and all flights; the others are run in this process."""
 FIRST = {tuple(shlex.split(command)[:2]): command for command in reversed(QUICK)}
-PROCESSES = [c for c in QUICK if c in FIRST.values() or "sim" in c.split()]
-"""The first one of each subcommand, and all flights; the others are run in this process."""
+TOGETHER = [c for c in FIRST.values() if c not in PROCESSES]
+"""The first one of each other subcommand."""
+ALL_AT_ONCE = """
+import shlex, sys
+from companion.cli import main
+for command in sys.argv[1:]:
+    sys.argv = shlex.split(command)
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code, command
+"""
+"""A program that gives commands one after the other."""
 
 
 def test_commands_are_found() -> None:
@@ -243,11 +261,12 @@ def test_a_quick_command_succeeds_in_this_process(
 
 
 @pytest.mark.slow
-def test_a_new_mission_flies(start: Start) -> None:
-    for command in STARTING:
-        process = start(command)
-        printed, _ = process.communicate(timeout=600)
-        assert process.returncode == 0, printed
+def test_nothing_that_only_the_tests_need_is_loaded_by_any_subcommand(start: Start) -> None:
+    """A new mission is made and flown, and one command of each other kind is given."""
+    process = start(shlex.join(["python", "-c", ALL_AT_ONCE, *TOGETHER, *STARTING]))
+    printed, _ = process.communicate(timeout=600)
+    assert process.returncode == 0, printed
+    assert "task satisfied, landed" in printed
 
 
 @pytest.mark.sockets
