@@ -24,6 +24,7 @@ from companion.skills.catalogue import Installed, Parameter
 pytestmark = pytest.mark.slow
 
 MISSIONS = Path(__file__).parents[3] / "missions"
+LOST_PERSON = MISSIONS / "lost_person.yaml"
 WEIGHING = MISSIONS.parent / "docs" / "examples" / "scale_skill" / "weighing.yaml"
 RUN, PLACE, WAYPOINT, LIMIT, AWAY = (
     Parameter(name, "POSITIONAL_OR_KEYWORD", default, "")
@@ -56,24 +57,30 @@ def children() -> Iterator[CheckChildren]:
         yield children
 
 
-@pytest.mark.parametrize("is_installed", [True, False])
 def test_an_uploaded_mission_may_call_what_was_installed_and_nothing_else(
-    is_installed: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A check loads no package: it is told what is installed."""
-    with closing(CheckChildren(INSTALLED if is_installed else {})) as children:
-        answer = answer_of(children.begin(WEIGHING.parent, WEIGHING.name))
-    assert answer.is_good is is_installed
-    assert "weigh(Rack)" in answer.text if is_installed else "is not installed" in answer.text
+    answer = answer_of_one(CheckChildren(INSTALLED), WEIGHING)
+    assert answer.is_good and "weigh(Rack)" in answer.text
+    monkeypatch.chdir(WEIGHING.parent)
+    without = BoundedCheck(Path(WEIGHING.name)).answer()
+    assert not without["ok"] and "is not installed" in without["error"]
 
 
 @pytest.mark.parametrize("hears_reports", [pytest.param(True, marks=pytest.mark.long), False])
 def test_reports_that_nobody_hears_are_noticed(hears_reports: bool) -> None:
-    with closing(CheckChildren(hears_reports=hears_reports)) as children:
-        answer = answer_of(children.begin(MISSIONS, "lost_person.yaml"))
+    answer = answer_of_one(CheckChildren(hears_reports=hears_reports), LOST_PERSON)
     unheard = "not heard: EVENT[person]; --events says where other programs report"
     assert answer.is_good
     assert answer.notices == (() if hears_reports else (unheard,))
+
+
+def answer_of_one(children: CheckChildren, mission: Path) -> CheckResult:
+    """What the first of them answers; the next one is ended before it has loaded much."""
+    check = children.begin(mission.parent, mission.name)
+    children.close()
+    return answer_of(check)
 
 
 def answer_of(check: checking.MissionCheck) -> CheckResult:
@@ -94,7 +101,7 @@ def a_child(program: str, monkeypatch: pytest.MonkeyPatch) -> CheckChild:
 
 
 def test_each_checks_one_mission_and_the_next_is_ready(children: CheckChildren) -> None:
-    for name in ("surveillance.yaml", "corridor.yaml", "none.yaml"):
+    for name in ("surveillance.yaml", "none.yaml"):
         spare = children._spare
         check = children.begin(MISSIONS, name)
         assert check is spare and children._spare is not spare
@@ -109,6 +116,7 @@ def test_a_spare_that_has_died_is_replaced(children: CheckChildren) -> None:
     dead.kill()
     dead._child.wait()
     check = children.begin(MISSIONS, "surveillance.yaml")
+    children.close()
     assert check is not dead
     assert answer_of(check).is_good
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import json
 import time
+from contextlib import chdir, redirect_stdout
 from pathlib import Path
 
 import pytest
 from ftp_client import Client
 
-from companion.ground.checking import CheckResult
+from companion.cli.check_child import BoundedCheck
+from companion.ground.checking import CheckResult, begin_check, result_of
 from companion.ground.upload_states import UploadVerdict
 from companion.ground.uploads import CHECK_S, Uploads
 from companion.mavlink.ftp_frames import Opcode, crc32
@@ -70,6 +73,13 @@ class Slow:
         self.answer = CheckResult(False, "the check needs too much time or memory")
 
 
+def checked_here(folder: Path, mission: str) -> Slow:
+    """The check of a child process in this one, which has loaded everything."""
+    with chdir(folder), redirect_stdout(io.StringIO()):
+        answer = BoundedCheck(Path(mission)).answer()
+    return Slow(result_of(0, json.dumps(answer).encode()))
+
+
 def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
     uploads = Uploads(tmp_path)
     ground = Ground(uploads)
@@ -88,7 +98,7 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
     assert uploads.take_active() is None
     ground.put("maps/hall.pgm", b"broken")  # what flies is not touched
     assert load_mission(path).name == "surveillance"
-    restarted = Ground(Uploads(tmp_path))
+    restarted = Ground(Uploads(tmp_path, checked_here))
     restarted.put("surveillance.yaml", b"version: 2\n")
     assert restarted.verdict().number == verdict.number + 1
 
@@ -96,7 +106,7 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
 def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
     tmp_path: Path,
 ) -> None:
-    uploads = Uploads(tmp_path)
+    uploads = Uploads(tmp_path, checked_here)
     ground = Ground(uploads)
     ground.upload_map()
     ground.ask(Opcode.CREATE_DIRECTORY, "vehicles")
@@ -133,7 +143,7 @@ def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
 def test_a_mission_that_cannot_be_flown_changes_nothing(
     tmp_path: Path, old: bytes, new: bytes, told: str
 ) -> None:
-    uploads = Uploads(tmp_path)
+    uploads = Uploads(tmp_path, checked_here)
     ground = Ground(uploads)
     ground.upload_map()
     ground.put("surveillance.yaml", MISSION.replace(old, new))
@@ -146,7 +156,7 @@ def test_a_mission_that_cannot_be_flown_changes_nothing(
 
 
 def test_an_image_outside_is_not_opened(tmp_path: Path) -> None:
-    ground = Ground(Uploads(tmp_path))
+    ground = Ground(Uploads(tmp_path, checked_here))
     ground.upload_map()
     plan = (MISSIONS / "maps" / "hall.yaml").read_bytes()
     ground.put("maps/hall.yaml", plan.replace(b"hall.pgm", b"../../../x.pgm"))
@@ -192,15 +202,15 @@ def accepted(root: Path, *names: str) -> Uploads:
 
 def test_what_was_accepted_and_not_flown_is_offered_again_after_a_restart(tmp_path: Path) -> None:
     """Whether it was taken or not; as often as it takes; with a real check of all files."""
-    before = Uploads(tmp_path)
+    before = Uploads(tmp_path, checked_here)
     ground = Ground(before)
     ground.upload_map()
     ground.put("surveillance.yaml", MISSION)
     number = ground.verdict().number
     ground.put("maps/hall.pgm", b"of another mission")
     restarted = ground
-    for times in (1, 2):
-        restarted = Ground(Uploads(tmp_path))
+    for times, begin in ((1, begin_check), (2, checked_here)):
+        restarted = Ground(Uploads(tmp_path, begin))
         verdict = restarted.verdict()
         assert verdict.text == "surveillance.yaml accepted again after a restart"
         assert (verdict.number, verdict.crc32) == (number + times, crc32(MISSION))
