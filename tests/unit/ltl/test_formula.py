@@ -29,7 +29,7 @@ from companion.ltl.formula import (
 )
 from companion.ltl.parser import atom, occurrences, parse
 
-DEPTH = 20_000
+DEPTH = 5_000
 
 
 def test_constructors_and_text_give_the_same_object() -> None:

@@ -79,9 +79,6 @@ FAMILIES = {
 }
 """Deep, broad and exponential formulas."""
 
-QUICK = {"negations", "& and |", "and", "fairness of 40", "memory", "choices"}
-"""Formulas of every run; together they meet every limit but that of memory, and have answers."""
-
 
 CONJUNCTIONS = (
     "& and |",
@@ -101,16 +98,28 @@ CONJUNCTIONS = (
 """Formulas with several conjuncts."""
 
 
+SPLIT, WHOLE = (), ("--monolithic", "--state-based")
+QUICK = {
+    ("negations", WHOLE),
+    ("& and |", WHOLE),
+    ("and", SPLIT),
+    ("fairness of 40", SPLIT),
+    ("memory", WHOLE),
+    ("choices", WHOLE),
+    ("choices", SPLIT),
+}
+"""Those of every run; together they meet every limit but that of memory, and have answers."""
+
+
 def cases() -> list[object]:
     """Every formula as one automaton, and conjunctions by their conjuncts too."""
-    split, whole = (), ("--monolithic", "--state-based")
-    named = [(name, whole) for name in FAMILIES] + [(name, split) for name in CONJUNCTIONS]
+    named = [(name, WHOLE) for name in FAMILIES] + [(name, SPLIT) for name in CONJUNCTIONS]
     return [
         pytest.param(
             name,
             options,
             id=f"{name}, {'whole' if options else 'split'}",
-            marks=[] if name in QUICK else [pytest.mark.long],
+            marks=[] if (name, options) in QUICK else [pytest.mark.long],
         )
         for name, options in named
     ]
