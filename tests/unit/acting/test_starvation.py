@@ -50,8 +50,8 @@ PATROLS = {
 @pytest.mark.parametrize(
     ("name", "every_s", "minutes"),
     [
-        ("lines", 14.0, 4.0),
-        ("one line", 16.0, 4.0),
+        ("lines", 14.0, 3.0),
+        ("one line", 16.0, 3.0),
         *(
             pytest.param(name, every_s, 30.0, marks=pytest.mark.long)
             for name in PATROLS

@@ -145,7 +145,7 @@ def test_a_second_planner_agrees_that_there_is_a_plan(phases: list[Asked], phase
 @pytest.mark.parametrize(
     ("task", "encoding"),
     [
-        pytest.param(task, encoding, marks=[pytest.mark.long] if (i + j) % 3 else [])
+        pytest.param(task, encoding, marks=[pytest.mark.long] if (i + 4 * j) % 6 else [])
         for i, task in enumerate(TASKS)
         for j, encoding in enumerate(Encoding)
     ],
@@ -173,8 +173,14 @@ def test_small_tasks_by_a_second_planner(task: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("encoding", Encoding)
-@pytest.mark.parametrize("task", ["G at(H) & F at(A)", "false"])
+@pytest.mark.parametrize(
+    ("task", "encoding"),
+    [
+        *(("G at(H) & F at(A)", encoding) for encoding in Encoding),
+        *(pytest.param("false", encoding, marks=pytest.mark.long) for encoding in (V1, V5)),
+        ("false", V4),
+    ],
+)
 def test_that_there_is_no_plan_is_proved(task: str, encoding: Encoding) -> None:
     asked = problem("HA", unit_costs("HA"), task)
     found = solve_with(asked, history(asked), "fast-downward", encoding, Objective.LAP, LIMIT_S)

@@ -127,7 +127,7 @@ def flown(paths: PathTables, chargers: dict[int, Charger], lap: ChargingLap) -> 
     return time_ms, met
 
 
-LARGE = {5, 11}
+LARGE = {5, 11, 12}
 """Seeds of which the exhaustive search takes most of the time."""
 
 

@@ -132,8 +132,9 @@ def test_a_copy_knows_as_much(searches: list[LapSearch]) -> None:
     assert searches
 
 
-def test_answers_are_those_of_a_search_that_remembers_nothing() -> None:
-    for seed in range(60):
+@pytest.mark.parametrize("seeds", [range(25), pytest.param(range(25, 60), marks=pytest.mark.long)])
+def test_answers_are_those_of_a_search_that_remembers_nothing(seeds: range) -> None:
+    for seed in seeds:
         of = timed_problem(seed)
         remembers = TimedSearch(BatterySearch(Search(of.actions)))
         asked = [of, *(moved[0] for turn in range(4) if (moved := later(of, 10 * seed + turn)))]

@@ -42,9 +42,16 @@ FOR_EVER = [
 ]
 
 
-@pytest.mark.parametrize("for_ever", FOR_EVER)
+BOUNDED = ["F[<=60s] at(C)", "G (alarm -> F[<=60s] at(C))", "revisit(at(A)) <= 60 s"]
+
+
 @pytest.mark.parametrize(
-    "bounded", ["F[<=60s] at(C)", "G (alarm -> F[<=60s] at(C))", "revisit(at(A)) <= 60 s"]
+    ("for_ever", "bounded"),
+    [
+        pytest.param(for_ever, bounded, marks=[pytest.mark.long] if (i + j) % 3 else [])
+        for i, for_ever in enumerate(FOR_EVER)
+        for j, bounded in enumerate(BOUNDED)
+    ],
 )
 def test_a_skill_that_nothing_asks_for_changes_no_plan(for_ever: str, bounded: str) -> None:
     """Laps as short are there before the drops and after them; the way in is shorter before."""
