@@ -208,7 +208,7 @@ def test_places_are_flown_to_at_cruise_speed(speed_mps: float | None, flown_mps:
     assert wire.simulation.flight.velocity[0] == pytest.approx(flown_mps, abs=0.1)
 
 
-@pytest.mark.parametrize("delay_s", [0.0, 8.0, -1.0])
+@pytest.mark.parametrize("delay_s", [pytest.param(0.0, marks=pytest.mark.long), 8.0, -1.0])
 def test_a_return_waits_at_home_before_it_lands(delay_s: float) -> None:
     wire = Wire(Scenario(parameters={"RTL_LAND_DELAY": delay_s, "RTL_RETURN_ALT": 12.0}))
     wire.fly_offboard(15.0, 0.0, -3.0)

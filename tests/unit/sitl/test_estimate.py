@@ -169,7 +169,7 @@ def test_the_accuracy_that_is_told_follows_the_errors() -> None:
 def test_a_height_wanders_with_its_deviation_and_is_what_its_velocity_makes_of_it() -> None:
     estimator = Estimator(random.Random(5), wander=Wander(0.25, 0.3, height_m=0.5))
     dt_s = 0.02
-    seen = [estimator.step(TRUTH, dt_s * i) for i in range(200_000)]  # 200 time constants
+    seen = [estimator.step(TRUTH, dt_s * i) for i in range(100_000)]  # 100 time constants
     errors = [belief.position[2] - TRUTH.position[2] for belief in seen]
     assert math.sqrt(fmean(e * e for e in errors)) == pytest.approx(0.5, rel=0.1)
     rises = [(b - a) / dt_s for a, b in pairwise(errors)]

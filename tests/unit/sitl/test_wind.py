@@ -30,9 +30,9 @@ DEVIATION_MPS = SIGMA_MPS * np.array((_SHAPE**-0.4, _SHAPE**-0.4, 1.0))
 
 @pytest.fixture(scope="module")
 def gusts() -> NDArray[np.float64]:
-    """Along the wind, across it and down, every 20 ms for 20 minutes, of a vehicle that hovers.
+    """Along the wind, across it and down, every 20 ms for 10 minutes, of a vehicle that hovers.
 
-    Along the wind they decorrelate in 2.9 s, so their variance is known to about 7 %.
+    Along the wind they decorrelate in 2.9 s, so their variance is known to about 10 %.
     """
     home = (0.0, 0.0, -HEIGHT_M)
     physics = Physics(
@@ -41,7 +41,7 @@ def gusts() -> NDArray[np.float64]:
     # No sensor of the vehicle feels the air alone, so JSBSim is asked.
     axes = [physics._node(f"atmosphere/gust-{axis}-fps") for axis in ("north", "east", "down")]
     cascade, setpoint, rows = Cascade(), TrajectorySetpoint(home, (0.0, 0.0, 0.0)), []
-    for _ in range(round(1200 / SAMPLE_S)):
+    for _ in range(round(600 / SAMPLE_S)):
         flown(physics, cascade, setpoint, SAMPLE_S)
         rows.append([axis.get_double_value() * M_PER_FT for axis in axes])
     assert math.dist(physics.state.position, home) < 2.0
