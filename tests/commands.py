@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import NamedTuple
+
+UNDRAWN = (
+    sys.executable,
+    "-c",
+    "from companion.cli import main; from companion.flights import run_folders; "
+    "run_folders.draw_here = lambda *_: None; main()",
+)
+"""`companion` in a process of its own, without pictures of flights: each takes as long as one."""
 
 
 class Ended(NamedTuple):

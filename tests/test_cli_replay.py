@@ -18,7 +18,7 @@ from pathlib import Path
 from urllib.error import HTTPError
 
 import pytest
-from commands import Companion
+from commands import UNDRAWN, Companion
 from mcap.reader import make_reader
 
 DOCUMENTED = "companion replay runs/2026-11-21T101500-surveillance"
@@ -148,7 +148,7 @@ def test_a_server_that_cannot_start_keeps_nobody_from_flying(tmp_path: Path) -> 
     (tmp_path / "uvicorn.py").write_text("raise ImportError('no uvicorn here')\n")
     arguments = ["sim", str(HOP), "--speed", "max", "--monitor", "127.0.0.1:0"]
     flight = subprocess.run(
-        [sys.executable, "-m", "companion", *arguments, "--log-dir", str(tmp_path / "runs")],
+        [*UNDRAWN, *arguments, "--log-dir", str(tmp_path / "runs")],
         env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
         capture_output=True,
         text=True,

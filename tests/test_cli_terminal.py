@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import IO
 
 import pytest
+from commands import UNDRAWN
 
 from companion.cli.terminal import LINES_KEPT, Terminal, undisturbed
 from companion.flight_events.event import FlightEvent
@@ -113,7 +114,7 @@ def test_a_flight_cannot_be_suspended(name: str) -> None:
 
 def fly(folder: Path, stdout: int | IO[str]) -> subprocess.Popen[str]:
     """A flight in lockstep whose output goes somewhere."""
-    command = [sys.executable, "-m", "companion", "sim", HOP, "--speed", "max"]
+    command = [*UNDRAWN, "sim", HOP, "--speed", "max"]
     return subprocess.Popen(
         [*map(str, command), "--log-dir", str(folder)],
         stdout=stdout,
