@@ -18,8 +18,6 @@ from companion.flights.cut_off_runs import CutOffRun
 from companion.flights.run_folders import RunFolders
 from companion.record.backdrop import backdrop_of
 
-pytestmark = pytest.mark.usefixtures("drawn")
-
 MISSIONS = Path(__file__).parents[1] / "missions"
 
 
@@ -44,11 +42,12 @@ def test_a_run_has_the_trail_and_the_world_of_its_flight(run_folder: Path) -> No
 
 
 def test_a_tree_by_hand_has_a_trail_too(tmp_path: Path) -> None:
-    simulate(load_mission(MISSIONS / "by_hand.yaml"), folder=tmp_path)
+    simulate(load_mission(MISSIONS / "by_hand.yaml"), folder=tmp_path, limit_s=20)
     ((title, positions),) = trail_of_run(tmp_path).parts
     assert title == "the tree that was written by hand" and len(positions) > 100
 
 
+@pytest.mark.usefixtures("drawn")
 def test_a_run_that_was_gone_on_with_is_drawn_from_its_beginning_on(
     companion: Companion, run_folder: Path, tmp_path: Path
 ) -> None:
@@ -66,7 +65,8 @@ def test_a_run_that_was_gone_on_with_is_drawn_from_its_beginning_on(
     assert (run / "flight.png").read_bytes() == whole.read_bytes()
 
 
-@pytest.mark.parametrize("name", ["flight.pdf", "flight.svg"])
+@pytest.mark.usefixtures("drawn")
+@pytest.mark.parametrize("name", ["flight.pdf", pytest.param("flight.svg", marks=pytest.mark.long)])
 def test_it_is_drawn_beside_the_run(companion: Companion, run_folder: Path, name: str) -> None:
     ended = companion("figure", run_folder, "--format", name.partition(".")[2])
     assert (ended.code, ended.out) == (0, f"written    {run_folder / name}\n")

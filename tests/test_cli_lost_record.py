@@ -25,8 +25,10 @@ SEEN = "where the vehicle was is in flight.tlog: companion replay {0} shows it"
 def lost(
     request: pytest.FixtureRequest, surveillance_run: Path, tmp_path: Path
 ) -> tuple[Path, str]:
-    """A run whose events.jsonl is lost, and how."""
+    """A run of which the first third is left in flight.tlog, and events.jsonl is lost; how."""
     run = shutil.copytree(surveillance_run, tmp_path / "runs" / "run")
+    packets = (run / "flight.tlog").read_bytes()
+    (run / "flight.tlog").write_bytes(packets[: len(packets) // 3])
     LOSSES[request.param](run / "events.jsonl")
     return run, request.param.partition(",")[0]
 

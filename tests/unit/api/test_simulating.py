@@ -63,7 +63,7 @@ def test_equal_arguments_give_equal_flights(mission: Mission) -> None:
     assert not np.array_equal(other.trajectory.positions, first.trajectory.positions)
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.2])
+@pytest.mark.parametrize("loss", [pytest.param(0.0, marks=pytest.mark.long), 0.2])
 def test_a_flight_is_the_same_with_a_record(mission: Mission, loss: float, tmp_path: Path) -> None:
     """Both sides send as many datagrams: a link that loses takes the same ones."""
     world = {"version": 1, "happens": [{"at_s": 0.5, "link": {"port": "companion", "loss": loss}}]}

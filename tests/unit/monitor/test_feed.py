@@ -112,7 +112,7 @@ def test_thinning_keeps_the_newest(run: Follower) -> None:
 def test_a_history_is_written_once_for_all_who_come(
     run: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Two hundred who come at once cost what one costs, until there is news."""
+    """Twenty who come at once cost what one costs, until there is news."""
     written: list[str] = []
     message = feed_module._message
 
@@ -123,7 +123,7 @@ def test_a_history_is_written_once_for_all_who_come(
     async def come() -> list[list[tuple[str, Any]]]:
         feed = Feed()
         feed.show(run)
-        first = [await received(feed.stream()) for _ in range(200)]
+        first = [await received(feed.stream()) for _ in range(20)]
         feed.tell()
         return [*first, await received(feed.stream())]
 

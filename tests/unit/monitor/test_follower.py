@@ -298,26 +298,25 @@ def test_a_damaged_scene_is_refused(surveillance_run: Path, tmp_path: Path, chan
         Follower(tmp_path, is_live=False)
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        {"type": "WrittenTreeAdopted", "number": 0, "task": {"it": "G ("}, "priorities": {}},
-        {"type": "PlanMade"},
-        {"type": "PositionLeft", "facts": 3, "restarted": []},
-        {"type": "SymbolMoved", "place": "nowhere", "position": [0, 0, 0], "source": "a test"},
-        {"type": "SymbolMoved", "place": "A", "position": ["x", 0, 0], "source": "a test"},
-        {"type": "TreeBuilt", "nodes": [7]},
-        {"type": "FenceKept", "fence": "2", "within": [[[0, 0], [1, 0]], []], "keep_out": [[]]},
-    ],
-)
-def test_a_line_that_is_not_as_documented_stops_nothing(
-    surveillance_run: Path, tmp_path: Path, line: dict[str, Any]
+UNDOCUMENTED: list[dict[str, Any]] = [
+    {"type": "WrittenTreeAdopted", "number": 0, "task": {"it": "G ("}, "priorities": {}},
+    {"type": "PlanMade"},
+    {"type": "PositionLeft", "facts": 3, "restarted": []},
+    {"type": "SymbolMoved", "place": "nowhere", "position": [0, 0, 0], "source": "a test"},
+    {"type": "SymbolMoved", "place": "A", "position": ["x", 0, 0], "source": "a test"},
+    {"type": "TreeBuilt", "nodes": [7]},
+    {"type": "FenceKept", "fence": "2", "within": [[[0, 0], [1, 0]], []], "keep_out": [[]]},
+]
+
+
+def test_lines_that_are_not_as_documented_stop_nothing(
+    surveillance_run: Path, tmp_path: Path
 ) -> None:
     for name in ("scene.json", "flight.tlog"):
         (tmp_path / name).write_bytes((surveillance_run / name).read_bytes())
     first, rest = (surveillance_run / "events.jsonl").read_text(encoding="utf-8").split("\n", 1)
-    damaged = json.dumps({"t_s": 0.05, "kind": "", "text": "", **line})
-    (tmp_path / "events.jsonl").write_text(f"{first}\n{damaged}\n{rest}", encoding="utf-8")
+    damaged = [json.dumps({"t_s": 0.05, "kind": "", "text": "", **line}) for line in UNDOCUMENTED]
+    (tmp_path / "events.jsonl").write_text("\n".join([first, *damaged, rest]), encoding="utf-8")
     run = read_whole(tmp_path)
     assert of(run, RunEnded)
 
