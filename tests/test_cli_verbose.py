@@ -24,6 +24,10 @@ pytestmark = pytest.mark.slow
 
 SURVEILLANCE = Path(__file__).parents[1] / "missions" / "surveillance.yaml"
 PLAN = (sys.executable, "-m", "companion", "plan", str(SURVEILLANCE))
+SHOWN = "companion.cli.log_lines import show_log_lines; show_log_lines(True)"
+LOGGING = f"import logging; from {SHOWN}; logging.getLogger('companion').debug('a'); print('b')"
+LOGS = (sys.executable, "-c", LOGGING)
+"""Shows a log line and prints b, in a moment."""
 FULL = Path("/dev/full")
 LOG = logging.getLogger("companion.of.a.test")
 
@@ -57,23 +61,27 @@ def test_with_the_option_they_are_on_standard_error(
     assert " ms" in lines
 
 
-def test_a_closed_standard_error_takes_none(quiet: subprocess.CompletedProcess[bytes]) -> None:
+def test_a_log_line_is_shown_in_a_moment() -> None:
+    done = subprocess.run(LOGS, capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (0, b"b\n")
+    assert done.stderr.endswith(b"companion  a\n")
+
+
+def test_a_closed_standard_error_takes_none() -> None:
     done = subprocess.run(
-        ["sh", "-c", 'exec "$@" 2>&-', "sh", *PLAN, "-v"],
+        ["sh", "-c", 'exec "$@" 2>&-', "sh", *LOGS],
         stdout=subprocess.PIPE,
         timeout=60,
         check=False,
     )
-    assert (done.returncode, done.stdout) == (0, quiet.stdout)
+    assert (done.returncode, done.stdout) == (0, b"b\n")
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="no /dev/full here")
-def test_a_full_disk_takes_none(quiet: subprocess.CompletedProcess[bytes]) -> None:
+def test_a_full_disk_takes_none() -> None:
     with FULL.open("wb") as full:
-        done = subprocess.run(
-            [*PLAN, "-v"], stdout=subprocess.PIPE, stderr=full, timeout=60, check=False
-        )
-    assert (done.returncode, done.stdout) == (0, quiet.stdout)
+        done = subprocess.run(LOGS, stdout=subprocess.PIPE, stderr=full, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (0, b"b\n")
 
 
 def test_a_pipe_that_nobody_reads_takes_none(quiet: subprocess.CompletedProcess[bytes]) -> None:
