@@ -59,10 +59,11 @@ def test_it_prints_the_table(companion: Companion) -> None:
     assert any(line.split() == ["1", "A", "move(A,", "B)", "(loop)"] for line in lines)
 
 
-def test_json_has_it_beside_the_rest(companion: Companion) -> None:
-    told = json.loads(companion(*ASKED, "--json", SURVEILLANCE).out)
-    assert told["ok"] and told["contingencies"]["summary"] == SUMMARY
-    assert len(told["contingencies"]["contingencies"]) == 60
+def test_json_has_it_beside_the_rest(companion: Companion, near: str) -> None:
+    told = json.loads(companion(*ASKED, "--json", near).out)
+    many = len(told["contingencies"]["contingencies"])
+    assert many > 1 and told["ok"]
+    assert told["contingencies"]["summary"].startswith(f"{many} contingencies: ")
 
 
 def test_the_picture_is_drawn(companion: Companion, tmp_path: Path, near: str) -> None:
