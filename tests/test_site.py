@@ -85,7 +85,9 @@ def test_a_link_to_no_file_fails(small: Path, link: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("link", ["docs/more.md#nowhere", "#nowhere"])
+@pytest.mark.parametrize(
+    "link", ["docs/more.md#nowhere", pytest.param("#nowhere", marks=pytest.mark.long)]
+)
 def test_a_link_to_no_heading_fails(small: Path, link: str) -> None:
     build(small, small / "built")
     with (small / "README.md").open("a", encoding="utf-8") as page:
