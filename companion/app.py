@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from companion.acting.phases import ON_THE_GROUND
-from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
+from companion.acting.sortie.phases import ON_THE_GROUND
+from companion.acting.sortie.terms import USUAL_TERMS, SortieTerms
 from companion.errors import CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import TerminalHungUp

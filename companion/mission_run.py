@@ -24,12 +24,12 @@ from companion.acting.journal import (
     VehicleSeen,
 )
 from companion.acting.kept_clearance import KeptClearance
-from companion.acting.phases import ON_THE_GROUND
 from companion.acting.preparation import PreparedMission
-from companion.acting.resumption import Resumption, restore
 from companion.acting.sight_limit import SightLimit
-from companion.acting.sortie import Sortie
-from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
+from companion.acting.sortie.phases import ON_THE_GROUND
+from companion.acting.sortie.resumption import Resumption, restore
+from companion.acting.sortie.sortie import Sortie
+from companion.acting.sortie.terms import USUAL_TERMS, SortieTerms
 from companion.flight_events.event import Stamped
 from companion.flight_events.plans import LapCompleted, NoPlanFound, PlanReplaced
 from companion.flight_events.reports import SignalHeard, SignalSilent

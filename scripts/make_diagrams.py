@@ -19,8 +19,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from companion.acting import phases
 from companion.acting.behaviour_tree import marker_states
+from companion.acting.sortie import phases
 from companion.ground import ftp_sessions, upload_states
 from companion.transitions import StateTransition
 

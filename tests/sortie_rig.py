@@ -8,8 +8,8 @@ from fakes import FakeVehicle
 from happened import Happened
 from rig import Rig
 
-from companion.acting.sortie import Sortie
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie.sortie import Sortie
+from companion.acting.sortie.terms import SortieTerms
 from companion.errors import Aborted
 from companion.flight_events.event import Stamped
 from companion.flight_events.sortie import Phase, RunEnded, RunFailed

@@ -69,9 +69,9 @@ SPOILERS = {
         "companion.motion.trajectory -> socket",
     ),
     "Only the composition roots open doors": Spoiler(
-        "companion/acting/sortie.py",
+        "companion/acting/sortie/sortie.py",
         "companion.vehicle.link",
-        "companion.acting.sortie -> companion.vehicle.link",
+        "companion.acting.sortie.sortie -> companion.vehicle.link",
     ),
     "Each large library is met in one place": Spoiler(
         "companion/planning/lasso.py",

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from companion.acting.flight_limit import FlightLimit
-from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie.flight_limit import FlightLimit
+from companion.acting.sortie.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.sortie.terms import SortieTerms
 from companion.api.flight_arguments import check_flight_arguments
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, recording
 from companion.app import Companion

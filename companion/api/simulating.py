@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from companion.acting.flight_limit import FlightLimit
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie.flight_limit import FlightLimit
+from companion.acting.sortie.terms import SortieTerms
 from companion.api.flight_arguments import check_flight_arguments
 from companion.api.results import FlightResult, FlownTrajectory, OnEvent, Recording, recording
 from companion.arguments import check_kind

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from companion.acting.authority import loss_of_link
+from companion.acting.sortie.authority import loss_of_link
 from companion.api.simulating import flight_of
 from companion.campaigns.novelty import signature
 from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome, rounded

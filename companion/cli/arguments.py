@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.acting.preflight.arming_terms import UploadPolicy
+from companion.acting.sortie.preflight.arming_terms import UploadPolicy
 from companion.cli.shipped import completions, mission_file
 
 if TYPE_CHECKING:

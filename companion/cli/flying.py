@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.sortie.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.cli.arguments import (
     DEFAULT_LOG_DIR,
     AutopilotFence,
@@ -97,8 +97,8 @@ def run(
     the link, or when the companion was killed in flight and is started again. A
     vehicle that has landed meanwhile is not armed again.
     """
-    from companion.acting.flight_limit import FlightLimit
-    from companion.acting.sortie_terms import SortieTerms
+    from companion.acting.sortie.flight_limit import FlightLimit
+    from companion.acting.sortie.terms import SortieTerms
     from companion.flights.options import FlightOptions, LinkOptions
     from companion.flights.vehicle_flights import VehicleFlights
 

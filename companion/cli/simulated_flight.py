@@ -77,8 +77,8 @@ def sim(
     verbose: Verbose = False,
 ) -> None:
     """Flies a mission in the bundled simulator. QGroundControl connects to it by itself."""
-    from companion.acting.flight_limit import FlightLimit
-    from companion.acting.sortie_terms import SortieTerms
+    from companion.acting.sortie.flight_limit import FlightLimit
+    from companion.acting.sortie.terms import SortieTerms
     from companion.flights.options import FlightOptions
     from companion.flights.simulated_flights import SimulatedFlights, SimulatorOptions
 

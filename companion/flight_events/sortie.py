@@ -11,7 +11,7 @@ from companion.flight_events.event_fields import Doc, Reason
 
 
 class Phase(Enum):
-    """Where a sortie is; companion/acting/phases.py says where each phase leads."""
+    """Where a sortie is; companion/acting/sortie/phases.py says where each phase leads."""
 
     WAITING = "waiting for the vehicle"
     CHECKING = "checking the autopilot's failsafes"

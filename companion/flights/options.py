@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from companion.acting.sortie_terms import USUAL_TERMS, SortieTerms
+from companion.acting.sortie.terms import USUAL_TERMS, SortieTerms
 from companion.mavlink.signing import Signing
 from companion.planning.engine_port import Engine
 from companion.vehicle.endpoints import Endpoint

@@ -13,7 +13,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Protocol
 
-from companion.acting.phases import ON_THE_GROUND
+from companion.acting.sortie.phases import ON_THE_GROUND
 from companion.flight_events.sortie import Phase
 from companion.ground.upload_states import UploadVerdict
 from companion.outcomes import Refusal

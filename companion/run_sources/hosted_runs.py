@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from companion.acting.authority import why_left_alone
 from companion.acting.preparation import Preparation
+from companion.acting.sortie.authority import why_left_alone
 from companion.errors import CompanionError
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.hosting import MissionReady, MissionUnreadable, RunNotBegun

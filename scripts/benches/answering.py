@@ -15,8 +15,8 @@ from typing import Any
 
 from benches import ROOT, Row
 from companion.acting.journal import Journal, NoJournal
-from companion.acting.preflight.arming_terms import ArmingTerms
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie.preflight.arming_terms import ArmingTerms
+from companion.acting.sortie.terms import SortieTerms
 from companion.app import Companion
 from companion.clock import ScaledClock
 from companion.driving import fly

@@ -11,8 +11,8 @@ from typing import Any
 from benches import Row
 from benches.answering import MOVE
 from benches.missions import Tracking, timed_steps
-from companion.acting.flight_limit import FlightLimit
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie.flight_limit import FlightLimit
+from companion.acting.sortie.terms import SortieTerms
 from companion.app import Companion
 from companion.flights.simulated_world import lockstep
 from companion.mission.loader import load_mission

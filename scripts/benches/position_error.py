@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from benches import Row
 from benches.missions import Tracking
 from benches.shipped import shipped
-from companion.acting.flight_limit import FlightLimit
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie.flight_limit import FlightLimit
+from companion.acting.sortie.terms import SortieTerms
 from companion.app import Companion
 from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached, RouteBlocked

@@ -8,7 +8,7 @@ import pytest
 from campaign import actions, shipped, sweep, world
 from lockstep import Cut, Lockstep
 
-from companion.acting.authority import LINK_LOST_S
+from companion.acting.sortie.authority import LINK_LOST_S
 from companion.errors import LinkError
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.skills import PlaceReached

@@ -17,8 +17,8 @@ from kept_journal import KeptJournal
 
 from companion.acting.function_port import FunctionPort
 from companion.acting.journal import JournalledFlight, put_together
-from companion.acting.preflight.arming_terms import USUAL_ARMING, ArmingTerms
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie.preflight.arming_terms import USUAL_ARMING, ArmingTerms
+from companion.acting.sortie.terms import SortieTerms
 from companion.app import Companion
 from companion.flight_events.event import FlightEvent, Stamped
 from companion.flight_events.sortie import RunEnded, SetpointRefused

@@ -7,7 +7,7 @@ from typing import Any
 from lockstep import VEHICLE, Lockstep
 from moves import MOVE
 
-from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.sortie.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.flight_events.sortie import Phase, PhaseEntered
 from companion.flights.simulated_world import world_of
 from companion.geometry import Ned

@@ -27,7 +27,7 @@ from meadow import (
     upload,
 )
 
-from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.sortie.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.flight_events.fence import (
     FenceChange,
     FenceChanged,

@@ -1,7 +1,7 @@
 """How soon control is back once both keys are there: by the simulator's time, from the later one.
 
 The vehicle is the simulator's, and so is the mode that counts: it flies OFFBOARD again. The keys
-are those of `companion/acting/authority.py`.
+are those of `companion/acting/sortie/authority.py`.
 """
 
 from __future__ import annotations

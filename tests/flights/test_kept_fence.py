@@ -9,7 +9,7 @@ import pytest
 from lockstep import Cut, Lockstep
 from meadow import CIRCLE, MEADOW, POLYGON, armed, push_out, refused, start, station_uploads
 
-from companion.acting.preflight.arming_terms import UploadPolicy
+from companion.acting.sortie.preflight.arming_terms import UploadPolicy
 from companion.flight_events.fence import FenceKept
 from companion.flight_events.sortie import (
     ControlTakenBack,

@@ -21,7 +21,7 @@ from lockstep import (
     is_final_answer,
 )
 
-from companion.acting import authority
+from companion.acting.sortie import authority
 from companion.errors import LinkError
 from companion.flight_events.facts import BeliefWithdrawn
 from companion.flight_events.plans import PlanReplaced

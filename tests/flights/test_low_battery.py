@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from lockstep import Lockstep, World
 
-from companion.acting.low_battery import IN_FLIGHT, LOW_S
+from companion.acting.sortie.low_battery import IN_FLIGHT, LOW_S
 from companion.flight_events.sortie import BatteryLow, Phase, PhaseEntered, RunFailed
 from companion.mission.loader import load_mission
 from companion.mission.model import Mission

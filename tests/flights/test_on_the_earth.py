@@ -14,7 +14,7 @@ import pytest
 from lockstep import Air, Deaf, Lockstep, clear
 from moves import MOVE
 
-from companion.acting.frame_watch import LOST_S
+from companion.acting.sortie.frame_watch import LOST_S
 from companion.flight_events.frames import FrameDoubted, FrameLocated, FrameTrusted, OriginMoved
 from companion.flight_events.skills import PlaceReached, SkillCompleted
 from companion.flight_events.sortie import (

@@ -13,7 +13,7 @@ import pytest
 from lockstep import VEHICLE, Deaf, Lockstep, Lossy
 from moves import MOVE
 
-from companion.acting.preflight.arming_terms import ArmingTerms, UploadPolicy
+from companion.acting.sortie.preflight.arming_terms import ArmingTerms, UploadPolicy
 from companion.flight_events.rally import (
     RallyKept,
     RallyMissing,

@@ -12,10 +12,10 @@ from autopilot import ARM, LAND, SET_MODE, TAKE_OFF, Autopilot, named, of_type
 from happened import Happened, Replan
 from synthetic import PAYLOAD, POSITIONS, command, event, mission
 
-from companion.acting import authority
 from companion.acting.journal import NoJournal
-from companion.acting.preflight.arming_terms import ArmingTerms
-from companion.acting.sortie_terms import SortieTerms
+from companion.acting.sortie import authority
+from companion.acting.sortie.preflight.arming_terms import ArmingTerms
+from companion.acting.sortie.terms import SortieTerms
 from companion.app import Companion
 from companion.driving import fly
 from companion.errors import Aborted, LinkTimeout
@@ -225,7 +225,7 @@ def test_a_search_for_a_plan_on_the_ground_is_no_wait_for_the_vehicle(
         def step(self) -> bool:
             return world.now > 3.0 and super().step()
 
-    monkeypatch.setattr("companion.acting.beginning.InSlices", TakesSeconds)
+    monkeypatch.setattr("companion.acting.sortie.beginning.InSlices", TakesSeconds)
     world = World(mission("F at(A)"))
     world.fly(timeout_s=1.0)
     assert world.companion.failure is None

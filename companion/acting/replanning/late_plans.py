@@ -65,7 +65,7 @@ class LatePlans:
         return None if new is None or self._is_rest_of(lasso, new.plan.lasso) else new
 
     def _is_rest_of(self, lasso: Lasso, new: Lasso) -> bool:
-        """Whether a plan from here is what the present one still has, the action under way first."""
+        """Whether a plan from here is the rest of the present one, the action under way first."""
         completed = self._flight.progress.completed
         _, *others = new.names(COMPARED)
         goes_on = _first(new).from_anywhere == _first(lasso.rest(completed)).from_anywhere

@@ -12,8 +12,8 @@ import pytest
 from sortie_rig import SortieRig
 from synthetic import command, event, facts_of, mission, move, reading
 
-from companion.acting.flight_limit import FlightLimit
 from companion.acting.replanning.replanner import Replanner
+from companion.acting.sortie.flight_limit import FlightLimit
 from companion.errors import NoPlanError
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.sortie import (

@@ -11,8 +11,8 @@ from sortie_rig import SortieRig
 from states import changed, flying
 from synthetic import mission
 
-from companion.acting.authority import FRESH_S, not_handed_over
-from companion.acting.operator_requests import ON_THE_GROUND_BY_PLAN
+from companion.acting.sortie.authority import FRESH_S, not_handed_over
+from companion.acting.sortie.operator_requests import ON_THE_GROUND_BY_PLAN
 from companion.errors import Aborted
 from companion.flight_events.plans import NoPlanFound, PlanReplaced
 from companion.flight_events.sortie import (

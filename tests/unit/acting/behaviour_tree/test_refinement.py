@@ -14,7 +14,7 @@ from companion.acting.behaviour_tree.landing import NO_CHARGE_S
 from companion.acting.deliberation import PlanChosen
 from companion.acting.executive_states import TaskStatus
 from companion.acting.replanning.assumptions import Assumptions
-from companion.acting.sortie import Sortie
+from companion.acting.sortie.sortie import Sortie
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn, MissionEventChanged
 from companion.flight_events.plans import LapCompleted, PlanReplaced

@@ -9,7 +9,7 @@ from rig import Rig
 from synthetic import POSITIONS, command, event, facts_of, mission, move, reading, skill
 
 from companion.acting.executive_states import TaskStatus
-from companion.acting.sortie import Sortie
+from companion.acting.sortie.sortie import Sortie
 from companion.flight_events.facts import BeliefRestored, BeliefWithdrawn
 from companion.flight_events.skills import PlaceReached, SkillCompleted, SkillFailed, SymbolMoved
 from companion.flight_events.sortie import Phase, VehicleAirborne, VehicleLanded
