@@ -145,8 +145,7 @@ class Run:
         speed_mps = mission.speed_limits.speed_mps
         resumption = Resumption(journalled, speed_mps, lambda: wire.system) if journalled else None
         self.sortie = Sortie(
-            acting.flight,
-            acting.executive,
+            acting,
             mission,
             terms=terms,
             may_yield=prepared.may_yield,
@@ -182,7 +181,8 @@ class Run:
             return
         self.start_s = journalled.begun.start_s
         counts = journalled.counts
-        self.executive.replans, self.executive.laps = counts.replans, counts.laps
+        reports = self.executive.reports
+        reports.replans, reports.laps = counts.replans, counts.laps
         self._found.restore(journalled.found, planner)
         self._report(restore(journalled, flight, planner, self._detector))
         if (seen := journalled.seen) is not None:
@@ -299,7 +299,8 @@ class Run:
             self.recorder.position(now_s - self.start_s, state.motion.position)
         for stamped in reports:
             if isinstance(stamped.event, PlanReplaced | NoPlanFound | LapCompleted):
-                counts = FlightCounts(self.executive.replans, self.executive.laps)
+                told = self.executive.reports
+                counts = FlightCounts(told.replans, told.laps)
                 self.recorder.journal.note(now_s, counts)
         self._report(reports)
         for reading in self._clocks.due(now_s, self.start_s, self.sortie.has_ended):

@@ -33,6 +33,7 @@ class Rig(Happened):
         engine: who plans; the built-in search if absent.
 
     Attributes:
+        acting: its parts.
         reports: what happened so far, as people are told.
         positions: the positions of the word that were left.
         left_s: when each of them was.
@@ -50,7 +51,7 @@ class Rig(Happened):
         self.mission = mission
         self.vehicle = vehicle or FakeVehicle(home.position).take_off(-home.position[2])
         prepared = prepare(mission, routes=routes, engine=engine)
-        acting = assemble(prepared, self.vehicle, EventDetector(mission.events))
+        self.acting = acting = assemble(prepared, self.vehicle, EventDetector(mission.events))
         self.planner = prepared.planner
         self.flight, self.executive = acting.flight, acting.executive
         self.task, self.speed_limit = acting.flight.task, acting.flight.speed_limit
@@ -77,7 +78,7 @@ class Rig(Happened):
     def tick(self, *readings: tuple[Signal, float]) -> TaskStatus:
         """One tick, in the order of `Sortie.step`."""
         self.pass_time()
-        self.executive.sense(readings)
+        self.acting.perception.take(readings)
         self.flight.guidance.brake()
         status = self.executive.tick()
         self._collect()

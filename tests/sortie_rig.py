@@ -39,8 +39,7 @@ class SortieRig(Happened):
         self.vehicle = FakeVehicle()
         self.rig = Rig(asked, vehicle=self.vehicle)
         self.sortie = Sortie(
-            self.rig.flight,
-            self.rig.executive,
+            self.rig.acting,
             asked,
             terms=SortieTerms(**terms),
             may_yield=may_yield,

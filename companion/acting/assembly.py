@@ -11,6 +11,7 @@ from companion.acting.docks import AnyDock, PlannedDock
 from companion.acting.event_detector import EventDetector
 from companion.acting.executive import Executive
 from companion.acting.flight import Flight
+from companion.acting.perception import Perception
 from companion.acting.preparation import PreparedMission
 from companion.acting.symbols import Symbols
 from companion.mission.model import Mission
@@ -32,6 +33,7 @@ class ActingParts:
 
     flight: Flight
     executive: Executive
+    perception: Perception
 
 
 def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetector) -> ActingParts:
@@ -43,7 +45,8 @@ def assemble(prepared: PreparedMission, vehicle: Vehicle, detector: EventDetecto
         detector: detects the mission's events.
     """
     flight = flight_of(prepared, vehicle)
-    return ActingParts(flight, Executive(prepared, flight, detector))
+    executive = Executive(prepared, flight)
+    return ActingParts(flight, executive, Perception(flight, executive, detector))
 
 
 def flight_of(

@@ -18,14 +18,11 @@ after that, the only events that count are those by which all violated lines sta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from py_trees.behaviour import Behaviour
 
 from companion.acting.behaviour_tree.builder import build
 from companion.acting.behaviour_tree.ticked_tree import TickedTree
 from companion.acting.deliberation import Deliberation, PlanChosen, PlanDecision
-from companion.acting.event_detector import EventDetector
 from companion.acting.executive_states import (
     AwaitingPlan,
     ByHand,
@@ -44,7 +41,7 @@ from companion.acting.executive_states import (
 from companion.acting.flight import Flight
 from companion.acting.ground_plans import GroundPlans
 from companion.acting.plan_progress import GroundState
-from companion.acting.plan_reports import tell_awaited, tell_made, tell_replaced
+from companion.acting.plan_reports import PlanReports
 from companion.acting.plan_under_way import (
     LeftPlan,
     LeftSafePlaceFlight,
@@ -61,11 +58,8 @@ from companion.acting.waiting_hold import WaitingHold
 from companion.acting.whereabouts import Whereabouts
 from companion.acting.written_end import failure_at_the_end
 from companion.errors import NoPlanError
-from companion.flight_events.facts import BeliefRestored, MissionEventChanged
-from companion.flight_events.plans import LapCompleted, NoPlanFound
 from companion.flight_events.skills import WrittenTreeFailed
 from companion.mission.facts import Fact
-from companion.mission.signals import Signal
 from companion.planning.lasso import ChosenPlan, Lasso
 
 
@@ -74,24 +68,21 @@ class Executive:
 
     Attributes:
         state: what it is doing.
-        replans: number of replans.
-        laps: number of laps of the task, over all plans that do not end.
         planner: the mission's planner.
         deliberation: decides about its plans.
+        reports: tells and counts them.
 
     Args:
         prepared: the mission, with its planner and its first plan.
         flight: what the tree acts on.
-        detector: detects the mission's events.
     """
 
-    def __init__(self, prepared: PreparedMission, flight: Flight, detector: EventDetector) -> None:
+    def __init__(self, prepared: PreparedMission, flight: Flight) -> None:
         self.state: ExecutiveState = Idle()
-        self.replans = self.laps = 0
         self.planner = planner = prepared.planner
         self._flight = flight
-        self._detector = detector
         self.deliberation = Deliberation(planner, flight, prepared.engine)
+        self.reports = PlanReports(flight)
         self._ground_plans = GroundPlans(prepared, flight, self.deliberation)
         self._whereabouts = Whereabouts(flight, planner.mission.places)
         self._waiting_hold = WaitingHold(flight)
@@ -130,18 +121,10 @@ class Executive:
         is_watching = is_watching and not self._flight.progress.is_landed_by_plan
         return self.deliberation.assumptions.watched if is_watching else frozenset()
 
-    def sense(self, readings: Sequence[tuple[Signal, float]]) -> None:
-        """Takes received readings and turns them into facts."""
-        flight, events = self._flight, self.planner.mission.events
-        restores: frozenset[str] = frozenset()
-        for name, holds in self._detector.update(flight.now_s, flight.hear(readings)):
-            flight.task.take(events[name], holds)
-            flight.report(MissionEventChanged(name, holds))
-            restores |= events[name].restores if holds else frozenset()
-        has_plan = isinstance(self.state, Executing | Searching)  # or may have one at once
-        for belief in flight.task.restore(flight.now_s, not has_plan, restores):
-            flight.report(BeliefRestored(belief))
-            self.deliberation.assumptions.note_restored_beliefs()
+    @property
+    def may_have_plan(self) -> bool:
+        """Whether it flies a plan for the task, or searches one."""
+        return isinstance(self.state, Executing | Searching)
 
     def plan(self) -> PlanFailure | None:
         """Adopts the first plan, searching one if necessary; returns why there is none, or None."""
@@ -154,7 +137,7 @@ class Executive:
             return found
         drop(flight, found.dropped)
         executing = Executing(self._adopt(found.lasso))
-        tell_made(flight, mission, found)
+        self.reports.tell_made(mission, found)
         self._take_up(executing)
         return None
 
@@ -173,7 +156,7 @@ class Executive:
         lost = None if self.is_leaving else self._whereabouts.look()
         match self.state:
             case Executing(plan) if lost is not None:
-                self._replan(f"no longer at {lost.place}", LeftTaskPlan(plan.lasso))
+                self._replan(f"no longer at {lost.place}", plan.left)
             case Executing(plan) | Leaving(plan):
                 self._tick_plan(plan)
             case ByHand(tree):
@@ -228,27 +211,22 @@ class Executive:
         laps, task_laps = progress.laps, self._flight.task.word.laps
         triggers.look(plan)
         if reason := triggers.before_the_tree(plan):
-            self._replan(reason, _remembered(plan))
+            self._replan(reason, plan.left)
             return
         plan.tree.tick()
         plan.tree.tell()
         tell_positions(self._flight)
         if isinstance(plan, TaskPlan) and not plan.lasso.ends_at_rest:
-            self._count_laps(self._flight.task.word.laps - task_laps)
+            self.reports.tell_laps(self._flight.task.word.laps - task_laps)
         is_over = progress.laps > laps and plan.lasso.ends_at_rest
         if is_over:
             self._flight.task.leave()
         if reason := triggers.after_the_tree(plan):
             tell_positions(self._flight)
-            self._replan(reason, _remembered(plan))
+            self._replan(reason, plan.left)
         elif is_over:
             self._rest()
             self.state = Satisfied(plan, self.failure)
-
-    def _count_laps(self, more: int) -> None:
-        for _ in range(more):
-            self.laps += 1
-            self._flight.report(LapCompleted(self.laps))
 
     def _tick_by_hand(self, tree: TickedTree) -> None:
         """One tick of a tree that was written by hand: it is not replaced when it fails.
@@ -261,7 +239,7 @@ class Executive:
         flight.hold_unless_told()
         tree.tell()
         tell_positions(flight)
-        self.laps += flight.task.word.laps - task_laps
+        self.reports.laps += flight.task.word.laps - task_laps
         if tree.has_succeeded:
             self._rest()
             self.state = Satisfied(None, failure_at_the_end(flight.task))
@@ -279,8 +257,6 @@ class Executive:
         self._flight.task.leave()
         tell_positions(self._flight, for_ever=True)
 
-    # -- another plan --------------------------------------------------------------------------
-
     def _replan(self, reason: ReplanReason, left: LeftPlan | None) -> None:
         self.stop()
         self._flight.task.interrupt()
@@ -293,10 +269,9 @@ class Executive:
                 self._fly_on(decision)
                 return
             case AwaitingPlan() if self.failure is None:
-                tell_awaited(self._flight, decision)
-            case WithoutPlan(failure=failure, reason=reason):
-                self.replans += 1
-                self._flight.report(NoPlanFound(self.replans, reason, str(failure)))
+                self.reports.tell_awaited(decision)
+            case WithoutPlan():
+                self.reports.tell_not_found(decision)
         self.state = decision
 
     def _fly_on(self, chosen: PlanChosen) -> None:
@@ -306,8 +281,7 @@ class Executive:
         is_landed = flight.progress.is_landed_by_plan
         executing = Executing(self._adopt(plan.lasso))
         if not chosen.is_rest:
-            self.replans += 1
-            tell_replaced(flight, self.replans, chosen.reason, plan)
+            self.reports.tell_replaced(chosen.reason, plan)
         self._take_up(executing, is_landed)
 
     def _adopt(self, lasso: Lasso) -> TaskPlan:
@@ -327,10 +301,3 @@ class Executive:
     def _left(self) -> LeftPlan | None:
         """The plan that is left, for a plan for the task."""
         return None if self.lasso is None else LeftTaskPlan(self.lasso)
-
-
-def _remembered(plan: PlanUnderWay) -> LeftPlan:
-    """What is remembered of a plan that is left; of a flight to a safe place, why it has failed."""
-    if isinstance(plan, SafePlaceFlight):
-        return LeftSafePlaceFlight(plan.lasso, plan.tree.failure if plan.tree.has_failed else None)
-    return LeftTaskPlan(plan.lasso)

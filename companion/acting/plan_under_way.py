@@ -15,6 +15,11 @@ class TaskPlan:
     lasso: Lasso
     tree: TickedTree
 
+    @property
+    def left(self) -> LeftTaskPlan:
+        """What is remembered of it when it is left."""
+        return LeftTaskPlan(self.lasso)
+
 
 @dataclass(frozen=True, slots=True)
 class SafePlaceFlight:
@@ -22,6 +27,11 @@ class SafePlaceFlight:
 
     lasso: Lasso
     tree: TickedTree
+
+    @property
+    def left(self) -> LeftSafePlaceFlight:
+        """What is remembered of it when it is left."""
+        return LeftSafePlaceFlight(self.lasso, self.tree.failure if self.tree.has_failed else None)
 
 
 @dataclass(frozen=True, slots=True)

@@ -134,7 +134,7 @@ def test_the_failure_of_the_root_replans_without_the_deleted_transition() -> Non
     """A is flown to from where the vehicle is, because H is no longer where it is."""
     rig = Rig(mission("F at(A)", skills=[move(tries=TRIES)])).begin()
     rig.vehicle.drift = (0.0, 0.5, 0.0)  # it always settles beside its setpoint
-    rig.run(lambda: rig.executive.replans > 0)
+    rig.run(lambda: rig.executive.reports.replans > 0)
     rig.vehicle.drift = (0.0, 0.0, 0.0)
     failed = SkillFailed("move(H, A)", "still 0.5 m from A")
     story = [event for event in rig.story if not isinstance(event, SymbolMoved)]

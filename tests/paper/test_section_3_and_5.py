@@ -164,7 +164,7 @@ def test_a_refused_site_is_not_tried_again(rig: Rig) -> None:
     failures = [(failed.action, failed.reason) for failed in rig.of(SkillFailed)]
     assert failures == [("upload(r1)", "denied"), ("upload(r2)", "denied")]
     assert rig.of(SkillCompleted) == [SkillCompleted("upload(r3)")]
-    assert rig.executive.replans == 3
+    assert rig.executive.reports.replans == 3
 
 
 def test_when_all_sites_refuse_there_is_no_plan_and_each_is_to_blame(rig: Rig) -> None:
@@ -228,7 +228,7 @@ def test_an_interrupted_skill_appends_no_position() -> None:
     for _ in range(20):
         rig.tick()
     rig.tick(reading("found"))
-    assert rig.executive.replans == 1
+    assert rig.executive.reports.replans == 1
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     _, (first, *_) = rig.task.problem()
     places = [sorted(f for f in letter if f.startswith("at(")) for letter in first]
@@ -244,10 +244,10 @@ def test_a_change_that_does_not_matter_changes_nothing() -> None:
     for i in range(400):
         calm.tick()
         disturbed.tick(reading("lamp", i // 7 % 2))
-    assert disturbed.executive.replans == 0
+    assert disturbed.executive.reports.replans == 0
     assert disturbed.vehicle.flown == calm.vehicle.flown
     disturbed.tick(reading("found"))
-    assert disturbed.executive.replans == 1
+    assert disturbed.executive.reports.replans == 1
 
 
 def test_what_was_visited_is_not_visited_again() -> None:
@@ -260,7 +260,7 @@ def test_what_was_visited_is_not_visited_again() -> None:
     rig = Rig(mission(task, skills=skills)).begin()
     rig.vehicle.payloads.answers = [(1.0, Failed("denied")), (1.0, Progress.DONE)]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.executive.replans == 1
+    assert rig.executive.reports.replans == 1
     assert rig.places == ["A", "B", "H"]
 
 

@@ -72,7 +72,7 @@ def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: l
     (lasso,) = rig.plans
     laps = 1 if lasso.ends_at_rest else LAPS
     assert fly(rig) == [a.name for a in (*lasso.prefix, *lasso.loop * laps)]
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
     assert rig.flight.progress.laps == laps
     ending = TaskStatus.SATISFIED if lasso.ends_at_rest else TaskStatus.RUNNING
     assert rig.executive.status is ending

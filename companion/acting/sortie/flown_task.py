@@ -8,8 +8,6 @@ there are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from companion.acting.executive import Executive
 from companion.acting.executive_states import TaskStatus
 from companion.acting.flight import Flight
@@ -22,7 +20,6 @@ from companion.acting.sortie.return_home import ReturnHome
 from companion.errors import Aborted
 from companion.flight_events.sortie import BatteryLow, Phase
 from companion.mission.model import Mission
-from companion.mission.signals import Signal
 
 CLOCKED = (
     Phase.TASK,
@@ -134,16 +131,11 @@ class FlownTask:
         """Ends it for good; the vehicle holds."""
         self._executive.stop()
 
-    def sense(self, readings: Sequence[tuple[Signal, float]], phase: Phase) -> None:
-        """Takes readings; the clocks of bounded lines run until the end begins.
-
-        Time passes before the events are taken: an event that comes just as a clock runs out is
-        late.
-        """
+    def pass_time(self, phase: Phase) -> None:
+        """Lets the clocks of bounded lines run, until the end of the sortie begins."""
         task, now_s = self._flight.task, self._flight.now_s
         has_begun = phase is Phase.TASK or task.word.now_s > 0.0
         is_counted = has_begun and phase in CLOCKED and not self.is_called_home
         if is_counted:
             task.word.now_s = now_s
             tell_late(self._flight)
-        self._executive.sense(readings)

@@ -67,7 +67,7 @@ class FlyingTask:
         """
         if self._executive.is_leaving or self._flight.progress.is_landed_by_plan:
             return None
-        if limit := self._limit.due(self._executive.laps):
+        if limit := self._limit.due(self._executive.reports.laps):
             self._limit.call_home(limit)
             self._flight.report(FlightLimitReached(limit))
             self._flown.call_home()

@@ -15,8 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from enum import Enum, auto
 
-from companion.acting.executive import Executive
-from companion.acting.flight import Flight
+from companion.acting.assembly import ActingParts
 from companion.acting.journal import PhaseBegun
 from companion.acting.sortie.beginning import Beginning
 from companion.acting.sortie.control import Control
@@ -67,8 +66,7 @@ class Sortie:
         failure: why the sortie did not end well; None while it does.
 
     Args:
-        flight: the flight.
-        executive: flies the task.
+        acting: the parts that fly the task.
         mission: says where it begins, and what to do when no plan exists.
         terms: what the operator has chosen beforehand.
         may_yield: whether it waits for the operator after somebody else has taken control.
@@ -77,17 +75,17 @@ class Sortie:
 
     def __init__(
         self,
-        flight: Flight,
-        executive: Executive,
+        acting: ActingParts,
         mission: Mission,
         terms: SortieTerms = USUAL_TERMS,
         may_yield: bool = False,
         resumption: Resumption | None = None,
     ) -> None:
+        flight, executive = acting.flight, acting.executive
         self.phase = Phase.WAITING
         self.failure: CompanionError | None = None
         self.beginning = Beginning(flight, executive, mission.home)
-        self._flight = flight
+        self._flight, self._perception = flight, acting.perception
         self._limit = limit = LimitWatch(terms.limit, flight)
         self._flown = flown = FlownTask(flight, executive, mission)
         self._stop_request = StopRequest.NOT_ASKED
@@ -125,7 +123,8 @@ class Sortie:
             self._end_phase(self._requests.stop(self.phase))
         if self.has_ended:
             return
-        self._flown.sense(readings, self.phase)
+        self._flown.pass_time(self.phase)  # before the events: one that comes just then is late
+        self._perception.take(readings)
         state = self._flight.vehicle.state
         end = self._safety.look(self.phase, state)
         if end is None and state is not None and not self._safety.is_frozen(self.phase):

@@ -128,7 +128,7 @@ def test_what_was_heard_since_the_command_confirms_it_after_an_interruption(
     while rig.flight.now_s < 6.0:
         rig.pass_time()
         is_heard = is_confirmed and abs(rig.flight.now_s - heard_s) < 0.01
-        rig.executive.sense([reading("load")] if is_heard else [])
+        rig.acting.perception.take([reading("load")] if is_heard else [])
     rig.executive.resume()
     tick(rig, 2.0)
     assert bool(rig.of(SkillCompleted)) is is_confirmed

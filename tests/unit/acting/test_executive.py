@@ -114,14 +114,14 @@ def test_a_plan_that_ends_at_rest_satisfies_the_task_when_the_rest_is_reached() 
     rig.run_until(PlaceReached, place="A")
     assert rig.executive.status is TaskStatus.RUNNING
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
 
 
 def test_a_loop_goes_on() -> None:
     rig = Rig(mission("G F at(A) & G F at(B)")).begin()
     rig.run_until(LapCompleted, lap=3)
     assert rig.executive.status is TaskStatus.RUNNING
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
     assert len(rig.plans) == 1
 
 
@@ -328,7 +328,7 @@ def test_a_position_between_two_replans_shows_that_they_led_somewhere() -> None:
             rig.tick()
         rig.tick(reading("found", value))
         value = 1.0 - value
-    assert rig.executive.replans > 2 * MAX_IDLE_REPLANS
+    assert rig.executive.reports.replans > 2 * MAX_IDLE_REPLANS
     assert rig.executive.status is TaskStatus.RUNNING
 
 
@@ -385,7 +385,7 @@ def test_what_is_done_needs_no_precondition() -> None:
     for _ in range(20):
         rig.tick()
     rig.tick(reading("low"))
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
 
 
 def test_an_event_that_does_not_matter_is_no_reason() -> None:
@@ -393,7 +393,7 @@ def test_an_event_that_does_not_matter_is_no_reason() -> None:
     rig = Rig(mission("F done", skills=skills, events=[event("lamp")])).begin()
     rig.vehicle.payloads.answers = [(1.0, Failed("denied"))]
     rig.tick(reading("lamp"))
-    rig.run(lambda: rig.executive.replans == 1)
+    rig.run(lambda: rig.executive.reports.replans == 1)
     replaced = rig.one(PlanReplaced)
     assert (replaced.number, replaced.reason) == (1, "a failed: denied")
     assert str(replaced.plan) == "b, (wait)^w"
@@ -433,7 +433,7 @@ def test_a_map_that_has_changed_takes_moves_out_of_the_next_plan() -> None:
     rig.flight.routes.see(OccupancyGrid(occupied, 0.5, (-2.0, -2.0)))
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("trans_ok(H, B)")]
-    assert rig.executive.replans == 1
+    assert rig.executive.reports.replans == 1
 
 
 # -- states and triggers ---------------------------------------------------------------------------

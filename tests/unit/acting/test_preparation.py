@@ -61,7 +61,7 @@ def test_what_an_event_leaves_of_the_automata_is_known_before_it_comes(
     forbid(monkeypatch, restrictions, "restricted")
     acting.executive.plan()
     acting.executive.tick()
-    acting.executive.sense([reading("found")])
+    acting.perception.take([reading("found")])
     acting.executive.tick()
     assert str(acting.executive.lasso) == "move(here, A), move(A, B), (wait)^w"
 
@@ -76,7 +76,7 @@ def test_an_event_before_the_start_makes_another_plan() -> None:
     asked = mission("G (F at(A) | found) & G (F at(B) | found)", events=[event("found")])
     prepared = prepare(asked)
     acting = begun(prepared)
-    acting.executive.sense([reading("found")])
+    acting.perception.take([reading("found")])
     acting.executive.plan()
     assert str(first_lasso(prepared)) != str(acting.executive.lasso) == "(wait)^w"
 

@@ -86,7 +86,7 @@ def test_a_rise_that_changes_nothing_in_the_plan_interrupts_nothing() -> None:
         rig.tick()
     raise_for(rig, 1)
     rig.run_until(PlaceReached, times=4)
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
     assert requests(rig) == [1]
 
 

@@ -182,7 +182,7 @@ def test_a_try_that_fails_is_followed_by_another_waypoint() -> None:
     assert rig.vehicle.state is not None
     gap_m = horizontal_distance(rig.vehicle.state.motion.position, POSITIONS["A"])
     assert 0.0 < gap_m <= rig.mission.places["A"].inner_m
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
 
 
 @pytest.mark.parametrize("name", ["A", "B"])

@@ -122,7 +122,7 @@ def test_charging_lands_waits_for_the_battery_and_goes_on_in_the_air() -> None:
     assert rig.vehicle.pursued == [Goal.LANDED, Goal.ARMED, Goal.AIRBORNE, Goal.OFFBOARD]
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.places == ["B"]
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
 
 
 def test_nothing_interrupts_the_vehicle_on_the_ground_and_the_event_counts_afterwards() -> None:
@@ -144,7 +144,7 @@ def test_a_charger_that_gives_nothing_is_given_up_and_the_sortie_takes_off_again
     rig = Rig(asked)
     vehicle = rig.vehicle
     vehicle.change(battery_percent=20, is_landed=True, is_armed=False, position=(0.0, 0.0, 0.0))
-    sortie = Sortie(rig.flight, rig.executive, asked)
+    sortie = Sortie(rig.acting, asked)
 
     def until(event: FlightEvent, limit_s: float = 400.0) -> None:
         for _ in range(round(limit_s * 20)):
@@ -208,7 +208,7 @@ def test_a_belief_that_makes_no_better_plan_leaves_the_plan_as_it_is() -> None:
     plans = len(rig.plans)
     rig.tick(reading("again"))
     rig.run_until(LapCompleted, lap=2)
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
     assert all(str(plan) for plan in rig.plans[plans:])
 
 
@@ -218,7 +218,7 @@ def test_an_event_that_leaves_the_plan_the_best_one_interrupts_nothing() -> None
         rig.tick()
     rig.tick(reading("low"))
     rig.run_until(PlaceReached, place="A")
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
     assert rig.of(MissionEventChanged) == [MissionEventChanged("low", holds=True)]
 
 

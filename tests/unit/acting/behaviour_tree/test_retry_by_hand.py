@@ -190,7 +190,7 @@ def on_the_ground(*nodes: Tree, skills: tuple[Skill, ...]) -> tuple[Rig, Sortie]
     made = replace(mission({}, skills=skills), tree=Steps(nodes))
     rig = Rig(made)
     rig.vehicle.change(is_landed=True, is_armed=False, position=(0.0, 0.0, 0.0))
-    return rig, Sortie(rig.flight, rig.executive, made)
+    return rig, Sortie(rig.acting, made)
 
 
 def until_the_end(rig: Rig, sortie: Sortie) -> None:

@@ -99,10 +99,10 @@ def test_a_line_is_taken_up_between_two_skills() -> None:
     rig.run_until(PlaceReached, times=3)
     fly(rig, 1.0)
     rig.tick(reading("rain", 0.0))
-    replans = rig.executive.replans
+    replans = rig.executive.reports.replans
     reached = len(places(rig))
     rig.run_until(PlaceReached, times=reached + 1)
-    assert rig.executive.replans == replans
+    assert rig.executive.reports.replans == replans
     rig.run_until(LineTakenUp)
     assert len(places(rig)) == reached + 1
 

@@ -77,7 +77,7 @@ def test_a_task_that_speaks_of_a_belief_hears_at_once_that_the_map_contradicts_i
     assert str(replaced.plan) == "inspect(here, A), move(A, H), (wait)^w"
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert not rig.of(SkillFailed) and not rig.of(BeliefWithdrawn)
-    assert rig.executive.replans == 1
+    assert rig.executive.reports.replans == 1
     assert "accessible(B)" in rig.positions[-1].withdrawn
 
 
@@ -111,7 +111,7 @@ def test_a_place_of_no_concern_that_is_cut_off_leaves_the_plan_as_it_is() -> Non
     show(rig, "C")
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
     assert rig.one(PlacesCutOff).summary == "trans_ok(*, C), trans_ok(C, *)"
-    assert rig.executive.replans == 0
+    assert rig.executive.reports.replans == 0
 
 
 def test_the_flight_under_way_finds_out_itself_and_the_rest_is_told_once() -> None:
@@ -122,7 +122,7 @@ def test_the_flight_under_way_finds_out_itself_and_the_rest_is_told_once() -> No
     assert rig.run_to_the_end() is TaskStatus.NO_PLAN
     assert rig.of(BeliefWithdrawn) == [BeliefWithdrawn("trans_ok(H, B)")]
     assert rig.one(PlacesCutOff).summary == "trans_ok(*, B), trans_ok(B, *)"
-    assert rig.executive.replans == 1
+    assert rig.executive.reports.replans == 1
     assert rig.leave_for("H")
     show(rig)
     assert rig.run_to_the_end() is TaskStatus.SATISFIED
@@ -140,7 +140,7 @@ def test_on_the_way_home_a_way_that_helps_nothing_is_no_reason_to_stop() -> None
     until_known(rig)
     assert rig.of(PlacesConnected)[-1].restored[0] == "trans_ok(A, C)"
     assert rig.run_to_the_end() is TaskStatus.SATISFIED  # it is home
-    assert rig.executive.is_leaving and rig.executive.replans == 1
+    assert rig.executive.is_leaving and rig.executive.reports.replans == 1
 
 
 def test_what_the_map_changes_in_beliefs_is_handed_on_as_it_is_reported() -> None:
