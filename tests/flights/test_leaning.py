@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 from lockstep import Lockstep, World
+from short_hall import seen_soon
 
 from companion.flight_events.facts import PlacesCutOff
 from companion.flight_events.skills import RouteBlocked
@@ -47,9 +48,9 @@ def windy(world: World, wind_mps: float, **about: Any) -> World:
     ids=["calm", "windy", "PX4's drag and errors", "lower, and a height that is less exact"],
 )
 def test_in_wind_and_low_above_the_ground_no_way_is_blocked(
-    up_m: float, wind_mps: float, about: dict[str, Any], surveillance: Mission, short_hall: World
+    up_m: float, wind_mps: float, about: dict[str, Any], surveillance: Mission, hall: World
 ) -> None:
-    flown = Lockstep(low(surveillance, up_m), windy(short_hall, wind_mps, **about))
+    flown = Lockstep(low(surveillance, up_m), windy(seen_soon(hall), wind_mps, **about))
     flown.until_the_end()
     assert flown.exit_code == 0 and flown.simulation.collisions == 0
     assert flown.of(RouteBlocked) == [] and flown.of(PlacesCutOff) == []

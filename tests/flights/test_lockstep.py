@@ -27,8 +27,8 @@ def killed_on_the_way(mission: Mission, world: World, up: Air) -> tuple[list[Sta
 
 
 def test_a_flight_is_the_same_where_only_what_is_read_is_sent(
-    surveillance: Mission, short_hall: World
+    surveillance: Mission, hall: World
 ) -> None:
     """Also that of a companion that goes on after another one."""
-    one, other = (killed_on_the_way(surveillance, short_hall, up) for up in (clear, all_of))
+    one, other = (killed_on_the_way(surveillance, hall, up) for up in (clear, all_of))
     assert one == other

@@ -9,6 +9,7 @@ from pathlib import Path
 import bad_engines
 import pytest
 from happened import Happened
+from short_hall import blind, seen_soon
 
 from companion.acting.journal import NoJournal
 from companion.app import Companion
@@ -41,7 +42,7 @@ pytestmark = [
 
 
 class Flown(Happened):
-    """A flight of the paper's mission, seed 0, with all that happened."""
+    """A flight of the paper's mission, seed 0, with all that happened: the target is found soon."""
 
     journal = NoJournal()
     name = ""
@@ -50,7 +51,8 @@ class Flown(Happened):
         self.reports: list[Stamped] = []
         mission = load_mission(MISSION)
         companion = Companion(OnlyRun(mission, self, engine=engine))
-        lockstep(companion, world_of(mission), keeps_packets=False).fly()
+        world = blind(seen_soon(world_of(mission)))
+        lockstep(companion, world, keeps_packets=False).fly()
 
     def report(self, stamped: Stamped) -> None:
         self.reports.append(stamped)
