@@ -52,7 +52,9 @@ def test_whatever_is_lost_each_photo_is_made_once(share: float, seed: int) -> No
     assert is_whole(flight), (flight.made, flight.told, flight.failures)
 
 
-@pytest.mark.parametrize("lost", [{"lost": 1.0}, {"lost": 0.5}])
+@pytest.mark.parametrize(
+    "lost", [{"lost": 1.0}, pytest.param({"lost": 0.5}, marks=pytest.mark.long)]
+)
 def test_a_camera_that_does_not_tell_of_its_images(lost: dict[str, float]) -> None:
     flight = flown(PhotoFlight(photo_mission("A"), lost))
     assert is_whole(flight, "A") and len(flight.asked) == 1
@@ -167,8 +169,13 @@ def test_another_plan_in_mid_photo() -> None:
     assert is_whole(flight, "A") and len(flight.asked) == 1
 
 
-@pytest.mark.parametrize(("at_s", "away_s"), [(0.2, 6.0), (1.5, 1.0)])
-@pytest.mark.parametrize("is_made", [True, False])
+@pytest.mark.parametrize(
+    ("at_s", "away_s", "is_made"),
+    [
+        *((0.2, 6.0, True), (1.5, 1.0, True), (0.2, 6.0, False)),
+        pytest.param(1.5, 1.0, False, marks=pytest.mark.long),
+    ],
+)
 def test_killed_in_mid_photo_another_process_asks_the_camera(
     at_s: float, away_s: float, is_made: bool
 ) -> None:

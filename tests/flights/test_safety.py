@@ -53,7 +53,9 @@ COM_OF_LOSS_T_S = 1.0  # of the simulated airframe
 # -- the pilot -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mode", ["AUTO.LOITER", "AUTO.RTL", "AUTO.LAND"])
+@pytest.mark.parametrize(
+    "mode", ["AUTO.LOITER", "AUTO.RTL", pytest.param("AUTO.LAND", marks=pytest.mark.long)]
+)
 def test_the_pilot_wins(mode: str, start: Start) -> None:
     flight = on_the_way_to_b(start(has_station=True))
     flight.station_chooses(mode)
