@@ -24,7 +24,7 @@ from sitl.world.scenario import read_scenario
 
 pytestmark = pytest.mark.faults
 
-CHARGED_S = 110.0
+CHARGED_S = 80.0
 """After the first recharge of the patrol."""
 SURVEILLANCE, PATROL = "surveillance", "persistent_patrol"
 TOLD_WITHIN_S = 3.0
@@ -95,7 +95,7 @@ def test_nothing_arms_by_itself_after_a_reboot(
     sweep(
         (16.0, 22.8, 23.2, 30.0, 42.9, 43.3, 45.0, 47.0, 51.0, 55.0),
         (True, False),
-        few=lambda at_s, recovers: not recovers and at_s in (23.2, 47.0),
+        few=lambda at_s, recovers: not recovers and at_s == 23.2,
     ),
     ids=str,
 )
@@ -125,7 +125,7 @@ def jump(seed: int) -> Ned:
     return (chance.uniform(-1, 1), chance.uniform(-1, 1), chance.uniform(-0.5, 0.5))
 
 
-@pytest.mark.parametrize("seed", sweep(range(30), few=lambda seed: seed < 2))
+@pytest.mark.parametrize("seed", sweep(range(30), few=lambda seed: seed < 1))
 def test_a_jump_of_the_estimate_changes_no_action(seed: int) -> None:
     """In an empty room: each place is reached as estimated, and no setpoint is far from there."""
     north_m, east_m, up_m = jump(seed)

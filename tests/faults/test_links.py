@@ -81,7 +81,7 @@ def sites(flight: Lockstep) -> str:
 
 @pytest.mark.parametrize(
     ("mission", "seed"),
-    sweep((SURVEILLANCE, PATROL), SEEDS, few=lambda name, seed: (name, seed) == (SURVEILLANCE, 0)),
+    sweep((SURVEILLANCE, PATROL), SEEDS, few=lambda name, seed: False),
 )
 def test_jitter_reorders_and_datagrams_come_twice(mission: str, seed: int) -> None:
     shaken = {"at_s": 0, "link": {"port": "companion", "doubled": 0.2, "jitter_s": 0.2}}

@@ -53,7 +53,7 @@ def test_without_satellites_the_autopilot_has_the_vehicle(at_s: float) -> None:
 
 
 @pytest.mark.parametrize("at_s", sweep((8.0, 10.0, 22.0, 30.0), few=lambda at_s: at_s == 10.0))
-@pytest.mark.parametrize("noise_m", [0.0, 0.25])
+@pytest.mark.parametrize("noise_m", [pytest.param(0.0, marks=pytest.mark.long), 0.25])
 def test_without_satellites_nothing_moves_a_second_after_the_bound(
     at_s: float, noise_m: float
 ) -> None:
@@ -106,7 +106,7 @@ def test_a_clock_that_is_set_moves_no_flight(step_us: int, monkeypatch: pytest.M
 
 @pytest.mark.parametrize(
     ("vehicle_s", "station_s"),
-    sweep((0.0, 5.0), (0.0, 4.0, 20.0), few=lambda vehicle_s, station_s: vehicle_s < station_s),
+    sweep((0.0, 5.0), (0.0, 4.0, 20.0), few=lambda vehicle_s, station_s: station_s == 4.0),
 )
 def test_they_may_be_started_in_any_order(vehicle_s: float, station_s: float) -> None:
     """Companion, vehicle and ground station; who comes late is heard from then on."""

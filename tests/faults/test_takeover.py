@@ -81,7 +81,7 @@ def test_the_pilot_takes_over(seed: int) -> None:
     assert flight.simulation.mode != "OFFBOARD" or not flight.simulation.is_armed
 
 
-@pytest.mark.parametrize("seed", sweep(range(20), few=lambda seed: seed < 2))
+@pytest.mark.parametrize("seed", sweep(range(20), few=lambda seed: seed < 1))
 def test_the_loop_hangs(seed: int) -> None:
     """Nothing beside the loop sends setpoints, so the autopilot's failsafe has the vehicle."""
     task = next(p for p in phase_times() if p[0] is Phase.TASK)
@@ -107,7 +107,7 @@ def test_the_pilot_takes_over_while_the_vehicle_waits_on_the_ground(mode: str) -
     flight.until_reported(VehicleLanded).run(6.0)
     assert flight.simulation.mode == "OFFBOARD" and not flight.companion.has_ended
     flight.station_chooses(mode)
-    flight.run(60.0)
+    flight.run(25.0)
     assert flight.armings == 1 and flight.exit_code == Aborted.exit_code
     ending = flight.ending
     assert isinstance(ending, RunFailed)
@@ -119,7 +119,7 @@ def test_the_pilot_takes_over_while_the_vehicle_waits_on_the_ground(mode: str) -
     sweep(
         ((-1.0, 4.0), (-1.0, 8.0), (0.3, 5.0), (1.5, 5.0), (4.0, 8.0)),
         (True, False),
-        few=lambda cut_s, holds: cut_s == (-1.0, 8.0) or (holds and cut_s == (1.5, 5.0)),
+        few=lambda cut_s, holds: cut_s == (-1.0, 8.0),
     ),
 )
 def test_the_pilot_holds_on_the_ground_while_nothing_is_heard(
