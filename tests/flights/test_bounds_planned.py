@@ -104,7 +104,7 @@ def test_what_takes_longer_than_planned_leaves_the_rest_of_the_lap_for_later() -
     about = {"parameters": {"site": "Place"}, "precondition": "at(site)", "cost": 1}
     skills["look"] = about | {"effect": "looked(site)", "execute": "wait(8)"}
     often = {"often": "revisit(A) <= 28 s", "b": "G F looked(B)", "c": "G F looked(C)"}
-    flight = watch(None, skills=skills, task=often).run_for(150.0)
+    flight = watch(None, skills=skills, task=often).run_for(100.0)
     assert not told(flight, ConjunctViolated) and not told(flight, NoPlanFound)
     first = next(e for e in told(flight, PlanReplaced) if isinstance(e, PlanReplaced))
     assert first.reason.startswith("often: revisit(A) <= 28 s is late by ")

@@ -53,7 +53,7 @@ def test_it_charges_three_times_and_goes_on_where_it_was(seed: int) -> None:
 def test_a_dock_without_power_is_given_up_and_the_vehicle_goes_home(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(landing, "NO_CHARGE_S", 30.0)
+    monkeypatch.setattr(landing, "NO_CHARGE_S", 15.0)
     flight = fly(1, pads=()).until_the_end(600.0)
     failed = flight.one(SkillFailed, action="recharge(here, Dock)")
     assert failed.reason.startswith("the battery does not charge, it is at ")

@@ -16,7 +16,7 @@ from companion.vehicle.ports.setpoints import Setpoint
 from companion.vehicle.setpoint_stream import SetpointStream
 from sitl.flight.estimate import Wander
 
-STOPS_S, HELD_S = 5.0, 30.0
+STOPS_S, HELD_S = 5.0, 15.0
 
 
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
