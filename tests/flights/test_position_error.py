@@ -25,7 +25,7 @@ from companion.tick import TICK_S
 from sitl.world.scenario import read_scenario
 
 NEEDED_M = 0.45
-FLOWN_S, ARRIVED_S = 45.0, 10.0
+FLOWN_S, ARRIVED_S = 30.0, 10.0
 WANDER = "airframe: px4_sih\nwander: {}\n"
 WANDER_OF_30_CM = "airframe: px4_sih\nwander: {position_m: 0.3}\n"
 GPS = "  - {at_s: 0.1, gps: {noise_m: 0.25}}\n"
