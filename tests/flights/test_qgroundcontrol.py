@@ -20,6 +20,14 @@ def height_m(qgc: QGroundControl) -> float:
     return float(qgc.wire.last("GLOBAL_POSITION_INT").relative_alt / 1e3)
 
 
+def until_disarmed(qgc: QGroundControl, limit_s: int) -> None:
+    for _ in range(limit_s):
+        if not qgc.wire.last("HEARTBEAT").base_mode & 0x80:
+            break
+        qgc.run(1.0)
+    assert not qgc.wire.last("HEARTBEAT").base_mode & 0x80
+
+
 def test_it_connects_and_finds_nothing_missing(qgc: QGroundControl) -> None:
     assert qgc.complaints() == []
     assert qgc.lost_messages() == 0
@@ -57,8 +65,7 @@ def test_a_guided_flight(qgc: QGroundControl) -> None:
     )
     assert height_m(qgc) == pytest.approx(8.0, abs=0.5)
     qgc.set_mode("AUTO.RTL")
-    qgc.run(75.0)
-    assert not qgc.wire.last("HEARTBEAT").base_mode & 0x80
+    until_disarmed(qgc, limit_s=75)
     assert qgc.wire.last("EXTENDED_SYS_STATE").landed_state == 1
     assert qgc.lost_messages() == 0
     assert "Disarmed by landing" in qgc.wire.texts()
@@ -88,11 +95,9 @@ def test_a_mission_is_planned_uploaded_loaded_and_flown(qgc: QGroundControl) -> 
     assert [m.x for m in loaded[:3]] == [round(p[4] * 1e7) for _, _, p in items[:3]]
     qgc.set_mode("AUTO.MISSION")
     qgc.arm()
-    qgc.run(60.0)
+    until_disarmed(qgc, limit_s=120)
     reached = [h.message.seq for h in qgc.wire.named("MISSION_ITEM_REACHED")]
     assert list(dict.fromkeys(reached))[:3] == [0, 1, 2]
-    qgc.run(60.0)
-    assert not qgc.wire.last("HEARTBEAT").base_mode & 0x80
 
 
 def test_fence_and_rally_points_are_uploaded_and_loaded(qgc: QGroundControl) -> None:
