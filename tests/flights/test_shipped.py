@@ -234,7 +234,10 @@ ENDLESS = next(shipped for shipped in SHIPPED if shipped.mission == "endless_pat
 ELSEWHERE = {
     "endless_patrol",  # eleven minutes; tests/flights/test_energy.py flies between two docks
     "field",  # tests/flights/test_open_field.py
+    "hall_of_20",  # surveillance among twenty sites
+    "orchard",  # tests/flights/test_photos.py
     "return_home",  # tests/flights/test_operator.py
+    "rooftop",  # tests/flights/test_land_on_marker.py
     "surveillance",  # without any upload site: tests/flights/test_safety.py
 }
 """Missions that are flown with the sweeps, and by other tests in every run."""
