@@ -30,7 +30,7 @@ def test_a_refusal_to_arm_is_told_with_its_reason_once(has_station: bool) -> Non
     assert flight.ending.text == REFUSED
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [*(pytest.param(n, marks=pytest.mark.long) for n in (0, 2)), 1])
 def test_a_link_that_loses_a_fifth_tells_it_too(seed: int) -> None:
     up, down = Lossy(0.2, seed), Lossy(0.2, seed + 100)
     flight = Lockstep(SHORT, read_scenario(NO_BLADES), up=up, down=down).until_the_end()

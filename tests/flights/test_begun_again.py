@@ -56,7 +56,7 @@ def off_m(flight: Lockstep) -> float:
     return horizontal_distance(origin, (0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_the_map_stays_where_it_lay_though_the_vehicle_begins_beside_home(seed: int) -> None:
     flight = two_flights(seed)
     told = flight.one(HomeRecalled)

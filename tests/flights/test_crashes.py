@@ -54,9 +54,15 @@ def test_a_vehicle_killed_in_flight_is_a_crash() -> None:
     assert flight.exit_code == 5
 
 
-@pytest.mark.parametrize("tries", [1, 2])
 @pytest.mark.parametrize(
-    ("after_s", "why"), [(0.0, DISARMED), (1.0, DISARMED), (2.0, FELL), (4.0, FELL)]
+    ("after_s", "why", "tries"),
+    [
+        *((0.0, DISARMED, 2), (1.0, DISARMED, 1), (2.0, FELL, 1), (4.0, FELL, 2)),
+        *(
+            pytest.param(*each, marks=pytest.mark.long)
+            for each in ((0.0, DISARMED, 1), (1.0, DISARMED, 2), (2.0, FELL, 2), (4.0, FELL, 1))
+        ),
+    ],
 )
 def test_what_was_disarmed_in_a_take_off_of_the_plan_is_not_armed_again(
     after_s: float, why: str, tries: int

@@ -322,7 +322,7 @@ def test_a_pilot_who_holds_in_the_descent_is_left_alone_until_he_gives_it_back(u
     lands_on_the_marker_once(flight)
 
 
-@pytest.mark.parametrize("up_m", [HIGH_M, LOW_M])
+@pytest.mark.parametrize("up_m", [pytest.param(HIGH_M, marks=pytest.mark.long), LOW_M])
 def test_stopped_in_the_descent_it_lands_where_it_is(up_m: float) -> None:
     flight = descending(up_m)
     flight.companion.stop()

@@ -54,7 +54,9 @@ def fastest_told_mps(flown: Lockstep) -> float:
     return max(math.hypot(m.vx, m.vy, m.vz) for m in sent if math.isfinite(m.vx))
 
 
-@pytest.mark.parametrize("box", [ACROSS, PILLAR], ids=["across", "pillar"])
+@pytest.mark.parametrize(
+    "box", [pytest.param(ACROSS, marks=pytest.mark.long), PILLAR], ids=["across", "pillar"]
+)
 def test_it_stops_or_goes_round(box: Box) -> None:
     flown = flight(box).until_the_end()
     assert flown.simulation.collisions == 0
