@@ -14,6 +14,7 @@ from typing import Generic, TypeVar
 
 from lark import Lark, Token, Transformer
 from lark.exceptions import UnexpectedCharacters, UnexpectedToken
+from lark.lexer import BasicLexer, LexerThread
 
 from companion.errors import FormulaError
 
@@ -84,6 +85,10 @@ class Grammar(Generic[T]):
             start=self._starts,
         )
 
+    @cached_property
+    def _lexer_of_all(self) -> BasicLexer:
+        return BasicLexer(self._parser.lexer_conf)  # Lark.lex makes one for each text
+
     def read(self, text: str) -> T | Misfit:
         """The value of a text, or where the text does not fit.
 
@@ -115,7 +120,9 @@ class Grammar(Generic[T]):
 
     def tokens(self, text: str) -> Iterator[Token]:
         """The tokens of a text that fits."""
-        return self._parser.lex(text)
+        words = LexerThread.from_text(self._lexer_of_all, text)
+        found: Iterator[Token] = words.lex(None)  # type: ignore[no-untyped-call]
+        return found
 
 
 def _misfit(error: UnexpectedToken, text: str) -> Misfit:
