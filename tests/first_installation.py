@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import textwrap
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from functools import cache
 from importlib.metadata import PackageNotFoundError, packages_distributions, requires
 from pathlib import Path
 
@@ -54,12 +55,18 @@ def distributions(extras: Iterable[str]) -> frozenset[str]:
     return frozenset(found)
 
 
+@cache
+def owners_of_modules() -> Mapping[str, list[str]]:
+    """What brings each module that is installed here; this takes a second."""
+    return packages_distributions()
+
+
 def hidden_modules(extras: Iterable[str]) -> frozenset[str]:
     """Modules that are installed here for the tests, and are not with these extras alone."""
     missing = distributions(["test"]) - distributions(extras)
     return frozenset(
         module
-        for module, owners in packages_distributions().items()
+        for module, owners in owners_of_modules().items()
         if missing.issuperset(map(canonicalize_name, owners))
     )
 
