@@ -43,7 +43,7 @@ def ltl(companion: Companion) -> Ltl:
 def batch(tmp_path: Path) -> Path:
     """A file with two formulas that have automata, and three that have not."""
     path = tmp_path / "formulas.txt"
-    deep = "X " * 20_000 + "a"
+    deep = "X " * 12_000 + "a"
     lines = ["# the task", "G F a & F b", "", "  G (a &", "  # more", "X caf\u00e9", deep, " F c "]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return path
@@ -126,7 +126,7 @@ def test_a_formula_or_a_batch(arguments: tuple[str, ...], ltl: Ltl) -> None:
 
 
 def test_a_formula_that_is_too_large_names_the_limit(ltl: Ltl) -> None:
-    ended = ltl("X " * 20_000 + "a")
+    ended = ltl("X " * 12_000 + "a")
     assert (ended.code, ended.out) == (2, "")
     assert re.search(r"more than 10,?000 states", ended.err)
     assert "with fewer operators" in ended.err
