@@ -8,6 +8,7 @@ import struct
 from typing import Any
 
 import pytest
+from drawn import drawn
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -232,6 +233,7 @@ components = st.fixed_dictionaries(
 files = st.fixed_dictionaries({"components": st.dictionaries(numbers, components, max_size=3)})
 
 
+@drawn(50)
 @given(files | values, st.binary(max_size=45))
 def test_no_file_and_no_arguments_raise(about: Any, raw: bytes) -> None:
     metadata = read_events(json.dumps(about).encode())

@@ -44,7 +44,7 @@ def profiles(formula: str) -> LapProfiles:
 
 
 @pytest.mark.slow
-@drawn(200)
+@drawn(100)
 @given(st.sampled_from(FORMULAS), st.lists(st.sampled_from(LETTERS), min_size=1, max_size=5))
 def test_a_lap_is_accepted_from_the_states_that_accept_it_for_ever(
     formula: str, lap: list[frozenset[str]]
