@@ -111,6 +111,8 @@ KEYS: dict[str, Keys] = {
         killed_and_the_operator_is_asked,
     )
 }
+ELSEWHERE = {killed_and_restarted_in_the_hold.__name__}
+"""Flown in every run by tests/flights/test_resume.py, which asks for the same time."""
 
 
 def in_flight(mission: Mission, world: World, seed: int, begin_s: float) -> tuple[Lockstep, Cut]:
@@ -124,7 +126,13 @@ def in_flight(mission: Mission, world: World, seed: int, begin_s: float) -> tupl
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("keys", KEYS.values(), ids=KEYS)
+@pytest.mark.parametrize(
+    "keys",
+    [
+        pytest.param(keys, marks=[pytest.mark.long] if name in ELSEWHERE else [], id=name)
+        for name, keys in KEYS.items()
+    ],
+)
 def test_control_is_back_five_seconds_after_the_later_key(
     surveillance: Mission, short_hall: World, keys: Keys, seed: int
 ) -> None:
