@@ -140,7 +140,7 @@ def test_laps_over_17_sites_are_the_shortest() -> None:
 
 def test_over_50_sites_a_plan_comes_at_once_and_a_good_one_soon() -> None:
     first_s, last_s = [], []
-    for seed in range(0, 6, 2):
+    for seed in range(0, 4, 2):
         places = ["H", *(f"s{i}" for i in range(50))]
         asked = surveillance(50, random_legs(random.Random(seed), places))
         times, found = seconds_and_solutions(asked)

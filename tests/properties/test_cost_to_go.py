@@ -23,7 +23,7 @@ from companion.motion.cost_to_go import (
 )
 from companion.motion.grid_graph import GridGraph, edges_entering, grid_graph, union
 
-FAST = drawn(150)
+FAST = drawn(100)
 SHAPE = (24, 31)
 GOAL = (11, 9)
 

@@ -62,7 +62,7 @@ def fly(rig: Rig) -> list[str]:
     return completed
 
 
-@drawn(60)
+@drawn(40)
 @given(st.lists(st.sampled_from(PARTS), min_size=1, max_size=3, unique=True))
 def test_the_tree_executes_the_prefix_and_then_the_loop_again_and_again(parts: list[str]) -> None:
     rig = rig_of(parts)

@@ -64,7 +64,7 @@ datagrams = st.one_of(
 )
 
 
-@drawn(60)
+@drawn(40)
 @given(st.lists(datagrams, max_size=8))
 def test_any_datagrams_leave_a_flying_simulator(received: list[bytes]) -> None:
     simulation = Simulation(Scenario(), None, seed=0)
