@@ -54,7 +54,7 @@ class ScaledClock:
         """Scaled seconds per wall-clock second."""
         return self._speed
 
-    def quicken(self, factor: float) -> None:
+    def speed_up(self, factor: float) -> None:
         """Runs faster by a factor, from the present reading."""
         now_s = self.now_s()
         self._speed *= factor

@@ -185,7 +185,7 @@ def _keep_pace(companion: Companion, clock: ScaledClock, told_speed: float) -> f
     """Adapts the flight's clock to the autopilot's speed; returns the last reported speed."""
     if (rate := companion.telemetry.clock.rate.take_news()) is None:
         return told_speed
-    clock.quicken(rate)
+    clock.speed_up(rate)
     companion.wire.time.zero_s = clock.zero_s
     if max(clock.speed / told_speed, told_speed / clock.speed) < NEWS:
         return told_speed

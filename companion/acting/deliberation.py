@@ -133,6 +133,6 @@ class Deliberation:
 
     def search_again(self, waiting: AwaitingPlan, news: str) -> PlanDecision:
         """Searches again, because something has changed; earlier plans may have led nowhere."""
-        self.replanner.forgive()
+        self.replanner.start_over()
         due = self.replanner.begin(news, waiting.due.left_for)
         return self.search(Searching(due, waiting.plan, waiting.failure))

@@ -202,7 +202,7 @@ class Executive:
         if isinstance(self.state, ByHand):
             self.state.tree.resume()
         elif self.planner.mission.tree is None:
-            self.deliberation.replanner.forgive()
+            self.deliberation.replanner.start_over()
             self._replan("going on", self._left())
         return self.status
 
@@ -236,7 +236,7 @@ class Executive:
         flight = self._flight
         task_laps = flight.task.word.laps
         tree.tick()
-        flight.hold_unless_told()
+        flight.hold_unless_commanded()
         tree.tell()
         tell_positions(flight)
         self.reports.laps += flight.task.word.laps - task_laps

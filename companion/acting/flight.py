@@ -90,10 +90,10 @@ class Flight:
         """Time since an earlier step; at most two ticks, so that nothing jumps after a stall."""
         return min(self.now_s - since_s, 2 * TICK_S)
 
-    def hold_unless_told(self) -> None:
+    def hold_unless_commanded(self) -> None:
         """Holds if no setpoint was made in this tick and the plan has the vehicle in the air."""
         if not self.progress.is_landed_by_plan:
-            self.guidance.hold_unless_told()
+            self.guidance.hold_unless_commanded()
 
     def hear(self, readings: Sequence[tuple[Signal, float]]) -> Sequence[tuple[Signal, float]]:
         """Notes what was heard in this tick, and returns it."""

@@ -216,7 +216,7 @@ class Guidance:
         elif state is not None and not state.is_landed:
             self._stream(_rest_at(self._not_above_band(state.motion.position)), heading_rad)
 
-    def hold_unless_told(self) -> None:
+    def hold_unless_commanded(self) -> None:
         """Holds, if nothing else was streamed in this tick."""
         if self._streamed_s < self._now():
             self.hold()

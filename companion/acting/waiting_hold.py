@@ -11,7 +11,7 @@ from collections.abc import Collection
 
 from companion.acting.flight import Flight
 from companion.acting.replanning.patience import THE_MAP
-from companion.motion.heading import glance
+from companion.motion.heading import sweep_rad
 
 APART_S = 2.0
 """Holds further apart belong to separate waits; the second starts a new turn to and fro."""
@@ -43,4 +43,4 @@ class WaitingHold:
         if flight.now_s - self._held_s > APART_S:
             self._heading_rad, self._facing_s = flight.guidance.heading_rad, flight.now_s
         self._held_s = flight.now_s
-        flight.guidance.hold(self._heading_rad + glance(flight.now_s - self._facing_s))
+        flight.guidance.hold(self._heading_rad + sweep_rad(flight.now_s - self._facing_s))

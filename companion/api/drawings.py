@@ -67,7 +67,7 @@ def mission_drawing(mission: Mission, home: GlobalOrigin | None) -> Drawing:
     if mission.tree:
         told.append("no plan is drawn: the mission has a tree of its own")
     drawing = drawing_of(mission, plan, zero)
-    drawing.told.extend(told)
+    drawing.notes.extend(told)
     return replace(drawing, home_amsl_m=(home.altitude_m or None) if home else None)
 
 
@@ -99,7 +99,7 @@ def run_drawing(folder: Path) -> Drawing:
     drawing = _of_scene(scene, zero)
     mission = _mission(folder)
     if mission is None:
-        drawing.told.append("no plan is drawn: the mission needs files that are not in the run")
+        drawing.notes.append("no plan is drawn: the mission needs files that are not in the run")
     else:
         plan = _last_plan(folder)
         start = start_of(mission)

@@ -125,7 +125,7 @@ def export(
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise CompanionError(f"cannot write {output}: {error.strerror or error}") from error
-    for line in drawing.told:
+    for line in drawing.notes:
         typer.echo(f"notice     {line}")
     typer.echo(f"written    {output}")
 
@@ -198,5 +198,5 @@ def _tell(draft: Draft) -> None:
             typer.echo(f"altitudes  {min(heights):g} to {max(heights):g} m {words}")
     for name, formula in draft.data["task"].items():
         typer.echo(f"task       {name}: {formula}")
-    for line in draft.told:
+    for line in draft.notes:
         typer.echo(f"notice     {line}")

@@ -103,14 +103,14 @@ class ClientCursor:
         if events:
             text += _message("events", [line_of(event) for event in events])
         if snapshots:
-            text += _message("snapshots", [s.as_json() for s in thinned(snapshots, most)])
+            text += _message("snapshots", [s.as_json() for s in downsampled(snapshots, most)])
         return text
 
 
-def thinned(snapshots: Sequence[Snapshot], most: int) -> Sequence[Snapshot]:
+def downsampled(snapshots: Sequence[Snapshot], most: int) -> Sequence[Snapshot]:
     """At most `most` of some snapshots, evenly chosen, the last one included.
 
-    >>> thinned(list(range(10)), 4)
+    >>> downsampled(list(range(10)), 4)
     [0, 3, 6, 9]
     """
     step = -(-len(snapshots) // most)

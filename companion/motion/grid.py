@@ -69,7 +69,7 @@ class OccupancyGrid:
         padded = np.pad(self.occupied, 1, constant_values=not self.is_open)
         if not padded.any():
             return np.full(self.occupied.shape, math.inf)
-        distance = ndimage.distance_transform_edt(~thickened(padded), sampling=self.cell_m)
+        distance = ndimage.distance_transform_edt(~dilated(padded), sampling=self.cell_m)
         return np.asarray(distance)[1:-1, 1:-1]
 
     def layer(self, up_m: float) -> int:
@@ -192,7 +192,7 @@ class OccupancyGrid:
         return float(np.hypot(gaps[:, 0], gaps[:, 1]).min(initial=math.inf)) * self.cell_m
 
 
-def thickened(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def dilated(occupied: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """The occupied cells and the eight around each."""
     rows = occupied.copy()
     rows[1:] |= occupied[:-1]

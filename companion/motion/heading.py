@@ -26,10 +26,10 @@ GLANCE_S = 4.0
 """Period of a turn to and fro by that much; scans at 10 Hz pass a cell 5 m away several times."""
 
 
-def glance(time_s: float) -> float:
+def sweep_rad(time_s: float) -> float:
     """How far a vehicle that looks around is turned aside at a time, rad: to and fro, linearly.
 
-    >>> [round(math.degrees(glance(second)), 1) for second in (0.0, 1.0, 2.0, 3.0, 4.0)]
+    >>> [round(math.degrees(sweep_rad(second)), 1) for second in (0.0, 1.0, 2.0, 3.0, 4.0)]
     [0.0, 2.5, 5.0, 2.5, 0.0]
     """
     half = GLANCE_S / 2

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
-from companion.motion.grid import OccupancyGrid, thickened
+from companion.motion.grid import OccupancyGrid, dilated
 
 _ROUNDING_CELLS = 3.0
 """By how much two thickened walls are nearer to each other than their edges, with a margin."""
@@ -32,7 +32,7 @@ def passages(grid: OccupancyGrid, wide_m: float) -> npt.NDArray[np.bool_]:
     if not padded.any():
         return np.zeros_like(grid.occupied)
     nearest = ndimage.distance_transform_edt(
-        ~thickened(padded), return_distances=False, return_indices=True
+        ~dilated(padded), return_distances=False, return_indices=True
     )
     apart = max(wide_m / grid.cell_m - _ROUNDING_CELLS, _ROUNDING_CELLS)
     is_between = np.zeros_like(padded)
@@ -42,7 +42,7 @@ def passages(grid: OccupancyGrid, wide_m: float) -> npt.NDArray[np.bool_]:
         here, there = (_all_but(end, axis) for end in (-1, 0))
         is_between[here] |= is_wide
         is_between[there] |= is_wide
-    return np.asarray(thickened(is_between)[1:-1, 1:-1])
+    return np.asarray(dilated(is_between)[1:-1, 1:-1])
 
 
 def _all_but(end: int, axis: int) -> tuple[slice, slice]:

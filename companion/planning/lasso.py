@@ -73,8 +73,8 @@ class Energy:
         ready: per place, the level that must remain so that lines are ready; empty without any.
         is_short: the way into the loop keeps only the floors, because the level is too low for what
             ready lines keep: an answer to an event, or wind, used it up.
-        lent: the part of `level` that is borrowed from the reserve.
-        lendable: how much may be borrowed from the reserve if there is no plan without: enough to
+        borrowed: the part of `level` that is borrowed from the reserve.
+        borrowable: how much may be borrowed from the reserve if there is no plan without: enough to
             land at a dock, but not for charging there.
     """
 
@@ -85,8 +85,8 @@ class Energy:
     percents: Sequence[float]
     ready: Mapping[str, int] = field(default_factory=dict)
     is_short: bool = False
-    lent: int = 0
-    lendable: int = 0
+    borrowed: int = 0
+    borrowable: int = 0
 
     def floor(self, place: str, in_loop: bool = True) -> int | None:
         """The level that must remain at a place; None if no safe place can be reached from there.

@@ -67,7 +67,7 @@ class SkillTrials:
         return replace(self, put_aside=self.put_aside.union(skills))
 
     @property
-    def forgiven(self) -> SkillTrials:
+    def with_all_put_back(self) -> SkillTrials:
         """Something has changed: what was put aside may be tried again."""
         return replace(self, put_aside=frozenset())
 

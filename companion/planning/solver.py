@@ -261,7 +261,7 @@ class Solver:
             return ()
         if is_stranded(problem):
             return (STRANDED,)
-        now = math.floor(energy.percents[max(0, energy.level - energy.lent)])
+        now = math.floor(energy.percents[max(0, energy.level - energy.borrowed)])
         return (f"the charge, {now} %, is too little",)
 
     def _is_late_soon(self, problem: Problem) -> tuple[str, ...]:
@@ -301,6 +301,6 @@ def _or_less(problem: Problem) -> Iterator[Problem]:
     if energy.ready:
         energy = replace(energy, is_short=True)
         yield replace(problem, energy=energy)
-    if lent := energy.lendable:
-        energy = replace(energy, level=energy.level + lent, lent=lent, lendable=0)
+    if borrowed := energy.borrowable:
+        energy = replace(energy, level=energy.level + borrowed, borrowed=borrowed, borrowable=0)
         yield replace(problem, energy=energy)

@@ -53,7 +53,7 @@ class ActionInterrupted(TimedChange):
 
 
 @dataclass(frozen=True, slots=True)
-class FlightBegunAgain(TimedChange):
+class FlightResumed(TimedChange):
     """The flight that was interrupted last was resumed."""
 
     action: str
@@ -154,7 +154,7 @@ TaskChange = (
     ActionBegun
     | ActionCompleted
     | ActionInterrupted
-    | FlightBegunAgain
+    | FlightResumed
     | ActionBarred
     | SkillsPutAside
     | SkillsPutBack

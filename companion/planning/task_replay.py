@@ -46,8 +46,8 @@ class TaskReplay:
                 state.complete(self._actions[change.action], change.reached_s)
             case changes.ActionInterrupted():
                 state.interrupt()
-            case changes.FlightBegunAgain():
-                state.begin_again(self._actions[change.action])
+            case changes.FlightResumed():
+                state.resume_flight(self._actions[change.action])
             case changes.ActionBarred():
                 state.bar(self._actions[change.action])
             case changes.SkillsPutAside():

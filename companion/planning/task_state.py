@@ -174,12 +174,12 @@ class TaskState:
         is_own = last is not None and last.is_one_of(actions, self.all_facts)
         return last.flight if last is not None and is_own else None
 
-    def begin_again(self, flight: Action) -> None:
+    def resume_flight(self, flight: Action) -> None:
         """Resumes the flight that was interrupted last, as if it had not been interrupted."""
         if self._interrupted is not None:
             self.facts = self._interrupted.facts_before(self.facts)
         self.running, self._interrupted = flight, None
-        self.on_change(changes.FlightBegunAgain(self._moment, flight.name))
+        self.on_change(changes.FlightResumed(self._moment, flight.name))
 
     def drop(self, lines: Collection[str]) -> tuple[str, ...]:
         """Drops these lines from now on and keeps all others.
@@ -230,7 +230,7 @@ class TaskState:
 
     def put_back(self) -> None:
         """Plans may have the skills again that were put aside."""
-        before, self.trials = self.trials, self.trials.forgiven
+        before, self.trials = self.trials, self.trials.with_all_put_back
         if self.trials != before:
             self.on_change(changes.SkillsPutBack(self._moment))
 
@@ -248,7 +248,7 @@ class TaskState:
     def cut_off(self, beliefs: frozenset[Fact]) -> tuple[list[Fact], list[Fact]]:
         """Withdraws what the map contradicts, holds again what it no longer does; returns both."""
         lost, held = self.beliefs.cut_off(beliefs)
-        self.trials = self.trials.forgiven if held else self.trials
+        self.trials = self.trials.with_all_put_back if held else self.trials
         self.on_change(changes.BeliefsCutOff(self._moment, tuple(sorted(beliefs))))
         return lost, held
 
@@ -256,7 +256,7 @@ class TaskState:
         """Holds beliefs again and returns them; see `HeldBeliefs.restore`."""
         restored = self.beliefs.restore(now_s, is_waiting, predicates)
         if restored:
-            self.trials = self.trials.forgiven
+            self.trials = self.trials.with_all_put_back
             asked = now_s, is_waiting, tuple(sorted(predicates))
             self.on_change(changes.BeliefsRestored(self._moment, *asked))
         return restored
@@ -266,7 +266,7 @@ class TaskState:
         fact = frozenset({event.fact})
         self.facts = self.facts | fact if holds else self.facts - fact
         if event.fact not in self._unread_events:
-            self.trials = self.trials.forgiven
+            self.trials = self.trials.with_all_put_back
         self.word.take(event, holds, self.facts)
         self.on_change(changes.EventValueTaken(self._moment, event.name, holds))
 

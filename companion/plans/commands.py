@@ -123,7 +123,7 @@ class PlannedRoute:
     repeats_from: int | None = None
     ends: str = ""
     lands_at_last: bool = False
-    told: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     payload_items: list[ItemRefused] = field(default_factory=list)
 
     def visit(self, item: CommandItem, position: LatLon) -> None:
@@ -143,7 +143,7 @@ class PlannedRoute:
         kind: str,
         home: LatLon | None,
         home_amsl_m: float | None,
-        told: tuple[str, ...],
+        notes: tuple[str, ...],
         areas: tuple[PlanArea, ...] = (),
         rally: tuple[Waypoint, ...] = (),
     ) -> RoutePlan:
@@ -166,7 +166,7 @@ class PlannedRoute:
             start, waypoints = start + waypoints[0].acts, waypoints[1:]
             repeats_from = repeats_from and repeats_from - 1
         if not self.ends and self.waypoints:
-            told = (*told, "the plan does not say how it ends; the mission comes home")
+            notes = (*notes, "the plan does not say how it ends; the mission comes home")
         return RoutePlan(
             kind=kind,
             home=home,
@@ -181,7 +181,7 @@ class PlannedRoute:
             speeds_mps=tuple(self.speeds_mps),
             areas=areas,
             rally=rally,
-            told=told + tuple(self.told),
+            notes=notes + tuple(self.notes),
             unaddressed=tuple(self.payload_items),
             correction=LEAVE_OUT,
         )

@@ -49,14 +49,14 @@ class Draft:
     Attributes:
         data: the mission.
         items: by the keys of a place, of the fence or of a keep-out zone, its name in the file.
-        told: notes for the reader of the mission.
+        notes: notes for the reader of the mission.
         route_m: length of the route, and then of the way to its end, in straight lines; None if the
             plan leaves the order open.
     """
 
     data: dict[str, Any]
     items: dict[tuple[str, ...], str]
-    told: list[str]
+    notes: list[str]
     route_m: tuple[float, float] | None = None
 
 
@@ -80,18 +80,18 @@ class _Drafting:
 
     plan: RoutePlan
     given: Given
-    told: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
     items: dict[tuple[str, ...], str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._placed = Places(self.plan, self.given, self.told)
+        self._placed = Places(self.plan, self.given, self.notes)
         self.places = self._placed.places
 
     def draft(self, name: str) -> Draft:
         plan, given = self.plan, self.given
         if plan.unaddressed and given.payload is None:
             raise ItemsRefused(plan.unaddressed)
-        self.told += plan.told
+        self.notes += plan.notes
         self._placed.tell_unused()
         placed = self._placed
         check_points(len(plan.waypoints) + len(plan.rally) + len(plan.spare))
@@ -101,9 +101,9 @@ class _Drafting:
         end = placed.end
         placed.drop_repeats()
         if not placed.stops:
-            self.told.append("no waypoints: the mission only takes off and lands; add places")
+            self.notes.append("no waypoints: the mission only takes off and lands; add places")
         if plan.repeats_from is not None:
-            self.told.append("the loop is flown in the order in which a lap is shortest")
+            self.notes.append("the loop is flown in the order in which a lap is shortest")
         _check_count(len(self.places) - 1, "places", MAX_PLACES)
         _check_count(len(placed.stops), "stops", MAX_STOPS)
         fence, zones = self._areas()
@@ -120,7 +120,7 @@ class _Drafting:
         data["task"] = task_of(plan, placed.stops, end)
         data["otherwise"] = {"land_at": [HOME, *safe]} if safe else "return_home"
         places = {("places", name): place.item for name, place in self.places.items()}
-        return Draft(data, self.items | places, self.told, placed.route_m)
+        return Draft(data, self.items | places, self.notes, placed.route_m)
 
     def _stops(self) -> Iterator[Callable[[], None]]:
         """Steps that add the waypoints, up to one place more than allowed."""
@@ -139,7 +139,7 @@ class _Drafting:
             points = [place.position for place in self.places.values()]
             rally = (point.position for point in self.plan.rally[:MAX_RALLY])
             points += [p for p in rally if metres_between(points[0], p) < USUAL_REACH_M]
-            self.told.append(
+            self.notes.append(
                 f"{self.plan.kind} has no fence; the box {FENCE_MARGIN_M:g} m around all places "
                 "is one: make it as large as the vehicle may fly"
             )
@@ -148,11 +148,11 @@ class _Drafting:
             fence = common(inclusions).corners
             self.items["limits", "fence"] = inclusions[0].item
             if len(inclusions) > 1:
-                self.told.append(f"{len(inclusions)} inclusion areas: the fence is what all share")
+                self.notes.append(f"{len(inclusions)} inclusion areas: the fence is what all share")
         zones: dict[str, tuple[LatLon, ...]] = {}
         for area in self.plan.areas:
             if not area.is_inclusion and not do_meet(area.corners, fence):
-                self.told.append(f"{area.item}: lies outside the fence; left out")
+                self.notes.append(f"{area.item}: lies outside the fence; left out")
             elif not area.is_inclusion:
                 name = area.name
                 while name in zones:
@@ -180,7 +180,7 @@ class _Drafting:
         """Adds rally points: places outside the task, where to land without a plan."""
         rally = len(self.plan.rally)
         if rally > MAX_RALLY:
-            self.told.append(f"{rally} rally points: the first {MAX_RALLY} are safe places")
+            self.notes.append(f"{rally} rally points: the first {MAX_RALLY} are safe places")
         safe: list[str] = []
         for point in self.plan.rally[:MAX_RALLY]:
             name = self._place(point, fence, zones)
@@ -188,19 +188,19 @@ class _Drafting:
                 continue
             assert name is not None
             safe.append(name)
-            self.told.append(f"{point.item}: the safe place {name}, to land at without a plan")
+            self.notes.append(f"{point.item}: the safe place {name}, to land at without a plan")
         return safe
 
     def _spare(self, fence: tuple[LatLon, ...], zones: dict[str, tuple[LatLon, ...]]) -> None:
         """Adds other places that the task does not mention."""
         spare = len(self.plan.spare)
         if spare > MAX_PLACES:
-            self.told.append(f"nothing flies to {spare} points; the first {MAX_PLACES} are places")
+            self.notes.append(f"nothing flies to {spare} points; the first {MAX_PLACES} are places")
         for point in self.plan.spare[:MAX_PLACES]:
             known = len(self.places)
             name = self._place(point, fence, zones)
             if len(self.places) > known:
-                self.told.append(f"{point.item}: the place {name}, to which nothing flies yet")
+                self.notes.append(f"{point.item}: the place {name}, to which nothing flies yet")
 
     def _place(
         self,
@@ -216,7 +216,7 @@ class _Drafting:
         try:
             self._check_inside(placed, fence, zones)
         except ItemRefused as error:
-            self.told.append(f"{point.item}: {error.what}; left out")
+            self.notes.append(f"{point.item}: {error.what}; left out")
             return None
         near = self._placed.near(placed)
         return self._placed.add(placed) if near is None else near
@@ -237,7 +237,9 @@ class _Drafting:
         reach_m = max(metres_between(home, corner) for corner in fence)
         if highest > USUAL_UP_M or reach_m > USUAL_REACH_M:
             limits["unusual"] = True
-            self.told.append(f"{highest:g} m high or {reach_m:.0f} m away is unusual: is it meant?")
+            self.notes.append(
+                f"{highest:g} m high or {reach_m:.0f} m away is unusual: is it meant?"
+            )
         if zones:
             limits["keep_out"] = {
                 name: [[round(degrees, 9) for degrees in corner] for corner in corners]
@@ -248,12 +250,16 @@ class _Drafting:
     def _speed_mps(self) -> float:
         asked = [speed for speed in self.plan.speeds_mps if speed > 0]
         if not asked:
-            self.told.append(f"no speed is given; {SPEED_MPS:g} m/s is written")
+            self.notes.append(f"no speed is given; {SPEED_MPS:g} m/s is written")
             return SPEED_MPS
         if len(set(asked)) > 1:
-            self.told.append(f"speeds {', '.join(f'{s:g}' for s in asked)} m/s: the least is meant")
+            self.notes.append(
+                f"speeds {', '.join(f'{s:g}' for s in asked)} m/s: the least is meant"
+            )
         if min(asked) > MAX_SPEED_MPS:
-            self.told.append(f"{min(asked):g} m/s is more than the vehicle's {MAX_SPEED_MPS:g} m/s")
+            self.notes.append(
+                f"{min(asked):g} m/s is more than the vehicle's {MAX_SPEED_MPS:g} m/s"
+            )
         return min(*asked, MAX_SPEED_MPS)
 
 

@@ -52,14 +52,14 @@ class Places:
     """The places of one plan.
 
     Attributes:
-        told: notes for the reader of the mission.
+        notes: notes for the reader of the mission.
         places: by their names, home first.
         stops: the stops of the route.
     """
 
     plan: RoutePlan
     given: Given
-    told: list[str]
+    notes: list[str]
     places: dict[str, Waypoint] = field(default_factory=dict)
     stops: list[RouteStop] = field(default_factory=list)
     _again: list[str] = field(default_factory=list)
@@ -73,12 +73,12 @@ class Places:
         plan, first = self.plan, next(iter(self.plan.waypoints), None)
         home = self.given.home or plan.home
         if self.given.home is None and plan.home_note:
-            self.told.append(plan.home_note)
+            self.notes.append(plan.home_note)
         if home and plan.home and (away_m := metres_between(home, plan.home)) >= SAME_M:
-            self.told.append(f"home in the file is {away_m:.0f} m from --home, which counts")
+            self.notes.append(f"home in the file is {away_m:.0f} m from --home, which counts")
         if home is None and first is not None:
             home = first.position
-            self.told.append(f"{plan.kind} says nothing of home; it is put at {first.item}")
+            self.notes.append(f"{plan.kind} says nothing of home; it is put at {first.item}")
         if home is None:
             what = "says neither where the mission begins nor where it leads"
             raise ItemRefused("", what, OTHER_HOME)
@@ -134,7 +134,7 @@ class Places:
             what += " the plan is above home; nothing says how high home lies"
             raise ItemRefused(act.item, what, SAY_AMSL)
         amsl_m = height.metres + self._home_amsl_m
-        self.told.append(
+        self.notes.append(
             f"{act.item}: {height.metres:g} m above home is sent as {amsl_m:g} m above the sea"
         )
         return amsl_m
@@ -188,7 +188,7 @@ class Places:
             raise ItemRefused(waypoint.item, what, hint)
         self.places[HOME] = replace(place, height=waypoint.height)
         low_m, high_m = self.up_m(place), self.up_m(waypoint)
-        self.told.append(
+        self.notes.append(
             f"{waypoint.item}: above home; so the takeoff is to {high_m:g} m and not to {low_m:g} m"
         )
 
@@ -197,7 +197,7 @@ class Places:
         if self._again:
             more = f" and {len(self._again) - SHOWN} more" if len(self._again) > SHOWN else ""
             shown = ", ".join(self._again[:SHOWN])
-            self.told.append(f"within a metre of a point before, so the same place: {shown}{more}")
+            self.notes.append(f"within a metre of a point before, so the same place: {shown}{more}")
         repeats_from = self.plan.repeats_from
         if repeats_from is not None:
             if repeats_from and self.stops[0][:2] == (HOME, ()):
@@ -265,7 +265,7 @@ class Places:
             heights = [each for each in self.plan.unused if each.above == above]
             those = "1 altitude" if len(heights) == 1 else f"{len(heights)} altitudes"
             words = _in_words(heights)
-            self.told.append(f"not used: {those} of the file, {words}; in place of that {instead}")
+            self.notes.append(f"not used: {those} of the file, {words}; in place of that {instead}")
 
     @property
     def _home_amsl_m(self) -> float | None:

@@ -67,7 +67,7 @@ class Drawing:
     loop: tuple[DrawnVisit, ...] = ()
     safe: tuple[str, ...] = ()
     flown: tuple[LatLon, ...] = ()
-    told: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
 
 def drawing_of(mission: Mission, plan: PlannedLasso | None, zero: GlobalOrigin) -> Drawing:

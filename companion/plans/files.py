@@ -64,7 +64,7 @@ def import_plan(
         raise refusal_of(str(path), refused.refused) from None
     mission = _check(drafted, path)
     if low := low_among(mission, mission.sets["Place"]):
-        drafted.told.append(f"{', '.join(map(str, low))}: {too_low(mission.vehicle)}")
+        drafted.notes.append(f"{', '.join(map(str, low))}: {too_low(mission.vehicle)}")
     text = mission_text(drafted, f"{path.name}, {plan.kind}")
     load_mission(text)
     return text, drafted

@@ -67,22 +67,22 @@ class LoiterItem:
             route.visit(item, position)
         if item.param(1) > 0:
             route.do(Hold(item.param(1)))
-        route.told.append(f"{item.item}: {item.name} waits, and does not circle")
+        route.notes.append(f"{item.item}: {item.name} waits, and does not circle")
 
 
 @dataclass(frozen=True, slots=True)
 class VisitItem:
-    """A point; `told` says what is lost of it."""
+    """A point; `note` says what is lost of it."""
 
-    told: str = ""
+    note: str = ""
 
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
         """Adds a place, and a wait if the vehicle holds there."""
         route.visit(item, required(item))
         if item.param(1) > 0:
             route.do(Hold(item.param(1)))
-        if self.told:
-            route.told.append(f"{item.item}: {item.name} {self.told}")
+        if self.note:
+            route.notes.append(f"{item.item}: {item.name} {self.note}")
 
 
 class TakeOffItem:
@@ -128,7 +128,7 @@ class SpeedItem:
     def add(self, item: CommandItem, route: PlannedRoute) -> None:
         """Takes the lowest speed as the mission's; ignores those of climbs and descents."""
         if item.param(1) in (CLIMB, DESCENT):
-            route.told.append(f"{item.item}: a speed of climbs or descents; left out")
+            route.notes.append(f"{item.item}: a speed of climbs or descents; left out")
         elif item.param(2) > 0:
             route.speeds_mps.append(item.param(2))
 
@@ -233,7 +233,7 @@ def route_of(
         numbers.add(item.number)
         route.first_waypoint[item.jump_id] = len(route.waypoints)
         if item.number in leave_out or (PAYLOADS in leave_out and item.is_payload):
-            route.told.append(f"{item.item}: {item.name} left out, as asked")
+            route.notes.append(f"{item.item}: {item.name} left out, as asked")
             continue
         try:
             if route.ends:

@@ -37,7 +37,7 @@ def mission_text(draft: Draft, source: str) -> str:
     for key, value in draft.data.items():
         root[key] = _node(value, 1, key)
     lines = [f"Imported from {source}. Read it, and edit it, before it is flown.", ""]
-    lines += [f"- {line}" for line in draft.told]
+    lines += [f"- {line}" for line in draft.notes]
     root.yaml_set_start_comment(printable("\n".join(lines)) + "\n")
     for key in root:
         if key in COMMENTS:

@@ -57,27 +57,27 @@ def read_plan(text: str, leave_out: frozenset[str]) -> RoutePlan:
     _check_version(mission, "its mission", 2)
     _check_vehicle(mission)
     home, home_amsl_m = _home(mission.list("plannedHomePosition"))
-    told: list[str] = []
-    route = _route(mission.list("items"), leave_out, told)
+    notes: list[str] = []
+    route = _route(mission.list("items"), leave_out, notes)
     if not route.speeds_mps and "hoverSpeed" in mission:
         route.speeds_mps.append(mission.number("hoverSpeed"))
-    areas, rally = _areas(file, told), _rally(file, told)
+    areas, rally = _areas(file, notes), _rally(file, notes)
     kind = "a plan of QGroundControl"
-    return route.plan(kind, home, home_amsl_m, tuple(told), areas, rally)
+    return route.plan(kind, home, home_amsl_m, tuple(notes), areas, rally)
 
 
 def _old_mission(file: JsonObject, leave_out: frozenset[str]) -> RoutePlan:
     """The plan of a .mission file."""
     if "complexItems" in file and file.list("complexItems"):
         raise ItemRefused("", "has complex items of an old version", "open and save it in QGC")
-    told: list[str] = []
-    route = _route(file.list("items"), leave_out, told)
+    notes: list[str] = []
+    route = _route(file.list("items"), leave_out, notes)
     if isinstance(file.data.get("plannedHomePosition"), dict):  # the first version
         file = JsonObject(
             {"plannedHomePosition": file.object("plannedHomePosition").list("coordinate")}, ""
         )
     home, home_amsl_m = _home(file.list("plannedHomePosition"))
-    return route.plan("an old mission of QGroundControl", home, home_amsl_m, tuple(told))
+    return route.plan("an old mission of QGroundControl", home, home_amsl_m, tuple(notes))
 
 
 def _check_version(fields: JsonObject, name: str, known: int) -> None:
@@ -108,27 +108,29 @@ def _home(listed: list[Any]) -> tuple[LatLon | None, float | None]:
 # -- items -----------------------------------------------------------------------------------------
 
 
-def _route(entries: list[Any], leave_out: frozenset[str], told: list[str]) -> PlannedRoute:
+def _route(entries: list[Any], leave_out: frozenset[str], notes: list[str]) -> PlannedRoute:
     """The route of the items, which are numbered from 1."""
     numbers = map(str, range(1, len(entries) + 1))
-    return route_of(_items(entries, leave_out, told), leave_out, numbers)
+    return route_of(_items(entries, leave_out, notes), leave_out, numbers)
 
 
-def _items(entries: list[Any], leave_out: frozenset[str], told: list[str]) -> Iterator[CommandItem]:
+def _items(
+    entries: list[Any], leave_out: frozenset[str], notes: list[str]
+) -> Iterator[CommandItem]:
     for index, entry in enumerate(entries, 1):
         fields = JsonObject(entry, f"item {index}")
         kind = fields.text("type") if "type" in fields else "SimpleItem"
         if kind == "ComplexItem" and str(index) in leave_out:
-            told.append(f"{fields.item}: {fields.text('complexItemType')[:40]} left out, as asked")
+            notes.append(f"{fields.item}: {fields.text('complexItemType')[:40]} left out, as asked")
         elif kind == "ComplexItem":
-            yield from _survey(fields, index, told)
+            yield from _survey(fields, index, notes)
         elif kind in ("SimpleItem", "missionItem"):
-            yield _simple(fields, str(index), told)
+            yield _simple(fields, str(index), notes)
         else:
             raise ItemRefused(fields.item, f"is of the unknown type {kind[:40]!r}")
 
 
-def _simple(fields: JsonObject, name: str, told: list[str]) -> CommandItem:
+def _simple(fields: JsonObject, name: str, notes: list[str]) -> CommandItem:
     params = _params(fields)
     for key in ("doJumpId", "id"):
         if key in fields:
@@ -138,7 +140,7 @@ def _simple(fields: JsonObject, name: str, told: list[str]) -> CommandItem:
         jump_id = int(name.split(".")[0])
     item = CommandItem(name, fields.integer("command"), fields.integer("frame"), params, jump_id)
     if "AltitudeMode" in fields and item.position is not None:
-        told.extend(_doubts(fields, item))
+        notes.extend(_doubts(fields, item))
     return item
 
 
@@ -173,7 +175,7 @@ def _params(fields: JsonObject) -> tuple[float | None, ...]:
     return tuple(params)
 
 
-def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[CommandItem]:
+def _survey(fields: JsonObject, index: int, notes: list[str]) -> Iterator[CommandItem]:
     """The points of a survey, as QGC has computed them."""
     kind = fields.text("complexItemType")
     leave_out = f"leave it out: --leave-out {index}"
@@ -189,7 +191,7 @@ def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[Command
     flown = style.list("Items") if "Items" in style else []
     if flown:
         for number_, entry in enumerate(flown, 1):
-            yield _simple(JsonObject(entry, f"item {index}.{number_}"), f"{index}.{number_}", told)
+            yield _simple(JsonObject(entry, f"item {index}.{number_}"), f"{index}.{number_}", notes)
         return
     points = style.list("VisualTransectPoints") if "VisualTransectPoints" in style else []
     if not points:
@@ -200,7 +202,7 @@ def _survey(fields: JsonObject, index: int, told: list[str]) -> Iterator[Command
         what = f"{kind} has no altitude above home: it is above the sea, or follows the terrain"
         raise ItemRefused(fields.item, what, "open and save it in QGroundControl")
     up_m = camera.number("DistanceToSurface")
-    told.append(f"{fields.item}: its points alone; when to take a picture is not in the file")
+    notes.append(f"{fields.item}: its points alone; when to take a picture is not in the file")
     for number_, point in enumerate(points, 1):
         latitude, longitude = numbers(point, fields.item, "a point", 2)[:2]
         params = (0.0, 0.0, 0.0, None, latitude, longitude, up_m)
@@ -219,12 +221,12 @@ def _is_above_home(style: JsonObject, camera: JsonObject) -> bool:
 # -- fence and rally points ------------------------------------------------------------------------
 
 
-def _areas(file: JsonObject, told: list[str]) -> tuple[PlanArea, ...]:
+def _areas(file: JsonObject, notes: list[str]) -> tuple[PlanArea, ...]:
     """The areas of the fence."""
     fence = file.object("geoFence")
     if "version" not in fence or fence.integer("version") != 2:
         if any(key in fence and fence.list(key) for key in ("polygon", "polygons", "circles")):
-            told.append("fence: of a version that QGroundControl ignores; left out")
+            notes.append("fence: of a version that QGroundControl ignores; left out")
         return ()
     areas = []
     for index, entry in enumerate(fence.list("polygons"), 1):
@@ -240,7 +242,7 @@ def _areas(file: JsonObject, told: list[str]) -> tuple[PlanArea, ...]:
         corners_of = circle(one.item, centre, radius_m, is_inclusion)
         areas.append(PlanArea(one.item, f"circle_{index}", corners_of, is_inclusion))
     if "breachReturn" in fence:
-        told.append("fence: its return point is left out; the vehicle never leaves the fence")
+        notes.append("fence: its return point is left out; the vehicle never leaves the fence")
     return tuple(areas)
 
 
@@ -249,14 +251,14 @@ def _corner(value: object, item: str) -> LatLon:
     return check_degrees(item, latitude, longitude)
 
 
-def _rally(file: JsonObject, told: list[str]) -> tuple[Waypoint, ...]:
+def _rally(file: JsonObject, notes: list[str]) -> tuple[Waypoint, ...]:
     if "rallyPoints" not in file:
         return ()
     rally = file.object("rallyPoints")
     points = rally.list("points") if "points" in rally else []
     if "version" not in rally or rally.integer("version") != 2:
         if points:
-            told.append("rally points: of a version that QGroundControl ignores; left out")
+            notes.append("rally points: of a version that QGroundControl ignores; left out")
         return ()
     found = []
     for index, point in enumerate(points, 1):

@@ -143,7 +143,7 @@ class RoutePlan:
         rally: rally points; they have no acts.
         spare: other points that are not flown to; they have no acts.
         unused: heights in the file that are replaced by others.
-        told: notes for the reader of the mission, one line each.
+        notes: notes for the reader of the mission, one line each.
         unaddressed: errors for the payload commands if their receiver is unknown.
         correction: advice for an item that cannot be expressed.
     """
@@ -164,7 +164,7 @@ class RoutePlan:
     rally: tuple[Waypoint, ...] = ()
     spare: tuple[Waypoint, ...] = ()
     unused: tuple[UnusedHeight, ...] = ()
-    told: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     unaddressed: tuple[ItemRefused, ...] = ()
     correction: str = "correct it in the program that has drawn it"
 

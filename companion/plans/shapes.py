@@ -50,7 +50,7 @@ class Drawn:
     areas: list[PlanArea] = field(default_factory=list)
     unnamed: list[str] = field(default_factory=list)
     rally: list[Waypoint] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
 
 class Shape(Protocol):
@@ -102,7 +102,7 @@ class Line:
     def draw(self, drawn: Drawn) -> None:
         """Adds each corner as a waypoint."""
         if self.kind == "flown":
-            drawn.told.append(f"{self.item}: a way that was flown; left out")
+            drawn.notes.append(f"{self.item}: a way that was flown; left out")
             return
         if self.kind not in ("", "route", "loop"):
             raise _unknown(self.item, self.kind, "route, loop or flown")
@@ -167,18 +167,18 @@ def word(name: str) -> str:
     return f"_{spelt}" if spelt[:1].isdigit() else spelt
 
 
-def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> RoutePlan:
+def plan_of(kind: str, shapes: Sequence[Shape], notes: Sequence[str] = ()) -> RoutePlan:
     """The plan that some shapes draw.
 
     Args:
         kind: the kind of their file, in words.
         shapes: in the order of the file.
-        told: notes for its reader.
+        notes: notes for its reader.
 
     Raises:
         ItemRefused: a mission cannot express them.
     """
-    drawn = Drawn(told=list(told))
+    drawn = Drawn(notes=list(notes))
     for shape in shapes:
         shape.draw(drawn)
     if drawn.unnamed and sum(area.is_inclusion for area in drawn.areas) > 1:
@@ -193,7 +193,7 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
     waypoints += [point for point in drawn.points if point.item not in on_the_line]
     if is_ordered and len(waypoints) > len(drawn.route):
         extra = ", ".join(point.item for point in waypoints[len(drawn.route) :][:10])
-        drawn.told.append(f"not on the line, and so never flown to: {extra}")
+        drawn.notes.append(f"not on the line, and so never flown to: {extra}")
     drawn_points = [*waypoints, *drawn.rally, *([home] if home else [])]
     route = waypoints[: len(drawn.route)] if is_ordered else waypoints
     return RoutePlan(
@@ -209,7 +209,7 @@ def plan_of(kind: str, shapes: Sequence[Shape], told: Sequence[str] = ()) -> Rou
         rally=tuple(drawn.rally),
         spare=tuple(waypoints[len(route) :]),
         unused=tuple(each.unused for each in drawn_points if each.unused and not each.height),
-        told=tuple(drawn.told),
+        notes=tuple(drawn.notes),
     )
 
 

@@ -66,7 +66,7 @@ def read_wpl(text: str, leave_out: frozenset[str]) -> RoutePlan:
         raise ItemRefused("", f"has {len(rows)} items, more than {MAX_LINES}")
     items = [_item(row) for row in rows]
     home: LatLon | None = None
-    home_amsl_m, told = None, list[str]()
+    home_amsl_m, notes = None, list[str]()
     if items and items[0].number == "0" and items[0].command == 16 and items[0].frame == 0:
         home, home_amsl_m = items[0].position, items[0].params[6]
         items = items[1:]
@@ -75,10 +75,10 @@ def read_wpl(text: str, leave_out: frozenset[str]) -> RoutePlan:
         (drawn if item.command in DRAWN else flown).append(item)
     route = route_of(flown, leave_out, (item.number for item in drawn))
     left_out = [item for item in drawn if item.number in leave_out]
-    told += [f"{item.item}: {item.name} left out, as asked" for item in left_out]
+    notes += [f"{item.item}: {item.name} left out, as asked" for item in left_out]
     areas, rally = _drawn([item for item in drawn if item not in left_out])
     kind = "a file of waypoints (QGC WPL 110)"
-    return route.plan(kind, home, home_amsl_m, tuple(told), areas, rally)
+    return route.plan(kind, home, home_amsl_m, tuple(notes), areas, rally)
 
 
 def _drawn(items: list[CommandItem]) -> tuple[tuple[PlanArea, ...], tuple[Waypoint, ...]]:
@@ -146,8 +146,8 @@ def read_fence(text: str) -> RoutePlan:
     if len(points) < 4:
         raise ItemRefused("", "has no return point and three corners, so it is no fence")
     area = PlanArea("the fence", "fence", ring("the fence", points[1:]), is_inclusion=True)
-    told = "its return point is left out; the vehicle never leaves the fence"
-    return RoutePlan("a fence of ArduPilot", areas=(area,), told=(told,))
+    notes = "its return point is left out; the vehicle never leaves the fence"
+    return RoutePlan("a fence of ArduPilot", areas=(area,), notes=(notes,))
 
 
 def is_fence(text: str) -> bool:

@@ -62,7 +62,7 @@ KINDS: dict[str, type[JournalEntry]] = {
     "skills put back": changes.SkillsPutBack,
     "skill overdue": changes.SkillOverdue,
     "no skill overdue": changes.OverdueForgotten,
-    "flight begun again": changes.FlightBegunAgain,
+    "flight begun again": changes.FlightResumed,
     "position read": changes.PositionRead,
     "vehicle departed": changes.VehicleDeparted,
     "event": changes.EventValueTaken,

@@ -104,12 +104,12 @@ def test_a_clock_goes_on_at_another_speed_from_what_it_shows(factor: float) -> N
     clock = ScaledClock(monotonic_s=wall)
     assert clock.zero_s == 100.0
     wall.now_s = 103.0
-    clock.quicken(factor)
+    clock.speed_up(factor)
     assert (clock.now_s(), clock.speed) == (3.0, factor)
     wall.now_s = 105.0
     assert clock.now_s() == 3.0 + 2.0 * factor
     assert clock.wall_s_until(3.0 + 3.0 * factor) == 1.0
     assert clock.zero_s is None
-    clock.quicken(1.0 / factor)
+    clock.speed_up(1.0 / factor)
     assert clock.now_s() == 3.0 + 2.0 * factor
     assert clock.zero_s is None  # it showed less, or more, meanwhile

@@ -76,7 +76,7 @@ class Precondition(Leaf):
             self._flight.guidance.hold()
             return Status.RUNNING
         if intention.tries.is_any and (again := task.interrupted(intention.actions)) is not None:
-            task.begin_again(again)
+            task.resume_flight(again)
             intention.action = again
             return Status.SUCCESS
         facts = task.all_facts

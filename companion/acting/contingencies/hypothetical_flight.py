@@ -207,7 +207,7 @@ class HypotheticalFlight:
         """The plan, as the triggers see it."""
         return TaskPlan(self.lasso, TickedTree(self.flight, Running("plan")))
 
-    def reckon(self, factor: float) -> None:
+    def scale_energy(self, factor: float) -> None:
         """From now on everything takes this multiple of what the mission says."""
         if (energy := self.planner.energy) is not None:
             energy.assume(factor)
@@ -221,7 +221,7 @@ class HypotheticalFlight:
         for name in self._found:
             self._routes.hide(name)
         if self._has_more_drain:
-            self.reckon(1.0)
+            self.scale_energy(1.0)
         if self._lost or self._found:
             for name, place in self.mission.places.items():
                 self._routes.aim(name, place.position)

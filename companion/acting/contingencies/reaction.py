@@ -52,7 +52,7 @@ class Reaction:
         if isinstance(change, SiteLost) and self._flown.running.destination == change.place:
             return self._flown.fail(self._flown.running)
         if isinstance(change, DrainUp):
-            self._flown.reckon(1 + change.share)
+            self._flown.scale_energy(1 + change.share)
             return str(change)
         deliberation = self._deliberation
         if isinstance(change, BeliefLost):

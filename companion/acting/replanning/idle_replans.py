@@ -39,7 +39,7 @@ class IdleReplans:
             self.failed |= {failed.from_anywhere}
         self._completed = completed
 
-    def forgive(self) -> None:
+    def reset(self) -> None:
         """Forgets them, because the operator wants to continue, or something has changed."""
         self.number, self.failed = 0, frozenset()
 

@@ -148,9 +148,9 @@ class Replanner:
             self._planning.abandon()
             self._planning = None
 
-    def forgive(self) -> None:
+    def start_over(self) -> None:
         """Forgets plans that led nowhere, because the operator wants to continue."""
-        self._idle.forgive()
+        self._idle.reset()
         self._flight.task.put_back()
 
     def step(self, due: DueReplan) -> ChosenPlan | PlanFailure | None:

@@ -83,18 +83,18 @@ def best_loops(
         return sum(1 << mark for mark, group in enumerate(targets_of) if node in group)
 
     marks = np.array([met(a) | met(b) for a, b in zip(outs, ins, strict=True)], np.int64)
-    quickest, thriftiest = (graph.paths(inside, outs, thrifty) for thrifty in (False, True))
+    quickest, least_energy = (graph.paths(inside, outs, thrifty) for thrifty in (False, True))
     stops = frozenset(range(len(targets), len(outs)))
-    paths = PathTables(quickest.table(ins), thriftiest.table(ins), marks, stops)
+    paths = PathTables(quickest.table(ins), least_energy.table(ins), marks, stops)
     chargers = {i: graph.charger(dock) for i, dock in enumerate(docks, len(targets))}
-    for group in joined(paths.thriftiest, chargers):
+    for group in joined(paths.least_energy, chargers):
         found = _best_round(paths, group, len(targets_of), is_proved)
         if found is None:
             continue
         edges: list[int] = []
         levels: list[int | None] = []
         for sortie, following in pairwise([*found.sorties, found.sorties[0]]):
-            flown_by: Paths = thriftiest if sortie.is_thrifty else quickest
+            flown_by: Paths = least_energy if sortie.is_thrifty else quickest
             passed = [sortie.dock, *sortie.targets, following.dock]
             flown = [edge for a, b in pairwise(passed) for edge in flown_by.path(a, ins[b])]
             edges += [docks[sortie.dock - len(targets)], *flown]
@@ -136,7 +136,7 @@ def _best_round(
         return ChargingLaps(paths, chargers).best(is_proved)
     targets = [stop for stop in served if stop not in paths.docks]
     met = np.array([[bool(paths.marks[t] >> mark & 1) for mark in range(marks)] for t in targets])
-    for table, is_thrifty in (paths.quickest, False), (paths.thriftiest, True):
+    for table, is_thrifty in (paths.quickest, False), (paths.least_energy, True):
         tours = LocalSearch(table.times_ms[np.ix_(targets, targets)], met)
         if len(targets) > FEW_TARGETS and (table.times_ms < UNREACHABLE_MS).all():
             tours.improve()

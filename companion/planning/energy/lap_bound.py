@@ -54,7 +54,10 @@ class _LapBound:
     ) -> None:
         stops = [s for s in range(len(paths.marks)) if s in chargers or s not in paths.docks]
         kept = np.ix_(stops, stops)
-        self._times_ms, self._drains = paths.quickest.times_ms[kept], paths.thriftiest.drains[kept]
+        self._times_ms, self._drains = (
+            paths.quickest.times_ms[kept],
+            paths.least_energy.drains[kept],
+        )
         own = paths.marks[stops]
         self._marks: Marks = np.array([own >> mark & 1 for mark in range(marks)], np.bool_).T
         self._is_dock = np.array([stop in chargers for stop in stops])

@@ -148,11 +148,12 @@ class MissionEnergy:
         floor = energy.floors.get(place := place or HERE)
         if floor is None or not self.charge.is_flown:
             return energy
-        lent = max(floor, self._to_land_from(place, energy, actions)) - energy.level
+        borrowed = max(floor, self._to_land_from(place, energy, actions)) - energy.level
         if energy.level >= floor:
-            return replace(energy, lendable=max(0, lent))
-        is_lent = lent <= self.model.reserve
-        return replace(energy, level=energy.level + lent, lent=lent) if is_lent else energy
+            return replace(energy, borrowable=max(0, borrowed))
+        if borrowed > self.model.reserve:
+            return energy
+        return replace(energy, level=energy.level + borrowed, borrowed=borrowed)
 
     def _to_land_from(self, place: str, energy: Energy, actions: Iterable[Action]) -> int:
         """The lowest level with which an action leads to a safe place, to charge there or to rest.

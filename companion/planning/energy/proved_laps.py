@@ -87,7 +87,7 @@ class _Flown:
     def _flown(self, origin: int, end: int, marks: int) -> Iterator[ChargedSortie]:
         """A sortie along the quickest paths, and one along those of least energy."""
         charger, floor = self._chargers[origin], self._chargers[end].floor
-        tables = (self._paths.quickest, False), (self._paths.thriftiest, True)
+        tables = (self._paths.quickest, False), (self._paths.least_energy, True)
         for table, is_thrifty in tables:
             targets = self._in_order(table, origin, end, marks)
             legs = [*pairwise((origin, *targets, end))]

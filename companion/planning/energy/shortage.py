@@ -41,7 +41,7 @@ def shortages(search: BatterySearch, problem: Problem, effort: Effort) -> tuple[
     full = replace(problem, energy=replace(energy, level=len(energy.percents) - 1))
     if search.is_solvable(full, effort):
         percent = math.ceil(energy.percents[_least(search, full, energy.level, effort)])
-        now = math.floor(energy.percents[max(0, energy.level - energy.lent)])
+        now = math.floor(energy.percents[max(0, energy.level - energy.borrowed)])
         return (f"the charge, {now} %, is too little: from {percent} % on there is a plan",)
     if (needed := _needed(search, full, effort)) is not None:
         more = needed - (len(energy.percents) - 1)

@@ -169,8 +169,8 @@ def _whole(table: Numbers) -> Whole:
 
 
 def _open_drains(paths: PathTables) -> Numbers:
-    is_open = paths.thriftiest.times_ms < UNREACHABLE_MS
-    return np.where(is_open, paths.thriftiest.drains, _FAR)
+    is_open = paths.least_energy.times_ms < UNREACHABLE_MS
+    return np.where(is_open, paths.least_energy.drains, _FAR)
 
 
 class _Legs:

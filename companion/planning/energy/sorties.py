@@ -53,13 +53,13 @@ class PathTables:
 
     Attributes:
         quickest: the paths of least time.
-        thriftiest: the paths of least energy; mostly they are the same.
+        least_energy: the paths of least energy; mostly they are the same.
         marks: (N,) the marks (bits) that each stop meets; 0 for a dock that meets none.
         docks: stops that are not passed without a charge.
     """
 
     quickest: PathTable
-    thriftiest: PathTable
+    least_energy: PathTable
     marks: NDArray[np.int64]
     docks: frozenset[int] = frozenset()
 
@@ -73,8 +73,10 @@ class PathTables:
         there = np.full(len(self.marks), -_UNREACHABLE)  # highest possible level at each stop
         back = np.full(len(self.marks), _UNREACHABLE)  # lowest level for reaching a dock
         for stop, charger in chargers.items():
-            drains = np.where(self.thriftiest.times_ms < UNREACHABLE_MS, self.thriftiest.drains, 0)
-            is_open = self.thriftiest.times_ms < UNREACHABLE_MS
+            drains = np.where(
+                self.least_energy.times_ms < UNREACHABLE_MS, self.least_energy.drains, 0
+            )
+            is_open = self.least_energy.times_ms < UNREACHABLE_MS
             left = np.where(is_open[stop], charger.highest - drains[stop], -_UNREACHABLE)
             needed = np.where(is_open[:, stop], charger.floor + drains[:, stop], _UNREACHABLE)
             there, back = np.maximum(there, left), np.minimum(back, needed)
@@ -228,7 +230,7 @@ class Sorties:
     """
 
     def __init__(self, paths: PathTables, docks: Sequence[int]) -> None:
-        by_time, by_drain = paths.quickest, paths.thriftiest
+        by_time, by_drain = paths.quickest, paths.least_energy
         quick = by_time.keys((by_time.times_ms << _MINOR) + by_time.drains)
         thrifty = by_drain.keys((by_drain.drains << _MAJOR_DRAIN) + by_drain.times_ms)
         passed = [stop for stop in np.flatnonzero(paths.marks) if stop not in paths.docks]

@@ -15,7 +15,7 @@ from companion.flight_events.event import Stamped
 from companion.flight_events.skills import PlaceReached
 from companion.flight_events.writing import line_of
 from companion.monitor import feed as feed_module
-from companion.monitor.feed import MOST_AT_ONCE, Feed, thinned
+from companion.monitor.feed import MOST_AT_ONCE, Feed, downsampled
 from companion.monitor.follower import Follower
 
 
@@ -104,7 +104,7 @@ def test_another_run_begins_with_its_mission(run: Follower, surveillance_run: Pa
 
 def test_thinning_keeps_the_newest(run: Follower) -> None:
     for most in (1, 7, 100, 10_000):
-        kept = thinned(run.snapshots, most)
+        kept = downsampled(run.snapshots, most)
         assert len(kept) == min(len(kept), most) and kept[-1] is run.snapshots[-1]
         assert [s.time_s for s in kept] == sorted({s.time_s for s in kept})
 

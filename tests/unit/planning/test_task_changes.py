@@ -57,7 +57,7 @@ def call(state: TaskState, planner: Planner, name: str, choice: int, now_s: floa
 
     def again() -> None:
         if flight := state.interrupted(planner.actions.every()):
-            state.begin_again(flight)
+            state.resume_flight(flight)
 
     calls: dict[str, Callable[[], object]] = {
         "begin": lambda: state.begin(action),

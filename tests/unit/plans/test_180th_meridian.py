@@ -100,7 +100,7 @@ def test_a_file_means_there_what_it_means_elsewhere(
 ) -> None:
     elsewhere, told = imported(tmp_path, content(on_earth(8.5)), name, UP)
     there, also_told = imported(tmp_path, content(on_earth(longitude_deg, beyond)), name, UP)
-    assert told.told == also_told.told
+    assert told.notes == also_told.notes
     there_in_metres = in_metres(load_mission(there))
     assert there_in_metres == pytest.approx(in_metres(load_mission(elsewhere)), abs=0.01)
     limits = also_told.data["limits"]

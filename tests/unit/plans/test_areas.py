@@ -59,7 +59,7 @@ def test_without_a_fence_a_box_around_all_places_is_one(tmp_path: Path) -> None:
     assert are_near(
         limits(tmp_path).fence, [(-m, -m), (-m, 40 + m), (30 + m, 40 + m), (30 + m, -m)]
     )
-    assert any("has no fence" in line for line in imported(tmp_path, plan(*WAY))[1].told)
+    assert any("has no fence" in line for line in imported(tmp_path, plan(*WAY))[1].notes)
 
 
 @pytest.mark.parametrize("version", [None, 1, 3])
@@ -69,7 +69,7 @@ def test_a_fence_of_another_version_is_not_left_out_without_a_word(
 ) -> None:
     of_file = {"version": version, areas: [polygon(square(80))]}
     _, draft = imported(tmp_path, plan(*WAY) | {"geoFence": of_file})
-    assert "fence: of a version that QGroundControl ignores; left out" in draft.told
+    assert "fence: of a version that QGroundControl ignores; left out" in draft.notes
 
 
 def test_several_inclusions_are_what_all_share(tmp_path: Path) -> None:
@@ -117,7 +117,7 @@ def test_an_exclusion_beyond_the_fence_is_told(tmp_path: Path) -> None:
     far = polygon(square(8, north_m=200), inclusion=False)
     text, draft = imported(tmp_path, plan(*WAY, polygons=[polygon(square(80)), far]))
     assert load_mission(text).limits.keep_out == {}
-    assert "fence polygon 2: lies outside the fence; left out" in draft.told
+    assert "fence polygon 2: lies outside the fence; left out" in draft.notes
 
 
 def test_rally_points_are_safe_places(tmp_path: Path) -> None:
@@ -129,8 +129,8 @@ def test_rally_points_are_safe_places(tmp_path: Path) -> None:
     assert "R1" not in mission.sets["Place"]
     assert mission.safe_places == ("Home", "R1", "R2")
     assert "otherwise: {land_at: [Home, R1, R2]}" in text
-    assert "rally point 1: the safe place R1, to land at without a plan" in draft.told
-    assert "rally point 3: is outside the fence of the plan; left out" in draft.told
+    assert "rally point 1: the safe place R1, to land at without a plan" in draft.notes
+    assert "rally point 3: is outside the fence of the plan; left out" in draft.notes
 
 
 def test_a_rally_point_at_a_place_is_that_place_and_one_at_home_is_none(tmp_path: Path) -> None:
@@ -147,14 +147,14 @@ def test_without_a_fence_the_box_holds_rally_points_but_for_those_far_away(tmp_p
     rally = [[*at(0, 300), 15], [*at(0, 6000), 15]]
     _, draft = imported(tmp_path, plan(TAKE_OFF, waypoint(-20, 0), rally=rally))
     assert draft.data["otherwise"] == {"land_at": ["Home", "R1"]}
-    assert "rally point 2: is outside the fence of the plan; left out" in draft.told
+    assert "rally point 2: is outside the fence of the plan; left out" in draft.notes
 
 
 def test_fences_and_rally_points_of_version_1_are_ignored_with_a_word(tmp_path: Path) -> None:
     old = plan(*WAY)
     old["geoFence"] = {"version": 1, "polygon": [list(at(1, 1))]}
     old["rallyPoints"] = {"version": 1, "points": [[*at(0, 5), 10]]}
-    told = imported(tmp_path, old)[1].told
+    told = imported(tmp_path, old)[1].notes
     assert sum("ignore" in line for line in told) == 2
 
 

@@ -73,7 +73,7 @@ def test_a_point_named_home_is_where_the_mission_begins(
     assert list(places) == ["Home", "W1", "W2"]
     assert places["Home"].position == pytest.approx((0, 0, -8), abs=0.001)
     assert metres_between(position_of(draft, "Home"), HOME) < 0.01
-    assert any(f"home is feature {2 - is_first} (" in line for line in draft.told)
+    assert any(f"home is feature {2 - is_first} (" in line for line in draft.notes)
 
 
 def test_what_is_said_of_home_goes_before_a_name(tmp_path: Path) -> None:
@@ -87,7 +87,7 @@ def test_what_is_said_of_home_goes_before_a_name(tmp_path: Path) -> None:
     given = Given(home=at(-9, 0), up_m=20.0)
     draft = imported(tmp_path, collection(named, LINE), "map.geojson", given)[1]
     assert metres_between(position_of(draft, "Home"), at(-9, 0)) < 0.01
-    assert "home in the file is 13 m from --home, which counts" in draft.told
+    assert "home in the file is 13 m from --home, which counts" in draft.notes
     assert list(draft.data["places"]) == ["Home", "W1", "W2"]
 
 
@@ -111,11 +111,11 @@ def test_heights_above_the_ellipsoid_are_not_used(tmp_path: Path) -> None:
     assert load_mission(text).places["A"].position[2] == pytest.approx(-20)
     above = "540 m above the ellipsoid (third coordinate)"
     instead = "in place of that 20 m above home, by --up-m"
-    assert f"not used: 1 altitude of the file, {above}; {instead}" in draft.told
+    assert f"not used: 1 altitude of the file, {above}; {instead}" in draft.notes
     assert f"its altitude is {above}" in refusal(tmp_path, drawn, Given(home=HOME))
     for point in (lon_lat(30, 0, 0.0), lon_lat(30, 0)):
         draft = imported(tmp_path, feature("Point", point), "map.geojson", UP)[1]
-        assert not any("not used" in line for line in draft.told)
+        assert not any("not used" in line for line in draft.notes)
 
 
 @pytest.mark.parametrize("kind", ["rally", "place"])

@@ -117,7 +117,7 @@ def test_many_corners_and_areas_of_a_fence_are_refused(tmp_path: Path) -> None:
 def test_of_many_rally_points_some_are_safe_places(tmp_path: Path) -> None:
     rally = [[*square(90)[0][:1], 8.5446 + 1e-5 * index * 3, 9] for index in range(MAX_RALLY + 9)]
     text, draft = imported(tmp_path, plan(TAKE_OFF, waypoint(-90, 90), rally=rally))
-    assert f"{len(rally)} rally points: the first {MAX_RALLY} are safe places" in draft.told
+    assert f"{len(rally)} rally points: the first {MAX_RALLY} are safe places" in draft.notes
     assert len(load_mission(text).safe_places) == 1 + MAX_RALLY
 
 

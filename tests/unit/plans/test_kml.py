@@ -71,7 +71,7 @@ def test_a_placemark_named_home_is_where_the_mission_begins(tmp_path: Path) -> N
     text, draft = imported(tmp_path, kml(path, home), "map.kml", UP)
     assert list(load_mission(text).places) == ["Home", "W1", "W2"]
     assert load_mission(text).places["W1"].position == pytest.approx((30, 0, -20), abs=0.001)
-    assert "home is placemark 2 (HOME), by its name" in draft.told
+    assert "home is placemark 2 (HOME), by its name" in draft.notes
 
 
 @pytest.mark.parametrize("kind", ["", "home"])
@@ -84,7 +84,7 @@ def test_the_altitude_of_home_is_how_high_it_lies(kind: str, tmp_path: Path) -> 
     assert {place.amsl_m for place in load_mission(text).places.values()} == {510.0}
     assert draft.data["limits"]["up_m"] == [7.0, 37.0]
     said = "home lies 488 m above the sea, as placemark 1 (Home) has it"
-    assert any(line.endswith(said) for line in draft.told)
+    assert any(line.endswith(said) for line in draft.notes)
     high = Given(home=at(-5, 0), home_amsl_m=480.0)
     draft = imported(tmp_path, kml(home, path), "map.kml", high)[1]
     assert draft.data["limits"]["up_m"] == [15.0, 45.0]
@@ -138,7 +138,7 @@ def test_heights_that_a_mission_cannot_have_are_told(mode: str, words: str, tmp_
     assert {place.position[2] for place in load_mission(text).places.values()} == {-30.0}
     instead = "in place of that 30 m above home, by --up-m"
     told = f"not used: 3 altitudes of the file, {words}; {instead}"
-    assert told in draft.told and told in text
+    assert told in draft.notes and told in text
     said = refusal(tmp_path, drawn, given=Given())
     assert f"its altitude is {words.replace(' to 25', '')}, and a mission knows" in said
     assert "--up-m 20" in said
@@ -146,7 +146,7 @@ def test_heights_that_a_mission_cannot_have_are_told(mode: str, words: str, tmp_
 
 def test_no_height_is_none_that_is_not_used(tmp_path: Path) -> None:
     for path in (PATH, moded("", 0, 0), moded("clampToGround", 0, 0)):
-        told = imported(tmp_path, kml(path), "map.kml", UP)[1].told
+        told = imported(tmp_path, kml(path), "map.kml", UP)[1].notes
         assert not any("not used" in line for line in told)
     said = refusal(tmp_path, kml(moded("", 0, 0)), given=Given())
     assert "has no altitude above home or above the sea" in said
@@ -164,7 +164,7 @@ def test_up_m_is_for_points_that_nothing_flies_to_as_well(tmp_path: Path) -> Non
         places = load_mission(text).places
         heights = {places["Tree"].amsl_m, places["Base"].amsl_m}
         assert heights == ({510.0} if up_m is None else {None})
-        assert any(line.endswith(f"in place of that {instead}") for line in draft.told)
+        assert any(line.endswith(f"in place of that {instead}") for line in draft.notes)
 
 
 def test_an_archive_is_its_first_kml_file(tmp_path: Path) -> None:

@@ -34,7 +34,7 @@ def mission_of(folder: Path, *items: dict[str, Any], **more: Any) -> Mission:
 
 
 def told(folder: Path, *items: dict[str, Any], **more: Any) -> str:
-    return "\n".join(imported(folder, plan(*items, **more))[1].told)
+    return "\n".join(imported(folder, plan(*items, **more))[1].notes)
 
 
 def refusal(folder: Path, *items: dict[str, Any], given: Given = Given(), **more: Any) -> str:  # noqa: B008
@@ -55,7 +55,7 @@ def test_waypoints_lower_than_a_height_by_gps_is_certain_are_told(tmp_path: Path
     low = [waypoint(30, 0, 1.2), waypoint(30, 40, 1.5), waypoint(0, 40, 1.0)]
     text, draft = imported(tmp_path, plan(TAKE_OFF, *low, RETURN))
     noticed = "W2 (1.2 m), W4 (1 m): flown to so low above what is below, and the height of a"
-    (line,) = (each for each in draft.told if each.startswith(noticed))
+    (line,) = (each for each in draft.notes if each.startswith(noticed))
     assert f"# - {line}" in text
 
 
@@ -132,7 +132,7 @@ def test_commands_for_payloads_need_a_component_or_are_left_out(tmp_path: Path) 
     text, draft = imported(tmp_path, plan(*items), "field.plan", Given(), "payloads")
     assert (
         "command(" not in text
-        and "item 3: IMAGE_START_CAPTURE (2000) left out" in draft.told[-4:][0]
+        and "item 3: IMAGE_START_CAPTURE (2000) left out" in draft.notes[-4:][0]
     )
     assert imported(tmp_path, plan(*items), "field.plan", Given(payload=100), "5")
 
@@ -342,4 +342,4 @@ def test_what_is_not_worked_out_is_refused_or_left_out(tmp_path: Path) -> None:
     scan = survey() | {"complexItemType": "StructureScan"}
     assert refusal(tmp_path, scan).startswith("item 1: StructureScan is not flown point by point")
     text, draft = imported(tmp_path, plan(scan, *WAY), "field.plan", Given(), "1")
-    assert load_mission(text) and "item 1: StructureScan left out, as asked" in draft.told
+    assert load_mission(text) and "item 1: StructureScan left out, as asked" in draft.notes

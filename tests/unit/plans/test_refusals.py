@@ -37,7 +37,7 @@ def test_a_position_goes_to_a_payload_with_its_altitude_above_the_sea(tmp_path: 
         assert load_mission(text)
         assert "MAV_CMD_DO_SET_ROI_LOCATION, 0, 0, 0, 0, 47.3981" in text and ", 498)" in text
         told = "item 3: 10 m above home is sent as 498 m above the sea"
-        assert (told in draft.told) == (frame == 3)
+        assert (told in draft.notes) == (frame == 3)
 
 
 @pytest.mark.parametrize("amsl_m", [None, 0])
@@ -72,7 +72,7 @@ def test_speeds_of_climbs_and_descents_are_none_of_flights(kind: int, tmp_path: 
     slow, fast = item(178, kind, 0.7, frame=2), item(178, 1, 4.0, frame=2)
     text, draft = imported(tmp_path, plan(TAKE_OFF, slow, fast, *WAY[1:]))
     assert load_mission(text).limits.speed_mps == 4.0
-    assert "item 2: a speed of climbs or descents; left out" in draft.told
+    assert "item 2: a speed of climbs or descents; left out" in draft.notes
 
 
 # -- leaving out -----------------------------------------------------------------------------------

@@ -46,15 +46,15 @@ def test_waypoints_of_a_text_file(blank: str, ending: str, tmp_path: Path) -> No
 def test_a_first_item_above_home_is_a_waypoint_and_not_home(tmp_path: Path) -> None:
     text, draft = imported(tmp_path, wpl(way(0, 0), way(30, 0), home=False), "field.txt")
     assert list(load_mission(text).places) == ["Home", "W2"]
-    assert any("says nothing of home; it is put at item 1" in line for line in draft.told)
+    assert any("says nothing of home; it is put at item 1" in line for line in draft.notes)
 
 
 def test_home_is_where_the_plan_takes_off_unless_it_is_given(tmp_path: Path) -> None:
     text = wpl((3, 22, 0, 0, 0, 0, *HOME, 20), way(30, 0), home=False)
     note = "home is where the plan takes off: it says nothing else of home"
-    assert note in imported(tmp_path, text, "field.txt")[1].told
+    assert note in imported(tmp_path, text, "field.txt")[1].notes
     given = Given(home=at(0, 20))
-    assert note not in imported(tmp_path, text, "field.txt", given)[1].told
+    assert note not in imported(tmp_path, text, "field.txt", given)[1].notes
 
 
 def test_a_takeoff_after_an_unknown_item_is_the_first_one_still(tmp_path: Path) -> None:
@@ -106,7 +106,7 @@ def test_fence_and_rally_points_may_be_items(tmp_path: Path) -> None:
     assert [-mission.places[each].position[2] for each in ("R1", "R2")] == pytest.approx([25, 20])
     text, draft = imported(tmp_path, wpl(TAKE_OFF, *drawn), "field.txt", Given(), "10", "11")
     assert list(load_mission(text).limits.keep_out) == ["polygon_2"]
-    assert "item 10: NAV_FENCE_CIRCLE_EXCLUSION (5004) left out, as asked" in draft.told
+    assert "item 10: NAV_FENCE_CIRCLE_EXCLUSION (5004) left out, as asked" in draft.notes
 
 
 @pytest.mark.parametrize(

@@ -44,9 +44,9 @@ def instance(seed: int) -> tuple[PathTables, dict[int, Charger], PathTable]:
         chargers[dock] = Charger(reserve + landing, landing, take_off, rng.randint(0, 9000), levels)
     np.fill_diagonal(times, UNREACHABLE_MS)
     paths = closed(times, drains), closed(drains, times)[::-1]
-    quickest, thriftiest = (PathTable(*table) for table in paths)
+    quickest, least_energy = (PathTable(*table) for table in paths)
     return (
-        PathTables(quickest, thriftiest, np.array(marks, np.int64)),
+        PathTables(quickest, least_energy, np.array(marks, np.int64)),
         chargers,
         PathTable(times, drains),
     )
@@ -119,7 +119,7 @@ def flown(paths: PathTables, chargers: dict[int, Charger], lap: ChargingLap) -> 
         for here, there in zip(
             (sortie.dock, *sortie.targets), (*sortie.targets, following), strict=True
         ):
-            table = paths.thriftiest if sortie.is_thrifty else paths.quickest
+            table = paths.least_energy if sortie.is_thrifty else paths.quickest
             time_ms += int(table.times_ms[here, there])
             charge -= int(table.drains[here, there])
             met |= int(paths.marks[there])

@@ -48,8 +48,8 @@ def field(sites: int, docks: int, seed: int) -> tuple[PathTables, dict[int, Char
         chargers[dock] = Charger(floor, 2, take_off, rng.randint(2000, 30_000), levels)
     marks = np.array([1 << i for i in range(sites)] + [0] * docks, np.int64)
     quickest = PathTable(_shortest(times), quick.astype(np.int64))
-    thriftiest = PathTable(thrifty.astype(np.int64), _shortest(drains))
-    return PathTables(quickest, thriftiest, marks, frozenset(chargers)), chargers
+    least_energy = PathTable(thrifty.astype(np.int64), _shortest(drains))
+    return PathTables(quickest, least_energy, marks, frozenset(chargers)), chargers
 
 
 def _shortest(table: np.ndarray) -> np.ndarray:

@@ -51,8 +51,8 @@ def problem_at(planner: Planner, place: str = "B") -> Problem:
 def lent(planner: Planner, place: str = "B") -> int:
     energy = problem_at(planner, place).energy
     assert energy is not None
-    assert energy.level - energy.lent == energy_of(planner).charge.least()
-    return energy.lent
+    assert energy.level - energy.borrowed == energy_of(planner).charge.least()
+    return energy.borrowed
 
 
 @pytest.mark.parametrize("missing", [1, FAR, 500])
@@ -160,4 +160,4 @@ def test_after_an_answer_nobody_goes_on_to_a_barred_dock() -> None:
 
 def lent_in(problem: Problem) -> int:
     assert problem.energy is not None
-    return problem.energy.lent
+    return problem.energy.borrowed
