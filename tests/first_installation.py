@@ -71,14 +71,18 @@ def hidden_modules(extras: Iterable[str]) -> frozenset[str]:
     )
 
 
-def environment(folder: Path, extras: Iterable[str] | None = None) -> dict[str, str]:
+def environment(
+    folder: Path, extras: Iterable[str] | None = None, more: str = ""
+) -> dict[str, str]:
     """Variables with which a Python finds the extras alone, of scripts/fly if none are named.
 
     Args:
         folder: for the module that hides all else.
+        extras: what is found.
+        more: what Python executes at its start besides.
     """
     folder.mkdir(exist_ok=True)
     names = sorted(hidden_modules(shown_extras() if extras is None else extras))
-    text = textwrap.dedent(HIDING).format(names=set(names))
+    text = textwrap.dedent(HIDING).format(names=set(names)) + more
     (folder / "sitecustomize.py").write_text(text, encoding="utf-8")
     return {"PYTHONPATH": str(folder)}

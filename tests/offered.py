@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -34,7 +35,7 @@ def offer(
 
 def installed_in(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What lies in a folder is installed, for the programs that a test starts."""
-    monkeypatch.setenv("PYTHONPATH", str(folder))
+    monkeypatch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
 
 
 def install_template(folder: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +11,17 @@ import pytest
 
 from companion.flights import run_folders
 from companion.record import drawing, figure
+
+UNDRAWN = """
+import os, sys
+from types import ModuleType
+
+if "companion.record.drawing" in sys.orig_argv:  # the child that would draw
+    os._exit(0)
+sys.modules["companion.record.figure"] = figure = ModuleType("figure")
+figure.draw_flight = lambda backdrop, trail, path: None
+"""
+"""The same for a program: a module that Python runs at its start if it is called sitecustomize."""
 
 _TRUE = {
     (figure, "draw_flight"): figure.draw_flight,
@@ -30,6 +42,16 @@ def not_drawn() -> Iterator[None]:
         for module, name in _TRUE:
             patched.setattr(module, name, _empty)
         yield
+
+
+def programs_do_not_draw(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The programs that a test starts do not draw their runs.
+
+    Args:
+        folder: for the module that sees to it.
+    """
+    (folder / "sitecustomize.py").write_text(UNDRAWN, encoding="utf-8")
+    monkeypatch.setenv("PYTHONPATH", str(folder), prepend=os.pathsep)
 
 
 @contextmanager

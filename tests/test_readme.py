@@ -8,6 +8,7 @@ of the commands' help have options that exist.
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import shutil
@@ -21,6 +22,7 @@ import pytest
 from commands import Companion
 from first_installation import environment
 from make_options import commands as public_commands
+from pictures import UNDRAWN
 from ports import free_instance, own_ports
 
 ROOT = Path(__file__).parents[1]
@@ -32,6 +34,9 @@ SCRIPTS = Path(sysconfig.get_path("scripts"))
 """Where `companion` and `sitl` are installed."""
 
 Start = Callable[[str], subprocess.Popen[str]]
+
+DRAWN = "companion sim missions/open_field.yaml --speed max"
+"""The command whose flight is drawn, by what is installed; that takes as long as a flight."""
 
 FOREIGN = {".", "cd", "export", "git", "source"}
 """Programs that need no test."""
@@ -210,14 +215,17 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Start:
     """Starts a command as scripts/fly installs it, where only the missions are."""
     shutil.copytree(ROOT / "missions", tmp_path / "missions")
     monkeypatch.setenv("COMPANION_LOG_DIR", str(tmp_path / "runs"))
-    for name, value in environment(tmp_path / "hiding").items():
-        monkeypatch.setenv(name, value)
+    first, undrawn = (
+        os.environ | environment(tmp_path / name, more=more)
+        for name, more in (("hiding", ""), ("undrawn", UNDRAWN))
+    )
 
     def run(command: str) -> subprocess.Popen[str]:
         program, *arguments = shlex.split(command)
         return subprocess.Popen(
             [SCRIPTS / program, *arguments],
             cwd=tmp_path,
+            env=first if command == DRAWN else undrawn,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,

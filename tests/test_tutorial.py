@@ -19,6 +19,7 @@ from pathlib import Path
 
 import pytest
 from first_installation import environment
+from pictures import UNDRAWN
 
 DOCS = Path(__file__).parents[1] / "docs"
 SCRIPTS = sysconfig.get_path("scripts")
@@ -31,7 +32,7 @@ class Reader:
     """Somebody who does what the page says, in a home of their own."""
 
     def __init__(self, home: Path) -> None:
-        hiding = environment(home / "hiding")
+        hiding = environment(home / "hiding", more=UNDRAWN)
         self._environment = hiding | {"HOME": str(home), "PATH": f"{SCRIPTS}:{os.defpath}"}
         self._folder = home
         self._status = 0

@@ -30,6 +30,7 @@ def peak_mb(pid: int) -> float:
     return int(found[1]) / 1024
 
 
+@pytest.mark.usefixtures("drawn")
 def test_150_mb_are_enough_after_several_uploads(run: Run, tmp_path: Path) -> None:
     number = free_instance()
     run("sitl", *own_ports(number), "--scenario", MISSIONS / "delivery.sim.yaml")

@@ -12,18 +12,19 @@ import socket
 import threading
 import tty
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
 from ports import free_instance, own_ports
-from test_sockets import FLIGHT_S, START_S, Command
+from test_sockets import FLIGHT_S, START_S, Run, run
 
 from companion.mavlink.stream_frames import StreamFrames
 from companion.record.events import read_events
 from sitl.link.routing import LinkName
 from sitl.link.server import COMPANION_PORT, LOCAL_PORTS
 
+__all__ = ["run"]
 pytestmark = pytest.mark.sockets
 
 ITS_PORT = LOCAL_PORTS[LinkName.OFFBOARD]
@@ -94,21 +95,18 @@ def line_and_instance() -> Iterator[tuple[Line, int]]:
 
 
 def test_a_mission_is_flown_over_a_serial_line(
-    line_and_instance: tuple[Line, int], tmp_path: Path
+    line_and_instance: tuple[Line, int], tmp_path: Path, run: Run
 ) -> None:
     line, instance = line_and_instance
     mission = tmp_path / "hop.yaml"
     mission.write_text(HOP, encoding="utf-8")
     connect = f"serial://{line.device}:921600"
-    with ExitStack() as commands:
-        simulator = Command("sitl", *own_ports(instance))
-        commands.callback(simulator.close)
-        asked = ("run", mission, "--connect", connect, "--log-dir", tmp_path, "--monitor", "off")
-        companion = Command("companion", *asked, "--accept-weak-failsafes")
-        commands.callback(companion.close)
-        companion.until_printed(f"waiting    for a vehicle on {connect}", START_S)
-        assert companion.exit_code(FLIGHT_S) == 0, companion.printed
-        assert "nanobind" not in companion.printed, "a library reports leaks at the exit"
+    run("sitl", *own_ports(instance))
+    asked = ("run", mission, "--connect", connect, "--log-dir", tmp_path, "--monitor", "off")
+    companion = run("companion", *asked, "--accept-weak-failsafes")
+    companion.until_printed(f"waiting    for a vehicle on {connect}", START_S)
+    assert companion.exit_code(FLIGHT_S) == 0, companion.printed
+    assert "nanobind" not in companion.printed, "a library reports leaks at the exit"
     (events,) = tmp_path.glob("[0-9]*/events.jsonl")
     ending = read_events(events.parent).ending
     assert ending is not None and ending.exit_code == 0
