@@ -2,7 +2,7 @@
 
 pymavlink is the ground station that steps in; MAVProxy and MAVSDK are authorities from outside on
 what people get to see. The operator's companion is
-`companion run missions/surveillance.yaml --wait`, in real time, so that flight is short.
+`companion run missions/surveillance.yaml --wait`, with a shorter mission.
 """
 
 from __future__ import annotations
@@ -20,14 +20,13 @@ from ports import free_instance, own_ports
 from pymavlink import mavutil
 from test_mavproxy import MAVProxy
 from test_mavsdk_client import mavsdk
-from test_sockets import COMPANION, GROUND_STATION, SPEED, START_S, SURVEILLANCE, Run, run
+from test_sockets import GROUND_STATION, SPEED, START_S, Run, hopping, run
 
 from companion.mavlink.framing import dialect
 
 __all__ = ["run"]
 pytestmark = pytest.mark.sockets
 
-SCENARIO = SURVEILLANCE.with_suffix(".sim.yaml")
 START, PAUSE = dialect.MAV_CMD_MISSION_START, dialect.MAV_CMD_DO_PAUSE_CONTINUE
 RETURN = dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH
 ANSWER_S = 300.0
@@ -134,11 +133,9 @@ def station(instance: int) -> Iterator[Station]:
 def test_an_operator_starts_and_steps_in(
     run: Run, instance: int, station: Station, tmp_path: Path
 ) -> None:
-    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance))
+    simulator = run("sitl", *own_ports(instance))
     simulator.until_printed("ground station on UDP", START_S)
-    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    options = ("--wait", "--connect", connect, "--log-dir", tmp_path)
-    companion = run("companion", "run", SURVEILLANCE, *options)
+    companion, _ = hopping(run, instance, tmp_path, "--wait")
     companion.until_printed("waiting", START_S)
     station.until(lambda m: m.get_type() == "HEARTBEAT" and m.get_srcComponent() == 191, START_S)
     station.until(lambda m: m.get_type() == "HOME_POSITION", START_S)
@@ -159,17 +156,14 @@ def test_an_operator_starts_and_steps_in(
     landed = station.position()
     assert abs(landed.x) < 0.5 and abs(landed.y) < 0.5
     companion.until_printed("results", START_S)
-    (folder,) = tmp_path.glob("*-surveillance")
+    (folder,) = tmp_path.glob("*-hop")
     assert (folder / "events.jsonl").exists()
 
 
 def test_mavproxy_starts_it_and_shows_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
-    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance))
+    simulator = run("sitl", *own_ports(instance))
     simulator.until_printed("ground station on UDP", START_S)
-    companion = run(
-        *("companion", "run", SURVEILLANCE, "--wait", "--log-dir", tmp_path / "runs"),
-        *("--connect", f"udpin://127.0.0.1:{COMPANION + instance}"),
-    )
+    companion, _ = hopping(run, instance, tmp_path, "--wait")
     companion.until_printed("waiting", START_S)
     client = MAVProxy(GROUND_STATION + instance, 1 + instance, tmp_path)
     try:
@@ -184,12 +178,11 @@ def test_mavproxy_starts_it_and_shows_what_happens(run: Run, instance: int, tmp_
 
 def test_mavsdk_hears_what_happens(run: Run, instance: int, tmp_path: Path) -> None:
     """It is there before the first word: nothing is told again."""
-    simulator = run("sitl", "--scenario", SCENARIO, *own_ports(instance), "--speed", SPEED)
+    simulator = run("sitl", *own_ports(instance), "--speed", SPEED)
     simulator.until_printed("ground station on UDP", START_S)
 
     def fly() -> None:
-        connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-        run("companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path)
+        hopping(run, instance, tmp_path)
 
     texts = asyncio.run(hear(GROUND_STATION + instance, fly, "at B"))
     told = ["flying the task", "at A", "at B"]

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
+from hop import hop_in
 from lossy_wire import LossyWire, lossy_wire
 from patience import PATIENCE_S, comes_true
 from ports import free_instance, own_ports
@@ -30,7 +31,6 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="only Linux stamps datagrams so"),
 ]
 
-SURVEILLANCE = Path(__file__).parents[2] / "missions" / "surveillance.yaml"
 SILENT_WITHIN_S = 0.3
 PROGRAM = """
 import ctypes, re, sys, threading, time
@@ -98,19 +98,17 @@ Start = Callable[[str], Flown]
 
 
 @pytest.fixture
-def start(run: Run) -> Iterator[Start]:
+def start(run: Run, tmp_path: Path) -> Iterator[Start]:
     """Begins a flight that will hang in a way."""
     instance = free_instance()
     programs = []
     with lossy_wire(instance, loss=0.0) as wire:
-        simulator = run(
-            "sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml")
-        )
+        simulator = run("sitl", *own_ports(instance))
         simulator.until_printed("companion on UDP", START_S)
         connect = f"udpin://127.0.0.1:{wire.companion_port}"
 
         def begin(way: str) -> Flown:
-            command = [sys.executable, "-c", PROGRAM, str(SURVEILLANCE), connect, way]
+            command = [sys.executable, "-c", PROGRAM, str(hop_in(tmp_path)), connect, way]
             programs.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
             return Flown(programs[-1], wire)
 

@@ -23,10 +23,13 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from hop import hop_in
+from pictures import programs_do_not_draw
 from ports import free_instance, own_ports
 from test_mavsdk_client import first, mavsdk
 from test_shipped import SHIPPED
 
+from companion import load_mission, simulate
 from companion.flight_events.event import FlightEvent
 from companion.flight_events.hosting import ClockFollowed
 from companion.flight_events.reading import read_line
@@ -147,9 +150,15 @@ def simulated(run: Run, mission: Path, speed: int, instance: int, log_dir: Path)
 
 
 @pytest.fixture
-def run() -> Iterator[Run]:
-    """Starts commands, and ends them all."""
+def run(
+    request: pytest.FixtureRequest,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Run]:
+    """Starts commands, and ends them all; they draw their flights for those who ask for `drawn`."""
     commands: list[Command] = []
+    if "drawn" not in request.fixturenames:
+        programs_do_not_draw(tmp_path_factory.mktemp("undrawn"), monkeypatch)
 
     def start(module: str, *arguments: object) -> Command:
         commands.append(Command(module, *arguments))
@@ -193,7 +202,17 @@ def recorded(log_dir: Path) -> list[FlightEvent]:
 
 def sequence(log_dir: Path) -> str:
     """Its kinds and texts, as the stored file has them."""
-    return "".join(f"{event.kind} {event.text}\n" for event in recorded(log_dir))
+    return kinds_and_texts(recorded(log_dir))
+
+
+def kinds_and_texts(events: Iterable[FlightEvent]) -> str:
+    return "".join(f"{event.kind} {event.text}\n" for event in events)
+
+
+def in_lockstep(mission: Path) -> str:
+    """The same of a mission that is flown in this process."""
+    events = [stamped.event for stamped in simulate(load_mission(mission)).events]
+    return kinds_and_texts(e for e in events if e.is_told and not isinstance(e, LEFT_OUT))
 
 
 # -- the whole mission -----------------------------------------------------------------------------
@@ -233,20 +252,22 @@ async def watch(port: int) -> None:
         )
 
 
+def hopping(run: Run, instance: int, folder: Path, *options: object) -> tuple[Command, str]:
+    """A companion with a short mission, and where it listens."""
+    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
+    asked = ("run", hop_in(folder), "--connect", connect, "--log-dir", folder, "--monitor", "off")
+    return run("companion", *asked, *options), connect
+
+
 def test_the_mission_flies_on_a_simulator_started_separately(
     run: Run, instance: int, tmp_path: Path
 ) -> None:
     """In real time, as with a real vehicle; the companion is there first."""
-    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    companion = run(
-        *("companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path)
-    )
+    companion, connect = hopping(run, instance, tmp_path)
     companion.until_printed(f"waiting    for a vehicle on {connect}", START_S)
-    simulator = run(
-        "sitl", *own_ports(instance), "--scenario", SURVEILLANCE.with_suffix(".sim.yaml")
-    )
+    simulator = run("sitl", *own_ports(instance))
     assert companion.exit_code() == 0, companion.printed
-    assert sequence(tmp_path) == STORED.read_text(encoding="utf-8")
+    assert sequence(tmp_path) == in_lockstep(hop_in(tmp_path))
     os.kill(simulator.pid, signal.SIGTERM)
     assert simulator.exit_code(START_S) == 0
 
@@ -256,25 +277,31 @@ def test_a_simulator_that_runs_at_another_speed_is_followed(
     speed: float, run: Run, instance: int, tmp_path: Path
 ) -> None:
     """Nobody tells the companion; as with PX4_SIM_SPEED_FACTOR, or a Gazebo that is too slow."""
-    connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    scenario = SURVEILLANCE.with_suffix(".sim.yaml")
-    run("sitl", *own_ports(instance), "--scenario", scenario, "--speed", speed)
-    companion = run(
-        *("companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", tmp_path)
-    )
+    run("sitl", *own_ports(instance), "--speed", speed)
+    companion, _ = hopping(run, instance, tmp_path)
     assert companion.exit_code() == 0, companion.printed
-    assert sequence(tmp_path) == STORED.read_text(encoding="utf-8")
+    assert sequence(tmp_path) == in_lockstep(hop_in(tmp_path))
     assert "times as fast as this computer's" in companion.printed
     assert not audit(read_events(run_folder(tmp_path))).is_failure
 
 
 def killed(
-    run: Run, instance: int, folder: Path, text: str, later_s: float = 0.0, speed: int = 1
+    run: Run,
+    instance: int,
+    folder: Path,
+    text: str,
+    later_s: float = 0.0,
+    speed: int = 1,
+    mission: Path | None = None,
 ) -> tuple[str | Path, ...]:
-    """Kills a companion so long after it has printed a text; returns the command to go on."""
+    """Kills a companion so long after it has printed a text; returns the command to go on.
+
+    Without a mission of the shipped ones it flies a short one.
+    """
     connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    asked = "companion", "run", SURVEILLANCE, "--connect", connect, "--log-dir", folder, "--resume"
-    scenario = ("--scenario", SURVEILLANCE.with_suffix(".sim.yaml"))
+    asked = "companion", "run", mission or hop_in(folder), "--connect", connect
+    asked += "--log-dir", folder, "--resume", "--monitor", "off"
+    scenario = ("--scenario", mission.with_suffix(".sim.yaml")) if mission else ()
     run("sitl", *own_ports(instance), *scenario, "--speed", speed)
     companion = run(*asked)
     companion.until_printed(text)
@@ -322,7 +349,8 @@ def test_killed_at_any_time_of_the_task_a_flight_is_gone_on_with(
     """Within four seconds after a place that is drawn; in lockstep 50 times in all phases."""
     chance = Random(seed)
     text = chance.choice(["flying the task", "at A", "at B", "target found", "at r2"])
-    resumed = run(*killed(run, instance, tmp_path, text, chance.uniform(0.0, 4.0)))
+    later_s = chance.uniform(0.0, 4.0)
+    resumed = run(*killed(run, instance, tmp_path, text, later_s, mission=SURVEILLANCE))
     assert resumed.exit_code() == 0, resumed.printed
     record = read_events(run_folder(tmp_path))
     done = [event for event in recorded(tmp_path) if isinstance(event, SkillCompleted)]
@@ -428,7 +456,7 @@ def test_a_patrol_lands_charges_and_goes_on_in_two_processes(
 @pytest.fixture
 def flying(run: Run, instance: int, tmp_path: Path) -> Command:
     """A simulated flight on its way from A to B."""
-    companion = simulated(run, SURVEILLANCE, SPEED, instance, tmp_path)
+    companion = simulated(run, hop_in(tmp_path), SPEED, instance, tmp_path)
     companion.until_printed("at A")
     return companion
 
