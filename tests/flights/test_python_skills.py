@@ -112,6 +112,7 @@ def test_the_command_line_knows_what_is_installed(
 
 
 @pytest.mark.sockets
+@pytest.mark.long  # test_uploaded_skills.py flies it over sockets, too
 def test_the_template_flies_over_sockets(site: Path, tmp_path: Path) -> None:
     options: list[str | Path] = ["--speed", "2", "--log-dir", tmp_path, "--monitor", "off"]
     options += ["--instance", str(free_instance())]

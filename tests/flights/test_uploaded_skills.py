@@ -22,7 +22,7 @@ __all__ = ["run"]
 WEIGHING = TEMPLATE / "weighing.yaml"
 
 
-@pytest.mark.parametrize("is_installed", [True, False])
+@pytest.mark.parametrize("is_installed", [pytest.param(True, marks=pytest.mark.long), False])
 def test_an_uploaded_mission_calls_what_is_installed_on_board_and_nothing_else(
     is_installed: bool, tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -72,7 +72,7 @@ def test_a_waiting_companion_that_was_killed_goes_on_and_calls_what_is_installed
     killed.until_printed("hosting", START_S)
     upload = run("companion", "upload", WEIGHING, *ground, "--start")
     assert upload.exit_code(ANSWER_S) == 0, upload.printed
-    killed.until_printed("weigh(Rack) failed", ANSWER_S)
+    killed.until_printed("weigh(Rack) failed: 2.6 kg, and the limit is 2 kg", ANSWER_S)
     os.kill(killed.pid, signal.SIGKILL)
     assert killed.exit_code(ANSWER_S) == -signal.SIGKILL
 
