@@ -51,9 +51,9 @@ def open_page(browser: Browser) -> Iterator[Open]:
         assert watched.faults == []
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def recorded(surveillance_run: Path) -> Iterator[str]:
-    """The address of a replay."""
+    """The address of a replay; one for all tests, as a page changes nothing of it."""
     with replayed(surveillance_run) as address:
         yield address
 
@@ -61,7 +61,7 @@ def recorded(surveillance_run: Path) -> Iterator[str]:
 @pytest.fixture
 def watch_recorded(tmp_path: Path) -> Iterator[str]:
     """The address of a replay of a flight that drops a line of its task, and takes it up again."""
-    simulate(load_mission(NIGHT_WATCH), folder=tmp_path / "run")
+    simulate(load_mission(NIGHT_WATCH), folder=tmp_path / "run", limit_s=68)
     with replayed(tmp_path / "run") as address:
         yield address
 

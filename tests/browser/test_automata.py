@@ -30,10 +30,10 @@ SMALL = {
 }
 
 
-@pytest.fixture
-def address(surveillance_run: Path, tmp_path: Path) -> Iterator[str]:
+@pytest.fixture(scope="module")
+def address(surveillance_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Of a replay of a flight that is read with a task of many states."""
-    run = shutil.copytree(surveillance_run, tmp_path / "run")
+    run = shutil.copytree(surveillance_run, tmp_path_factory.mktemp("automata") / "run")
     path = run / "events.jsonl"
     lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
     next(line for line in lines if line["kind"] == "plan")["task"] = {"patrol": PATROL} | SMALL

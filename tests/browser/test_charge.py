@@ -16,7 +16,7 @@ LENGTHS = """[...document.querySelectorAll('#charge-strip polyline.planned:not(.
     line => line.points.numberOfItems)"""
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def charging(charging_run: Path) -> Iterator[str]:
     """The address of a replay of a flight that charges."""
     with replayed(charging_run) as address:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from browsing import Open, Watched
+from pictures import programs_do_not_draw
 from ports import free_instance, own_ports
 
 pytestmark = pytest.mark.sockets
@@ -23,8 +24,9 @@ LINES = "[...document.querySelectorAll('#lines li span')].map(line => line.textC
 
 
 @pytest.fixture
-def flight(tmp_path: Path) -> Iterator[str]:
+def flight(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """The address of a flight's page."""
+    programs_do_not_draw(tmp_path, monkeypatch)
     arguments = [
         *("sim", SURVEILLANCE, "--speed", SPEED, *own_ports(free_instance())),
         *("--log-dir", tmp_path, "--monitor", "127.0.0.1:0"),

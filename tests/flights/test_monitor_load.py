@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from patience import PATIENCE_S, comes_true
+from pictures import programs_do_not_draw
 from ports import free_instance, own_ports
 from pymavlink import mavutil
 
@@ -119,8 +120,9 @@ def empty_loop() -> Iterator[Callable[[], float]]:
         yield lambda: float(loop.communicate()[0])
 
 
-def test_setpoints_keep_their_pace(tmp_path: Path) -> None:
+def test_setpoints_keep_their_pace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A machine that is busy for a moment is no reason; one of three flights is undisturbed."""
+    programs_do_not_draw(tmp_path, monkeypatch)
     lateness_s = []
     for attempt in range(ATTEMPTS):
         folder = tmp_path / str(attempt)
