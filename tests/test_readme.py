@@ -163,12 +163,11 @@ QUICK = [command for command in COMMANDS if is_quick(command)]
 MISSIONS = [path.relative_to(ROOT) for path in (ROOT / "missions").glob("*.yaml")]
 SHIPPED = [f"companion sim {path} --speed max" for path in MISSIONS]
 """Flown tick by tick in tests/flights/test_shipped.py as well, so not in the default tests."""
-ALONE = {
-    f"companion sim missions/{name}.yaml --speed max" for name in ("open_field", "paper_section_v")
-}
+ALONE = {DRAWN}
 """Of these, what nothing else flies in a process of its own: tests/flights/test_sockets.py flies
-the others over sockets, `.ci/run` that of README.md. Those are flown here with the sweeps, and so
-is endless_patrol, eleven minutes long."""
+the others over sockets, `.ci/run` that of README.md, and paper_section_v is flown here with a
+planner from outside. Those are flown here with the sweeps, and so is endless_patrol, eleven minutes
+long."""
 FLOWN_ELSEWHERE = {
     *SHIPPED,
     "companion sim missions/surveillance.yaml --speed max --seed 7",  # companion/api/simulating.py
