@@ -299,8 +299,9 @@ def killed(
     Without a mission of the shipped ones it flies a short one.
     """
     connect = f"udpin://127.0.0.1:{COMPANION + instance}"
-    asked = "companion", "run", mission or hop_in(folder), "--connect", connect
-    asked += "--log-dir", folder, "--resume", "--monitor", "off"
+    flown = mission or hop_in(folder)
+    options = ("--log-dir", folder, "--resume", "--monitor", "off")
+    asked = ("companion", "run", flown, "--connect", connect, *options)
     scenario = ("--scenario", mission.with_suffix(".sim.yaml")) if mission else ()
     run("sitl", *own_ports(instance), *scenario, "--speed", speed)
     companion = run(*asked)
