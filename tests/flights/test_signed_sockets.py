@@ -45,7 +45,8 @@ def test_a_signed_upload_is_flown_and_watched_to_its_end(
     missions = MISSION.parent
     simulator = run(*ours(SITL.replace("missions/", f"{missions}/"), *own_ports(number)))
     simulator.until_printed(ports["14550"], START_S)
-    on_board = run(*ours(RUN, "--connect", f"udpin://127.0.0.1:{ports['14540']}"))
+    link = ("--connect", f"udpin://127.0.0.1:{ports['14540']}", "--monitor", "off")
+    on_board = run(*ours(RUN, *link))
     on_board.until_printed("hosting", START_S)
 
     unsigned = run("companion", "upload", hop, *ground, "--timeout", 5)

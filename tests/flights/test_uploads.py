@@ -240,7 +240,8 @@ def test_missions_are_uploaded_one_is_flown_and_watched_to_its_end(
     scenario = MISSION.with_suffix(".sim.yaml")
     simulator = run("sitl", *own_ports(number), "--scenario", scenario)
     simulator.until_printed(str(14550 + number), START_S)
-    on_board = run("companion", "run", "--connect", f"udpin://127.0.0.1:{14540 + number}")
+    link = ("--connect", f"udpin://127.0.0.1:{14540 + number}", "--monitor", "off")
+    on_board = run("companion", "run", *link)
     on_board.until_printed("hosting", START_S)
     ground = f"udpin://0.0.0.0:{14550 + number}"
     broken = like_the_papers(tmp_path, "broken", "F at(D)")
