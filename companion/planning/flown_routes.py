@@ -45,7 +45,8 @@ class FlownRoutes:
         self.routes = routes
         self._route = lru_cache(_KEPT)(self._find)
         self._duration_s = lru_cache(_KEPT)(_duration_s)
-        self._from_motion_s = lru_cache(_DEPARTURES_KEPT)(self._reckon_from_motion_s)
+        self._from_motion_s = lru_cache(_DEPARTURES_KEPT)(self._find_from_motion_s)
+        self._bends_s = lru_cache(_KEPT)(self._find_bends_s)
 
     def flight_s(self, start: Ned, place: str, limits: SpeedLimits) -> float:
         """Seconds from rest at `start` until the vehicle has arrived; inf without a route."""
@@ -55,6 +56,10 @@ class FlownRoutes:
         route = self._route(start, place, self.routes.goal(place), passage)
         return math.inf if route is None else self._duration_s(route, limits) + ARRIVAL_S
 
+    def bends_s(self, start: Ned, place: str, limits: SpeedLimits) -> float:
+        """How many seconds longer a flight takes than its length suggests; 0 without a route."""
+        return self._bends_s(start, place, self.routes.goal(place), limits, self.routes.version)
+
     def departure_s(self, departure: Departure, place: str, limits: SpeedLimits) -> float:
         """Seconds from a departure until the vehicle has arrived; inf without a route."""
         if departure.stop is None and is_slow(departure.now):
@@ -62,7 +67,7 @@ class FlownRoutes:
         version = self.routes.version
         return self._from_motion_s(departure, place, self.routes.goal(place), limits, version)
 
-    def _reckon_from_motion_s(
+    def _find_from_motion_s(
         self, departure: Departure, place: str, goal: Ned, limits: SpeedLimits, version: int
     ) -> float:
         """The same for a moving vehicle: from its first straight stretch, or from its stop."""
@@ -77,6 +82,13 @@ class FlownRoutes:
                 return turning_s + flown.duration_s + ARRIVAL_S
         rest, rests_in_s = departure.rest
         return turning_s + rests_in_s + self.flight_s(rest, place, limits)
+
+    def _find_bends_s(
+        self, start: Ned, place: str, goal: Ned, limits: SpeedLimits, version: int
+    ) -> float:
+        flown_s = self.flight_s(start, place, limits)
+        by_length_s = self.routes.passage(start, place).duration_s(limits)
+        return max(0.0, flown_s - by_length_s) if math.isfinite(flown_s) else 0.0
 
     def _find(self, start: Ned, place: str, goal: Ned, passage: Passage) -> Route | None:
         """The present route to a place, if it is as long as was measured.

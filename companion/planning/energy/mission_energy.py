@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.geometry import Ned
 from companion.mission.facts import HERE
 from companion.mission.model import Mission
 from companion.mission.skills import Skill
@@ -205,16 +204,10 @@ class MissionEnergy:
         passage = self._routes.passage(here, place)
         if math.isinf(passage.over_ground_m):
             return None
-        flight_s = passage.duration_s(limits) + self._bends_s(here, place, limits)
+        near = min(map(self._routes.goal, self._mission.places), key=lambda at: math.dist(at, here))
+        flight_s = passage.duration_s(limits) + self._flown_routes.bends_s(near, place, limits)
         goal = self._routes.goal(place)
         return self.model.flight(passage, here, goal, limits, flight_s) + self._landing(place)
-
-    def _bends_s(self, here: Ned, place: str, limits: SpeedLimits) -> float:
-        """How much longer the route from the nearest place takes than its length suggests."""
-        near = min(map(self._routes.goal, self._mission.places), key=lambda at: math.dist(at, here))
-        flown_s = self._flown_routes.flight_s(near, place, limits)
-        by_length_s = self._routes.passage(near, place).duration_s(limits)
-        return max(0.0, flown_s - by_length_s) if math.isfinite(flown_s) else 0.0
 
     @property
     def is_needed_to_land(self) -> bool:
