@@ -103,7 +103,7 @@ def _keep_the_radius_alone(patch: pytest.MonkeyPatch) -> None:
 
 
 def _try_once(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(builder, "_tried", lambda child, tries: child)
+    patch.setattr(builder, "_tried", lambda flight, child, tries: child)
 
 
 def _say_it_once(patch: pytest.MonkeyPatch) -> None:
@@ -166,7 +166,8 @@ vary:
         AN_ANSWER_THAT_TAKES_TIME,
         """
 version: 1
-payload: {component: 25, command: MAV_CMD_USER_1, otherwise: ACCEPTED}
+payload: {component: 25, command: MAV_CMD_USER_1,
+          answers: [{east_m: 0, north_m: 0, radius_m: 5, result: ACCEPTED, after_s: 0}]}
 happens: [{at_s: 0, link: {port: companion, loss: 0}}]
 wind: {east_mps: 0, north_mps: 0, turbulence_mps: 0}
 vary:

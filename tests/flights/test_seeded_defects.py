@@ -17,7 +17,7 @@ from seeded_defects import DEFECTS, Defect
 
 from companion.campaigns.campaign import random_rows
 from companion.campaigns.kit import Kit
-from companion.campaigns.outcomes import FlownRow
+from companion.campaigns.outcomes import FlownRow, RowOutcome
 from companion.campaigns.processes import accepted
 from companion.campaigns.rows import Row
 from companion.campaigns.search import FailureSearch
@@ -47,6 +47,7 @@ class UntilFailure:
     def __call__(self, rows: Sequence[Row]) -> tuple[FlownRow, ...]:
         for row in rows:
             self.flown.append(accepted(fly_row(self._packed, row)))
+            assert self.flown[-1].outcome is not RowOutcome.ERROR, self.flown[-1].reason
             if self.flown[-1].is_failure:
                 raise Found
         return tuple(self.flown[len(self.flown) - len(rows) :])
