@@ -44,7 +44,7 @@ def rebooted_flight(at_s: float, silent_s: float, recovers: bool) -> Lockstep:
     )
 
 
-@pytest.mark.parametrize("recovers", [True, False])
+@pytest.mark.parametrize("recovers", [pytest.param(True, marks=pytest.mark.long), False])
 @pytest.mark.parametrize(
     ("silent_s", "seed"),
     sweep((0.3, 1.0, 3.0, 8.0), range(10), few=lambda silent_s, seed: (silent_s, seed) == (3.0, 0)),
@@ -74,7 +74,8 @@ def test_a_reboot_during_the_task_ends_the_run(silent_s: float, seed: int, recov
         (0.3, 3.0),
         (True, False),
         few=lambda phase, silent_s, recovers: (
-            (silent_s < 1.0) is recovers is (phase in (Phase.TAKE_OFF, Phase.LANDING))
+            phase in (Phase.TAKE_OFF, Phase.OFFBOARD)
+            and (silent_s < 1.0) is recovers is (phase is Phase.TAKE_OFF)
         ),
     ),
 )
@@ -147,6 +148,7 @@ def test_a_jump_of_the_estimate_changes_no_action(seed: int) -> None:
 # -- battery ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_battery_that_is_not_known_is_neither_full_nor_empty() -> None:
     """The patrol recharges below 30 %, at first after half a minute: not for -1 %."""
     unknown = {"at_s": 3, "battery": {"known": False}}

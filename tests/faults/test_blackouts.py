@@ -67,11 +67,7 @@ def test_a_blackout_changes_no_action(phase: Phase, silent_s: float) -> None:
 
 @pytest.mark.parametrize(
     ("into_s", "silent_s"),
-    sweep(
-        [0.05 * i for i in range(40)],
-        (1.5, 3.0, 10.0),
-        few=lambda into_s, silent_s: (round(into_s, 2), silent_s) == (1.05, 10.0),
-    ),
+    sweep([0.05 * i for i in range(40)], (1.5, 3.0, 10.0), few=lambda *_: False),
 )
 def test_a_blackout_at_any_time_around_offboard(into_s: float, silent_s: float) -> None:
     """Before the command, after it, where OFFBOARD begins unheard, and after it was heard."""

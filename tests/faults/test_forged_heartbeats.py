@@ -79,9 +79,7 @@ def test_one_forged_heartbeat_after_another_changes_no_action() -> None:
     assert flight.armings == undisturbed(SURVEILLANCE).armings
 
 
-@pytest.mark.parametrize(
-    "phase", sweep(FLOWN_PHASES, few=lambda phase: phase in (Phase.ARMING, Phase.TASK))
-)
+@pytest.mark.parametrize("phase", sweep(FLOWN_PHASES, few=lambda phase: phase is Phase.TASK))
 def test_nothing_leaves_from_the_first_on(phase: Phase) -> None:
     """Two in a row; the autopilot's own does not come with either."""
     begin_s = undisturbed(SURVEILLANCE).time_of(PhaseEntered, phase=phase)

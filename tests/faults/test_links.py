@@ -117,6 +117,7 @@ def test_a_link_that_buffers_makes_positions_old() -> None:
     assert actions(flight) == actions(undisturbed(SURVEILLANCE))
 
 
+@pytest.mark.long
 def test_an_autopilot_that_does_not_tell_its_time_is_heard_when_it_arrives() -> None:
     deaf = Deaf(TIMESYNC)
     deaf.is_deaf = True

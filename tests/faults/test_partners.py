@@ -71,7 +71,8 @@ def test_without_satellites_nothing_moves_a_second_after_the_bound(
     assert "gets worse" in flight.of(SetpointRefused)[-1].reason
 
 
-@pytest.mark.parametrize("away_s", [pytest.param(2.0, marks=pytest.mark.long), 4.8])
+@pytest.mark.long
+@pytest.mark.parametrize("away_s", [2.0, 4.8])
 def test_a_short_loss_of_satellites_changes_no_action(away_s: float) -> None:
     """Meanwhile the vehicle keeps more from walls, as its position is good for less, or holds.
 
