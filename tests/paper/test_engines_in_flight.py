@@ -119,6 +119,7 @@ class _DyingOnce:
         return self._jobs.begin(problem, histories, now_s)
 
 
+@pytest.mark.long
 def test_an_engine_that_is_killed_in_flight_costs_a_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     """The built-in search plans in its place, and the next plan is the engine's again."""
     flown = Flown(_DyingOnce(monkeypatch))

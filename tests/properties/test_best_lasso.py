@@ -17,6 +17,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
+import pytest
 from checked_solutions import NOTHING_EXACT, solutions
 from drawn import drawn
 from hypothesis import given, reject
@@ -237,6 +238,7 @@ for asked in plans():
 """
 
 
+@pytest.mark.long
 def test_the_plan_does_not_depend_on_the_order_of_hashes() -> None:
     """Two interpreters whose sets come in different orders, and the same plans from both."""
     folder = Path(__file__).parents[1]

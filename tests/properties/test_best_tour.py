@@ -127,6 +127,7 @@ def test_laps_over_up_to_10_sites_are_the_shortest_on_many_maps() -> None:
     assert statistics.median(taken_s) < 3 * 0.1
 
 
+@pytest.mark.long
 def test_laps_over_17_sites_are_the_shortest() -> None:
     taken_s = []
     for seed in range(1, 2):
@@ -138,6 +139,7 @@ def test_laps_over_17_sites_are_the_shortest() -> None:
     assert statistics.median(taken_s) < 3 * 0.5
 
 
+@pytest.mark.long
 def test_over_50_sites_a_plan_comes_at_once_and_a_good_one_soon() -> None:
     first_s, last_s = [], []
     for seed in range(0, 4, 2):
