@@ -69,10 +69,8 @@ def world(folder: Path, hall: list[Crate], changes: list[int]) -> Path:
     return path
 
 
-@pytest.mark.parametrize(
-    ("seed", "count"),
-    [(1, 24), *(pytest.param(seed, 80, marks=pytest.mark.long) for seed in range(1, 11))],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("seed", "count"), [(1, 24), *((seed, 80) for seed in range(1, 11))])
 def test_nothing_is_touched(tmp_path: Path, seed: int, count: int) -> None:
     rng, mission = Random(seed), load_mission(MISSIONS / "surveillance.yaml")
     hall = crates(rng, [place.position[:2] for place in mission.places.values()])

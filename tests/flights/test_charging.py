@@ -50,6 +50,7 @@ def test_it_charges_three_times_and_goes_on_where_it_was(seed: int) -> None:
     assert flight.places[-1] == "Home"
 
 
+@pytest.mark.long
 def test_a_dock_without_power_is_given_up_and_the_vehicle_goes_home(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -86,6 +86,7 @@ def tells_its_charge(flight: Lockstep) -> None:
     assert done == flown[: len(done)]
 
 
+@pytest.mark.long
 def test_a_full_battery_lands_on_no_dock() -> None:
     flight = fly(charge=0.9)
     flight.run(45.0)
@@ -112,7 +113,8 @@ def test_charge_that_is_lost_in_flight_makes_it_charge_first(at_s: float) -> Non
     assert {"A", "B"} <= {*flight.places}
 
 
-@pytest.mark.parametrize("at_s", [pytest.param(12.0, marks=pytest.mark.long), 25.0])
+@pytest.mark.long
+@pytest.mark.parametrize("at_s", [12.0, 25.0])
 def test_with_too_little_for_any_plan_it_charges_on_the_reserve_and_goes_on(at_s: float) -> None:
     flight = fly({"at_s": at_s, "battery": {"charge": 0.205}}, charge=0.5)
     assert lowest(flight, 95.0) > RESERVE - 4
@@ -145,8 +147,9 @@ def soon_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(landing, "SLOW_WINDOWS", 1)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("soon_given_up")
-@pytest.mark.parametrize("tries", [pytest.param(1, marks=pytest.mark.long), 2])
+@pytest.mark.parametrize("tries", [1, 2])
 def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve(tries: int) -> None:
     """It has arrived with what that one asks for: no other place, nor another try, is in reach."""
     given = two_docks()
@@ -160,6 +163,7 @@ def test_where_no_dock_charges_it_stays_on_the_first_one_with_the_reserve(tries:
     assert flight.places[-1] == "E" and flight.armings == 1, text(flight)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("soon_given_up")
 def test_it_stays_on_its_only_dock_too_if_the_skill_has_flown_there_itself() -> None:
     """The task has the vehicle between places then; its position says that it stands on W."""
@@ -191,6 +195,7 @@ def test_a_charge_of_a_skill_that_flies_to_its_dock_is_told_as_done() -> None:
     assert all(event.action.startswith("move(") for event in flight.of(PlaceReached))
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("soon_given_up")
 def test_on_a_dock_that_fails_under_it_with_the_floor_it_waits_and_goes_on() -> None:
     mission = load_mission(two_docks(patience_s=600))
@@ -237,7 +242,8 @@ def test_a_gauge_that_is_not_read_any_more_ends_the_task_with_the_reserve() -> N
     assert "the battery does not charge, it is at unknown" in text(flight)
 
 
-@pytest.mark.parametrize("away_s", [pytest.param(0.5, marks=pytest.mark.long), 4.0])
+@pytest.mark.long
+@pytest.mark.parametrize("away_s", [0.5, 4.0])
 def test_one_that_is_cut_off_in_a_lap_goes_on(away_s: float) -> None:
     flight = fly(has_station=True, resumes=True)
     flight.until_reported(PlaceReached, place="B").run(1.0)
@@ -250,6 +256,7 @@ def test_one_that_is_cut_off_in_a_lap_goes_on(away_s: float) -> None:
     assert all(each.used_wh < 2 * each.expected_wh for each in flight.of(EnergyUsed)), text(flight)
 
 
+@pytest.mark.long
 def test_after_a_pilots_flight_it_reckons_with_what_is_left() -> None:
     flight = fly(
         {"at_s": 30, "battery": {"charge": 0.235}}, charge=0.5, has_station=True, resumes=True
@@ -263,6 +270,7 @@ def test_after_a_pilots_flight_it_reckons_with_what_is_left() -> None:
     assert flight.of(VehicleLanded) and not flight.of(NoPlanFound), text(flight)
 
 
+@pytest.mark.long
 def test_patience_ends_when_the_charge_is_needed() -> None:
     """A door may open again; it waits as long as it can still land with the reserve."""
     skills = two_docks()["skills"]
@@ -278,7 +286,8 @@ def test_patience_ends_when_the_charge_is_needed() -> None:
 LEGS = {"Home": (0, 0, 5), "A": (100, 0, 5), "B": (100, 80, 20), "C": (10, 10, 5)}
 
 
-@pytest.mark.parametrize("east_mps", [pytest.param(0.0, marks=pytest.mark.long), 5.0])
+@pytest.mark.long
+@pytest.mark.parametrize("east_mps", [0.0, 5.0])
 def test_flights_take_what_plans_reckon_with(east_mps: float) -> None:
     """Level, climbing and descending, in still air, and with, across and against a wind."""
     places = {

@@ -39,6 +39,7 @@ def fly(data: dict[str, Any], *happens: dict[str, Any], **options: Any) -> Locks
     return Lockstep(mission, world, seed=1, **options)
 
 
+@pytest.mark.long
 def test_flights_that_take_a_quarter_more_go_on_with_plans_that_know_it() -> None:
     battery = {"reserve": RESERVE, "capacity_wh": 75.5, "power_w": says(0.8)}
     battery["curve"] = [[0, 0], [20, 18.7], [60, 58], [80, 78.6], [90, 89.2], [100, 100]]
@@ -54,7 +55,8 @@ def test_flights_that_take_a_quarter_more_go_on_with_plans_that_know_it() -> Non
     assert {"A", "B"} <= {e.place for e in then if isinstance(e, PlaceReached)}
 
 
-@pytest.mark.parametrize("has_another", [pytest.param(True, marks=pytest.mark.long), False])
+@pytest.mark.long
+@pytest.mark.parametrize("has_another", [True, False])
 def test_flights_that_take_less_end_no_plan_where_there_is_no_other(
     has_another: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -50,7 +50,9 @@ def straight() -> Mission:
     )
 
 
-@pytest.mark.parametrize("happens", [[], [LATE]], ids=["prompt", "late"])
+@pytest.mark.parametrize(
+    "happens", [[], pytest.param([LATE], marks=pytest.mark.long)], ids=["prompt", "late"]
+)
 def test_it_keeps_its_speed_and_its_setpoints_change_gently(happens: list[Any]) -> None:
     mission = straight()
     world = {"version": 1, "airframe": "px4_sih", "happens": happens}

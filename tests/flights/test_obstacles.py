@@ -137,6 +137,7 @@ def test_without_a_way_it_stops_gives_up_the_belief_and_flies_home(
     assert horizontal_distance(flown.simulation.flight.position, (0.0, 0.0)) < 0.5
 
 
+@pytest.mark.long
 def test_a_way_that_opens_again_is_believed_in_and_the_task_goes_on(
     surveillance: Mission, tmp_path: Path
 ) -> None:
@@ -162,6 +163,7 @@ def test_a_way_that_opens_again_is_believed_in_and_the_task_goes_on(
     ]
 
 
+@pytest.mark.long
 def test_a_crate_on_the_place_itself_fails_the_move(surveillance: Mission, tmp_path: Path) -> None:
     flown = Flown(surveillance, tmp_path, a_crate(ON_B))
     assert flown.is_unhurt

@@ -95,10 +95,9 @@ def test_with_noise_of_gps_it_keeps_away_from_walls_and_sees_no_others(
     assert not flight.of(VehicleCrashed)
 
 
-@pytest.mark.parametrize(
-    "name", ["surveillance", pytest.param("hall_of_20", marks=pytest.mark.long)]
-)
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["surveillance", "hall_of_20"])
+@pytest.mark.parametrize("seed", [0, 1])
 def test_with_the_drag_and_the_wander_of_a_px4_it_keeps_off_the_walls(name: str, seed: int) -> None:
     flight = FlightInError(name, seed, differs=WANDER)
     assert flight.phantoms == 0

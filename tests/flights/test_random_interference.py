@@ -28,7 +28,7 @@ LIMIT_S, PATIENCE_S = 240.0, 12.0
 PAUSE = dialect.MAV_CMD_DO_PAUSE_CONTINUE
 HELD = PhaseEntered(Phase.PAUSED)
 TAKEN_TO = ("AUTO.LOITER", "AUTO.RTL", "AUTO.LAND")
-FEW, MANY = 2, 150
+FEW, MANY = 1, 150
 SEEDS = [*range(FEW), *(pytest.param(i, marks=pytest.mark.long) for i in range(FEW, MANY))]
 
 

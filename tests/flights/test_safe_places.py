@@ -59,6 +59,7 @@ def test_it_lands_at_the_nearest() -> None:
     assert [each.place for each in flight.of(ReturnBegun)] == ["North"]
 
 
+@pytest.mark.long
 def test_a_crate_on_it_leads_to_the_next() -> None:
     flight = fly(lidar={"range_m": 8}, obstacles=[CRATE | {"present": True}])
     landed_at(flight, "East")
@@ -66,7 +67,8 @@ def test_a_crate_on_it_leads_to_the_next() -> None:
     assert [each.place for each in flight.of(ReturnFailed)] == ["North"]
 
 
-@pytest.mark.parametrize("away_s", [pytest.param(1.0, marks=pytest.mark.long), 4.0])
+@pytest.mark.long
+@pytest.mark.parametrize("away_s", [1.0, 4.0])
 def test_a_companion_that_is_killed_on_the_way_goes_on_to_a_safe_place(away_s: float) -> None:
     flight = fly({"has_station": True, "resumes": True})
     flight.until_reported(ReturnBegun).run(1.5)

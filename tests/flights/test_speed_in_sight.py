@@ -64,6 +64,7 @@ def test_it_stops_or_goes_round(box: Box) -> None:
     assert flown.exit_code == (0 if box is PILLAR else 3)
 
 
+@pytest.mark.long
 def test_a_vehicle_that_leans_and_sees_less_flies_no_faster_than_that() -> None:
     """With the drag of PX4's own vehicle it leans by 30 degrees into a wind of 4 m/s."""
     wind = {"east_mps": -4, "turbulence_mps": 0.4}
