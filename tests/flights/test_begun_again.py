@@ -64,6 +64,7 @@ def test_the_map_stays_where_it_lay_though_the_vehicle_begins_beside_home(seed: 
     assert off_m(flight) < OFF_M
 
 
+@pytest.mark.long
 def test_what_it_would_be_off_by_without_a_memory() -> None:
     flight = two_flights(0, remembers=False)
     assert not flight.of(HomeRecalled)

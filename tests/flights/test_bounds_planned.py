@@ -6,6 +6,7 @@ from copy import deepcopy
 from itertools import pairwise
 from typing import Any
 
+import pytest
 from lockstep import COMPANION, Lockstep
 from meadow import DATA
 
@@ -82,6 +83,7 @@ def test_an_alarm_is_answered_in_time_for_as_long_as_it_lasts_and_sites_are_visi
     assert all(each.outcome is not ConjunctOutcome.VIOLATED for each in found.findings)
 
 
+@pytest.mark.long
 def test_a_pause_uses_up_the_time_for_a_detour() -> None:
     """It has just left A for B. After the pause there is time for A alone, and for B after that."""
     flight = watch().until_reported(PlaceReached, place="A").run_for(1.0)
@@ -94,6 +96,7 @@ def test_a_pause_uses_up_the_time_for_a_detour() -> None:
     assert reached(flight, "B")[0] > again
 
 
+@pytest.mark.long
 def test_what_takes_longer_than_planned_leaves_the_rest_of_the_lap_for_later() -> None:
     """A look takes 8 s, and not the second that the mission says: with B and C the lap is late.
 

@@ -57,6 +57,7 @@ def word(flight: Lockstep) -> list[tuple[str, ...]]:
     return [s.event.facts for s in flight.recorded if isinstance(s.event, PositionLeft)]
 
 
+@pytest.mark.long
 def test_it_visits_the_places_of_the_planned_mission_in_the_same_order(
     by_tree: Lockstep, undisturbed: Lockstep
 ) -> None:
@@ -81,6 +82,7 @@ def test_a_target_that_is_seen_before_the_first_flight_is_reported_from_home() -
     assert flight.of(PlaceReached)[0].action == "move(Home, r1)"
 
 
+@pytest.mark.long
 def test_after_a_pause_it_goes_on_with_what_was_under_way(by_tree: Lockstep) -> None:
     flight = fly(has_station=True).until_reported(PlaceReached, place="A").run_for(2.0)
     pause = dialect.MAV_CMD_DO_PAUSE_CONTINUE

@@ -45,6 +45,7 @@ def test_the_rows_are_flown(table: bytes, folder: Path) -> None:
     assert str(folder).encode() not in table
 
 
+@pytest.mark.long
 def test_two_processes_one_of_which_is_killed(table: bytes, tmp_path: Path) -> None:
     engine = LocalProcesses(short_kit().packed, 2)
     killed: list[int] = []
@@ -58,6 +59,7 @@ def test_two_processes_one_of_which_is_killed(table: bytes, tmp_path: Path) -> N
     assert killed
 
 
+@pytest.mark.long
 def test_ctrl_c_ends_no_process_that_is_still_starting() -> None:
     before = {process.pid for process in multiprocessing.active_children()}
     with closing(LocalProcesses(short_kit().packed, 1, tell_process)) as engine:

@@ -7,8 +7,8 @@ from contingency_flights import ContingencyFlight, name_of, table, why_not_flown
 
 from companion.acting.contingencies.table import Contingency
 
-FEW = ("2 targetFound comes, then canUpload(r1) withdrawn", "0 no way to B")
-"""Flown each time: another plan and then a failure of that plan, and a safe place."""
+FEW = ("2 targetFound comes, then canUpload(r1) withdrawn",)
+"""Flown each time: another plan and then a failure of that plan."""
 
 
 def rows() -> list[Contingency]:

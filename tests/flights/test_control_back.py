@@ -111,8 +111,8 @@ KEYS: dict[str, Keys] = {
         killed_and_the_operator_is_asked,
     )
 }
-ELSEWHERE = {killed_and_restarted_in_the_hold.__name__}
-"""Flown in every run by tests/flights/test_resume.py, which asks for the same time."""
+FEW = {pilot_hands_over.__name__, killed_and_restarted_before_the_hold.__name__}
+"""Flown in every run; a restart in the hold is, too, by tests/flights/test_resume.py."""
 
 
 def in_flight(mission: Mission, world: World, seed: int, begin_s: float) -> tuple[Lockstep, Cut]:
@@ -129,7 +129,7 @@ def in_flight(mission: Mission, world: World, seed: int, begin_s: float) -> tupl
 @pytest.mark.parametrize(
     "keys",
     [
-        pytest.param(keys, marks=[pytest.mark.long] if name in ELSEWHERE else [], id=name)
+        pytest.param(keys, marks=[] if name in FEW else [pytest.mark.long], id=name)
         for name, keys in KEYS.items()
     ],
 )
@@ -191,9 +191,8 @@ def test_who_is_taken_over_in_a_landing_by_the_plan_needs_no_take_off(mode: str)
     assert flight.until_the_end().exit_code == 0
 
 
-@pytest.mark.parametrize(
-    "after_s", [3.0, *(pytest.param(s, marks=pytest.mark.long) for s in (0.5, 4.5))]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("after_s", [0.5, 3.0, 4.5])
 def test_killed_in_a_take_off_by_the_plan_it_is_told_that_an_operator_is_waited_for(
     after_s: float,
 ) -> None:

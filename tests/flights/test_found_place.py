@@ -69,6 +69,7 @@ def mission() -> Mission:
     return load_mission(MISSIONS / "lost_person.yaml")
 
 
+@pytest.mark.long
 def test_the_shipped_mission_refuses_one_report_and_flies_to_the_other(mission: Mission) -> None:
     run = simulate(mission)
     events = [stamped.event for stamped in run.events]
@@ -130,6 +131,7 @@ def test_where_the_vehicle_may_not_be_nobody_is_found(
     assert not flight.of(SymbolMoved) and not flight.of(MissionEventChanged)
 
 
+@pytest.mark.long
 def test_a_companion_that_was_cut_off_knows_where_the_person_is(mission: Mission) -> None:
     """Killed on the way there, and the camera with it."""
     person = (15.5, 30.0)

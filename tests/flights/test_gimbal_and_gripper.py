@@ -107,7 +107,10 @@ def test_angles_are_from_the_vehicles_heading() -> None:
     ("change", "words"),
     [
         ({"stuck": True}, "the gimbal (component 154) is 30 degrees off after 5 s"),
-        ({"silent": True}, "the gimbal (component 154) has not answered after 5 s"),
+        pytest.param(
+            *({"silent": True}, "the gimbal (component 154) has not answered after 5 s"),
+            marks=pytest.mark.long,
+        ),
     ],
 )
 def test_a_gimbal_that_does_not_turn(change: dict[str, bool], words: str) -> None:

@@ -107,9 +107,7 @@ def call(flight: Lockstep, air: Cut) -> None:
     "interruption",
     [
         short_pause,
-        lost_link,
-        call,
-        *(pytest.param(i, marks=pytest.mark.long) for i in (pause, pilot)),
+        *(pytest.param(i, marks=pytest.mark.long) for i in (lost_link, call, pause, pilot)),
     ],
 )
 def test_it_is_commanded_once_and_its_answer_counts(interruption: Interruption) -> None:
@@ -150,6 +148,7 @@ def test_a_skill_that_flies_there_itself_goes_on_from_here_with_its_command(
     assert len(sent_s(flight)) == 1 and not flight.of(SkillFailed)
 
 
+@pytest.mark.long
 def test_killed_a_skill_that_flies_there_itself_is_not_done_again_from_anywhere() -> None:
     flight = fly(a_mission(**flying_to_its_work()))
     flight.kill()
@@ -160,6 +159,7 @@ def test_killed_a_skill_that_flies_there_itself_is_not_done_again_from_anywhere(
     assert len(sent_s(flight)) == 1 and not flight.of(SkillCompleted)
 
 
+@pytest.mark.long
 def test_a_pause_that_has_ended_does_not_come_back_after_a_take_off() -> None:
     """A link that is lost in a pause leads back to the pause; a skill that fails on the ground, to
     the task.

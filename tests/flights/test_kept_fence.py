@@ -94,6 +94,7 @@ def test_the_gate_lets_no_setpoint_out_of_it(monkeypatch: pytest.MonkeyPatch) ->
     assert flight.simulation.mode == "OFFBOARD"
 
 
+@pytest.mark.long
 def test_whoever_goes_on_after_a_kill_still_keeps_to_it() -> None:
     """In the air the autopilot is not asked: the journal has its fence."""
     flight = kept(BED, resumes=True).until_reported(PhaseEntered, phase=Phase.TASK)
@@ -140,6 +141,7 @@ def test_killed_before_arming_another_begins_anew_and_asks_again(policy: UploadP
         assert len(flight.of(FenceKept)) >= 1
 
 
+@pytest.mark.long
 def test_a_fence_drawn_while_the_companion_was_away_is_the_autopilots_alone() -> None:
     """Nothing is asked in the air, so it goes on. Where it leads out the autopilot holds it."""
     flight = start(policy=UploadPolicy.UPLOAD, resumes=True)

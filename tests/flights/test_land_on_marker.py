@@ -137,6 +137,7 @@ def test_no_take_off_from_a_roof_leads_above_the_ceiling(monkeypatch: pytest.Mon
     assert flight.of(SetpointRefused) == []
 
 
+@pytest.mark.long
 def test_it_lands_below_the_altitude_band_on_the_ground_too() -> None:
     flight = Landing(is_roof=False, pad=(*PAD[:2], 0.0))
     assert flight.until_landed() < 0.15
@@ -229,6 +230,7 @@ def test_what_wanders_is_followed() -> None:
     assert Landing(**PX4).until_landed() < 0.5
 
 
+@pytest.mark.long
 def test_a_velocity_that_is_off_keeps_nobody_waiting_above_the_marker() -> None:
     """A PX4 sank onto a roof meanwhile: the height of its estimate drifts as well."""
     flight = descending(ROOF_M + 0.6, seed=11, **PX4)
@@ -237,6 +239,7 @@ def test_a_velocity_that_is_off_keeps_nobody_waiting_above_the_marker() -> None:
     assert flight.now_s - low_s < 5.0
 
 
+@pytest.mark.long
 def test_a_marker_that_is_too_near_to_be_seen_is_landed_on() -> None:
     flight = descending(ROOF_M + 0.6, seed=2, **PX4)
     flight.changes(is_present=False)
@@ -300,6 +303,7 @@ def test_killed_at_the_end_of_the_descent_it_stands_and_is_not_armed_again() -> 
     assert horizontal_distance(flight.simulation.flight.position, PAD) < 0.15
 
 
+@pytest.mark.long
 def test_paused_in_the_descent_it_holds_and_goes_on() -> None:
     flight = descending(HIGH_M)
     flight.station_commands(CONTINUE, 0.0, component=COMPANION)

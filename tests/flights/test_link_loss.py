@@ -34,6 +34,7 @@ from sitl.results import MavResult
 from sitl.world.payload import PayloadAnswer, PayloadSite
 
 
+@pytest.mark.long
 def test_a_short_silence_is_not_noticed(start: Start, undisturbed: Lockstep) -> None:
     up, down = Cut(), Cut()
     flight = on_the_way_to_b(start(up=up, down=down))
@@ -78,6 +79,7 @@ def test_after_an_outage_the_autopilot_keeps_the_vehicle(start: Start) -> None:
     assert flight.simulation.collisions == 0
 
 
+@pytest.mark.long
 def test_a_vehicle_that_is_silent_for_ever_ends_the_run(
     start: Start, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -107,7 +109,8 @@ def test_loss_changes_no_action(seed: int, start: Start, undisturbed: Lockstep) 
     assert_each_command_took_effect_once(flight, undisturbed)
 
 
-@pytest.mark.parametrize("tells_progress", [pytest.param(False, marks=pytest.mark.long), True])
+@pytest.mark.long
+@pytest.mark.parametrize("tells_progress", [False, True])
 def test_a_payload_that_needs_twelve_of_fifteen_seconds_is_asked_once(
     start: Start, short_hall: World, tells_progress: bool
 ) -> None:
@@ -125,6 +128,7 @@ def test_a_payload_that_needs_twelve_of_fifteen_seconds_is_asked_once(
     assert flight.of(SkillCompleted, action="upload(r1)") != []
 
 
+@pytest.mark.long
 def test_a_final_answer_that_is_lost_is_a_failed_upload(start: Start) -> None:
     """The command protocol sends it once. The command is not repeated: it may have taken effect."""
     lost: list[bytes] = []

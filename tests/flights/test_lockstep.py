@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from lockstep import Air, Lockstep, World, clear
 
 from companion.flight_events.event import Stamped
@@ -26,6 +27,7 @@ def killed_on_the_way(mission: Mission, world: World, up: Air) -> tuple[list[Sta
     return flight.recorded, b"".join(bytes(said.message.get_msgbuf()) for said in flight.said)
 
 
+@pytest.mark.long
 def test_a_flight_is_the_same_where_only_what_is_read_is_sent(
     surveillance: Mission, hall: World
 ) -> None:

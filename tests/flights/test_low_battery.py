@@ -49,6 +49,7 @@ def test_wherever_it_is_then_it_comes_home(name: str, charge: float) -> None:
     assert is_home(flight) and flight.simulation.collisions == 0
 
 
+@pytest.mark.long
 def test_killed_on_that_way_home_it_ends_as_it_would_have(
     surveillance: Mission, short_hall: World
 ) -> None:

@@ -195,6 +195,7 @@ def test_an_origin_that_moves_in_flight_changes_nothing_on_the_earth(
     assert apart_m < OFFBOARD_JUMP_M
 
 
+@pytest.mark.long
 def test_while_a_new_origin_is_not_told_the_vehicle_holds_and_then_goes_on() -> None:
     deaf = Deaf(ORIGIN_ID)
     flight = EarthFlight(ZURICH, {"at_s": 14.3, "origin": OTHER_ORIGIN}, up=deaf)
@@ -330,6 +331,7 @@ def test_a_place_that_is_too_high_above_the_ground_is_refused_before_arming() ->
     assert "home is 488.0 m above the sea" in told
 
 
+@pytest.mark.long
 def test_a_flight_that_was_cut_off_goes_on_where_it_was_on_the_earth() -> None:
     """Also where the autopilot counts from another origin by then."""
     data = mission_of(ZURICH)
@@ -348,6 +350,7 @@ def test_a_flight_that_was_cut_off_goes_on_where_it_was_on_the_earth() -> None:
     assert flight.until_the_end().exit_code == 0
 
 
+@pytest.mark.long
 def test_an_origin_that_moves_before_the_take_off_changes_nothing() -> None:
     flight = EarthFlight(ZURICH, {"at_s": 1.0, "origin": OTHER_ORIGIN})
     flight.until_reported(PlaceReached, place="A").run(1.0)
@@ -381,6 +384,7 @@ def test_polygons_in_degrees_are_kept_to() -> None:
     assert any(is_in_polygon(point, zone) for point in straight)
 
 
+@pytest.mark.long
 def test_the_page_of_a_run_shows_the_vehicle_where_it_is() -> None:
     """It hears what the companion hears, also of an origin that moves."""
     mission = load_mission(mission_of(ZURICH))

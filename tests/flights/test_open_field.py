@@ -48,7 +48,8 @@ def test_the_story(mission: Mission) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("at_s", [pytest.param(20, marks=pytest.mark.long), 42])
+@pytest.mark.long
+@pytest.mark.parametrize("at_s", [20, 42])
 def test_a_return_home_respects_the_hedge_and_the_pond(mission: Mission, at_s: float) -> None:
     """Before the hedge, and on the way past the pond, in a wind that drives towards the pond."""
     happens: list[dict[str, Any]] = [

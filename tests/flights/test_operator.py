@@ -57,6 +57,7 @@ def test_a_pause_holds_within_a_second_and_the_task_goes_on_to_its_end(operated:
     assert operated.simulation.collisions == 0
 
 
+@pytest.mark.long
 def test_both_may_be_said_twice(operated: Operated) -> None:
     on_the_way_to_b(operated)
     assert [operated.ask(PAUSE, 0), operated.ask(PAUSE, 0)] == [ACCEPTED, ACCEPTED]
@@ -65,6 +66,7 @@ def test_both_may_be_said_twice(operated: Operated) -> None:
     assert len(operated.of(PlanReplaced)) == 1
 
 
+@pytest.mark.long
 def test_many_pauses_do_not_count_as_plans_that_lead_nowhere(operated: Operated) -> None:
     on_the_way_to_b(operated)
     for _ in range(8):
@@ -82,6 +84,7 @@ def test_a_pause_is_refused_with_a_reason_while_it_takes_off(operated: Operated)
     assert "refused: no pause while taking off" in operated.told
 
 
+@pytest.mark.long
 def test_an_event_during_a_pause_is_not_lost(operated: Operated) -> None:
     """The target is seen on the way to B, where the vehicle is paused."""
     operated.until_reported(MissionEventChanged, event="targetFound")
@@ -95,7 +98,7 @@ def test_an_event_during_a_pause_is_not_lost(operated: Operated) -> None:
 # -- home ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("is_paused", [False, True])
+@pytest.mark.parametrize("is_paused", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_a_return_flies_home_and_lands(operated: Operated, is_paused: bool) -> None:
     on_the_way_to_b(operated)
     if is_paused:
@@ -112,6 +115,7 @@ def test_a_return_flies_home_and_lands(operated: Operated, is_paused: bool) -> N
     assert operated.simulation.collisions == 0
 
 
+@pytest.mark.long
 def test_a_return_may_be_paused(operated: Operated) -> None:
     on_the_way_to_b(operated)
     assert operated.ask(RETURN) == ACCEPTED

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
+import pytest
 from lockstep import COMPANION, VEHICLE
 from operated import (
     ACCEPTED,
@@ -45,6 +46,7 @@ def test_nothing_flies_before_the_operator_says_so(hosted: Operated) -> None:
     assert hosted.ask(RETURN) == NOT_NOW
 
 
+@pytest.mark.long
 def test_each_start_is_a_run_of_its_own(hosted: Operated) -> None:
     """The second one is called home; the map's frame stays where it was."""
     hosted.run(2.0)
@@ -122,6 +124,7 @@ def test_five_ground_stations_each_get_their_own_answers(operated: Operated) -> 
     assert sorted(answers) == sorted(expected)
 
 
+@pytest.mark.long
 def test_a_speed_limit_that_was_set_in_flight_is_kept(operated: Operated) -> None:
     operated.until_reported(PlaceReached, place="A").run(0.2)
     slow = dialect.MAVLink_param_set_message(VEHICLE, COMPANION, b"CMP_SPEED_MAX", 0.8, 9)

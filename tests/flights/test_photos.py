@@ -38,14 +38,8 @@ def test_each_photo_is_made_once_and_told() -> None:
     assert "photo 5 of camera at A" in texts
 
 
-@pytest.mark.parametrize(
-    ("share", "seed"),
-    [
-        (0.3, 1),
-        pytest.param(0.1, 0, marks=pytest.mark.long),
-        *(pytest.param(0.3, seed, marks=pytest.mark.long) for seed in range(2, 40)),
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("share", "seed"), [(0.1, 0), *((0.3, seed) for seed in range(1, 40))])
 def test_whatever_is_lost_each_photo_is_made_once(share: float, seed: int) -> None:
     up, down = Lossy(share, seed), Lossy(share, seed + 1000)
     flight = flown(PhotoFlight(photo_mission(), {"after_s": 0.8}, seed=seed, up=up, down=down))
@@ -83,8 +77,12 @@ def test_a_camera_in_the_air_is_told_to_be_offline() -> None:
     ("change", "words"),
     [
         ({"full": True}, "the camera has answered: denied; its storage is full"),
-        ({"fails": True}, "the camera says that the photo has failed"),
-        ({"busy": True}, "the camera (component 100) is busy"),
+        pytest.param(
+            *({"fails": True}, "the camera says that the photo has failed"), marks=pytest.mark.long
+        ),
+        pytest.param(
+            *({"busy": True}, "the camera (component 100) is busy"), marks=pytest.mark.long
+        ),
     ],
 )
 def test_a_photo_that_is_not_made_fails_its_skill(change: dict[str, bool], words: str) -> None:
@@ -133,7 +131,7 @@ def test_a_pause_in_mid_photo() -> None:
     assert is_whole(flown(flight), "A") and len(flight.asked) == 1
 
 
-@pytest.mark.parametrize("is_killed", [False, True])
+@pytest.mark.parametrize("is_killed", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_photo_is_told_once_although_its_skill_begins_again(is_killed: bool) -> None:
     skill = {"execute": ["photo(camera)", "wait(5)"]}
     flight = PhotoFlight(photo_mission("A", photo=skill), {}, has_station=True, resumes=True)
@@ -158,6 +156,7 @@ def test_a_pilot_in_mid_photo_and_no_photo_for_him() -> None:
     assert len(flight.asked) == 1 and not flight.told
 
 
+@pytest.mark.long
 def test_another_plan_in_mid_photo() -> None:
     """A line begins anew while the photo is under way; it was made, and is not made again."""
     events = {"called": {"when": "COMMAND.MAV_CMD_USER_3", "latch": True}}
@@ -207,6 +206,7 @@ def test_a_camera_that_begins_to_count_anew_is_not_trusted() -> None:
     assert flight.failures[0].startswith("whether the photo was made is not known: it has counted")
 
 
+@pytest.mark.long
 def test_two_cameras() -> None:
     mission = photo_mission(
         "AB",
@@ -218,6 +218,7 @@ def test_two_cameras() -> None:
     assert told == [("camera", 1), ("infrared", 6), ("camera", 2), ("infrared", 7)]
 
 
+@pytest.mark.long
 def test_a_tree_by_hand_and_a_refinement() -> None:
     mission = photo_mission(
         "A", tree=["move(Home, A)", {"repeat": ["see(A)"], "times": 3}, "move(A, Home)"]

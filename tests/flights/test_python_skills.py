@@ -224,6 +224,7 @@ def test_a_function_that_cannot_be_loaded_ends_it_on_the_ground() -> None:
     assert "weigh: it is not installed" in flown.ending.text
 
 
+@pytest.mark.long
 def test_a_tree_by_hand_calls_it_too() -> None:
     data = weighing()
     del data["task"], data["events"]

@@ -71,7 +71,13 @@ def test_a_guided_flight(qgc: QGroundControl) -> None:
     assert "Disarmed by landing" in qgc.wire.texts()
 
 
-@pytest.mark.parametrize("mode", ["AUTO.LOITER", "AUTO.LAND", "AUTO.RTL", "OFFBOARD", "POSCTL"])
+@pytest.mark.parametrize(
+    "mode",
+    [
+        *("AUTO.LOITER", "POSCTL"),
+        *(pytest.param(m, marks=pytest.mark.long) for m in ("AUTO.LAND", "AUTO.RTL", "OFFBOARD")),
+    ],
+)
 def test_modes_on_the_ground(qgc: QGroundControl, mode: str) -> None:
     qgc.set_mode(mode)
 

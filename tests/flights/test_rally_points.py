@@ -161,7 +161,7 @@ def degrees(origin: GlobalOrigin) -> dict[str, float]:
 
 @pytest.mark.parametrize(
     ("from_place", "destination"),
-    [("A", EAST), ("Home", (0.0, 0.0))],
+    [pytest.param("A", EAST, marks=pytest.mark.long), ("Home", (0.0, 0.0))],
 )
 def test_a_pilots_return_goes_to_the_nearest(
     from_place: str, destination: tuple[float, float]
@@ -182,6 +182,7 @@ def test_a_failsafes_return_goes_there_too() -> None:
     assert horizontal_distance(flight.simulation.flight.position, EAST) < 1.0
 
 
+@pytest.mark.long
 def test_a_return_type_that_goes_to_none_is_told() -> None:
     flight = start(world={"parameters": {"RTL_TYPE": 2}})
     assert armed(flight).one(RallyUnused).points == "East, North"

@@ -68,6 +68,7 @@ def test_a_report_is_answered_as_a_signal_of_mavlink_is(mission: Mission) -> Non
     assert not flight.of(SignalSilent)
 
 
+@pytest.mark.long
 def test_half_a_second_of_persons_that_is_cut_off_is_none(mission: Mission) -> None:
     """The detector dies as it has seen somebody for 0.3 s; what it saw last is not believed."""
     flight = ReportedFlight(mission, lambda now_s: persons(1) if 20.0 < now_s <= 20.3 else [])
@@ -78,6 +79,7 @@ def test_half_a_second_of_persons_that_is_cut_off_is_none(mission: Mission) -> N
     assert len(flight.of(SignalHeard)) == 1
 
 
+@pytest.mark.long
 def test_garbage_changes_no_action(mission: Mission) -> None:
     silent = ReportedFlight(mission, lambda _: []).until_reported(PlaceReached, place="B")
     garbage = [b"no", b'{"dogs": 3}', b'{"persons": NaN}', bytes(5000)]

@@ -106,6 +106,7 @@ def test_a_companion_that_was_killed_goes_on(searching: Lockstep) -> None:
     assert not audit(record).is_failure
 
 
+@pytest.mark.long
 def test_laps_are_counted_on(surveillance: Mission, short_hall: World) -> None:
     scenario, walls = short_hall
     quiet = replace(scenario, events=())
@@ -144,6 +145,7 @@ def test_killed_at_any_time_no_action_is_done_twice(name: str, seed: int) -> Non
     assert flight.simulation.collisions == 0
 
 
+@pytest.mark.long
 def test_killed_again_at_once_it_knows_the_time(flight: Lockstep) -> None:
     """Before the one that goes on has heard anything: its clock goes on from where it was."""
     under_way(flight)
@@ -265,6 +267,7 @@ def test_one_that_lands_soon_after_is_told_as_that(flight: Lockstep) -> None:
     )
 
 
+@pytest.mark.long
 def test_a_landing_that_was_to_be_is_watched_to_its_end(flight: Lockstep) -> None:
     flight.until_reported(PhaseEntered, phase=Phase.LANDING).run(2.0)
     before = cut_off(flight)
@@ -272,6 +275,7 @@ def test_a_landing_that_was_to_be_is_watched_to_its_end(flight: Lockstep) -> Non
     assert flight.ending == TaskSatisfied() and not sent_since(flight, before)
 
 
+@pytest.mark.long
 def test_a_flight_that_had_not_begun_to_arm_begins_anew(flight: Lockstep) -> None:
     flight.until_reported(PhaseEntered, phase=Phase.CHECKING)
     cut_off(flight)
@@ -280,6 +284,7 @@ def test_a_flight_that_had_not_begun_to_arm_begins_anew(flight: Lockstep) -> Non
     assert flight.ending == TaskSatisfied()
 
 
+@pytest.mark.long
 def test_in_the_take_off_an_operator_is_asked(flight: Lockstep) -> None:
     """The autopilot climbs and holds by itself: that is no failsafe."""
     flight.until_reported(PhaseEntered, phase=Phase.TAKE_OFF).run(1.0)
@@ -323,7 +328,9 @@ def test_a_pause_goes_on(flight: Lockstep) -> None:
     assert flight.ending == TaskSatisfied()
 
 
-@pytest.mark.parametrize("away_s", [0.1, 3.0])  # before the autopilot's own hold, and in it
+@pytest.mark.parametrize(  # before the autopilot's own hold, and in it
+    "away_s", [0.1, pytest.param(3.0, marks=pytest.mark.long)]
+)
 def test_a_flight_home_goes_on(searching: Lockstep, away_s: float) -> None:
     under_way(searching)
     searching.station_commands(RETURN, component=COMPANION)

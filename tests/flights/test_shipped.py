@@ -235,6 +235,7 @@ ELSEWHERE = {
     "endless_patrol",  # eleven minutes; tests/flights/test_energy.py flies between two docks
     "field",  # tests/flights/test_open_field.py
     "hall_of_20",  # surveillance among twenty sites
+    "night_watch",  # a line is dropped and taken up: tests/flights/test_time_bounds.py
     "orchard",  # tests/flights/test_photos.py
     "return_home",  # tests/flights/test_operator.py
     "rooftop",  # tests/flights/test_land_on_marker.py

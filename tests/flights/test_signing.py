@@ -159,6 +159,7 @@ class FenceAttacker:
         return [*attacks, *datagrams, *attacks]
 
 
+@pytest.mark.long
 def test_a_fence_is_uploaded_over_a_signed_link_whatever_others_answer() -> None:
     companion, vehicle = Signing(KEY, NOW_S, of_signed_vehicle), Signing(KEY, NOW_S)
     attacker = FenceAttacker(companion)

@@ -293,6 +293,7 @@ def test_other_gusts_change_nothing_but_times(
     assert again.truth[-1] != flown.truth[-1]
 
 
+@pytest.mark.long
 def test_equal_seeds_give_equal_bytes_in_every_process(flown: Flown, tmp_path: Path) -> None:
     """As a command, with other hashes of strings; and in this process."""
     log_dir = tmp_path / "there"

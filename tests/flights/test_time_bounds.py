@@ -95,6 +95,7 @@ def test_a_bound_that_is_too_tight_is_violated_when_it_passes() -> None:
     assert "at A" not in [s.event.text for s in flight.recorded if s.time_s <= time_s]
 
 
+@pytest.mark.long
 def test_clocks_go_on_in_a_pause() -> None:
     flight = by_hand({"often": "revisit(A) <= 40 s"}).until_reported(PlaceReached, place="A")
     reached_s = flight.now_s
@@ -110,6 +111,7 @@ def test_clocks_go_on_in_a_pause() -> None:
     assert outcome(flight, "often") == (ConjunctOutcome.VIOLATED, 1)
 
 
+@pytest.mark.long
 def test_an_answer_is_due_from_the_alarm_on_and_not_from_where_it_is_read() -> None:
     alarm = {"alarm": {"when": "COMMAND.MAV_CMD_USER_1"}}
     for limit, position in (("9s", 1), ("14s", None)):

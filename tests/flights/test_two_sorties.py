@@ -105,6 +105,7 @@ def test_a_run_that_was_cut_off_goes_on_before_another_one_is_started() -> None:
     assert flight.armings == 2
 
 
+@pytest.mark.long
 def test_a_run_that_was_cut_off_and_cannot_go_on_keeps_nobody_from_starting_another_one() -> None:
     """It has landed meanwhile, and is not armed again by itself."""
     flight = cut_off()
