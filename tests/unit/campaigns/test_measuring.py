@@ -37,7 +37,7 @@ def test_a_vehicle_that_is_down_and_not_heard_has_aborted() -> None:
     assert row.reason.startswith("no position from the vehicle for 5")
 
 
-@pytest.mark.parametrize("limit_s", [6.0, 30.0])
+@pytest.mark.parametrize("limit_s", [6.0, pytest.param(30.0, marks=pytest.mark.long)])
 def test_one_in_the_air_is_cut_off(limit_s: float) -> None:
     row = flown(limit_s)
     assert (row.outcome, row.exit_code) == (RowOutcome.LIMIT, None)

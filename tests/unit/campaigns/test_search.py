@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import pytest
 
 from companion.campaigns.minimising import minimised
 from companion.campaigns.outcomes import FlownRow, Margins, RowOutcome
@@ -55,6 +56,7 @@ def kinds_by_chance(seed: int) -> set[str]:
     return {flown.kind for flown in map(Flights().fly, rows) if flown.is_failure}
 
 
+@pytest.mark.long
 def test_different_failures_are_found_where_chance_finds_few() -> None:
     for seed in range(3):
         found = FailureSearch(FACTORS, seed, BUDGET).run(Flights())

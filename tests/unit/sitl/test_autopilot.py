@@ -33,7 +33,9 @@ def test_takeoff_without_altitude_climbs_mis_takeoff_alt_and_holds() -> None:
     assert height(wire) == pytest.approx(4.0, abs=0.1)
 
 
-@pytest.mark.parametrize(("above_home_m", "reached_m"), [(-400.0, 2.5), (6.0, 6.0)])
+@pytest.mark.parametrize(
+    ("above_home_m", "reached_m"), [(-400.0, 2.5), pytest.param(6.0, 6.0, marks=pytest.mark.long)]
+)
 def test_takeoff_altitude_is_above_the_sea_and_never_below_the_minimum(
     above_home_m: float, reached_m: float
 ) -> None:
@@ -137,8 +139,8 @@ def test_heartbeat_follows_arming_at_once() -> None:
     ("threshold", "action", "mode"),
     [
         ("BAT_CRIT_THR", 3, "AUTO.RTL"),
-        ("BAT_CRIT_THR", 2, "AUTO.LAND"),
-        ("BAT_EMERGEN_THR", 3, "AUTO.LAND"),
+        pytest.param("BAT_CRIT_THR", 2, "AUTO.LAND", marks=pytest.mark.long),
+        pytest.param("BAT_EMERGEN_THR", 3, "AUTO.LAND", marks=pytest.mark.long),
     ],
 )
 def test_battery_holds_five_seconds_before_it_acts(threshold: str, action: int, mode: str) -> None:
@@ -196,7 +198,14 @@ def test_reposition_with_nothing_given_stops_where_it_is() -> None:
     assert wire.simulation.flight.position == pytest.approx(here, abs=0.3)
 
 
-@pytest.mark.parametrize(("speed_mps", "flown_mps"), [(None, 5.0), (2.0, 2.0), (-1.0, 5.0)])
+@pytest.mark.parametrize(
+    ("speed_mps", "flown_mps"),
+    [
+        pytest.param(None, 5.0, marks=pytest.mark.long),
+        (2.0, 2.0),
+        pytest.param(-1.0, 5.0, marks=pytest.mark.long),
+    ],
+)
 def test_places_are_flown_to_at_cruise_speed(speed_mps: float | None, flown_mps: float) -> None:
     wire = airborne()
     if speed_mps is not None:
@@ -208,7 +217,10 @@ def test_places_are_flown_to_at_cruise_speed(speed_mps: float | None, flown_mps:
     assert wire.simulation.flight.velocity[0] == pytest.approx(flown_mps, abs=0.1)
 
 
-@pytest.mark.parametrize("delay_s", [pytest.param(0.0, marks=pytest.mark.long), 8.0, -1.0])
+@pytest.mark.parametrize(
+    "delay_s",
+    [pytest.param(0.0, marks=pytest.mark.long), 8.0, pytest.param(-1.0, marks=pytest.mark.long)],
+)
 def test_a_return_waits_at_home_before_it_lands(delay_s: float) -> None:
     wire = Wire(Scenario(parameters={"RTL_LAND_DELAY": delay_s, "RTL_RETURN_ALT": 12.0}))
     wire.fly_offboard(15.0, 0.0, -3.0)

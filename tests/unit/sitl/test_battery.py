@@ -34,6 +34,7 @@ def test_the_gauge_integrates_current_and_power() -> None:
     assert not gauge.is_charging
 
 
+@pytest.mark.long
 def test_the_remaining_time_is_the_time_that_remains() -> None:
     physics = Physics(origin=SEA, battery=BatterySpec(0.006))
     physics.battery.is_draining = True
@@ -90,6 +91,7 @@ def test_a_charger_first_holds_the_current_then_the_voltage(charging_a: float) -
     assert physics.battery.gauge().is_charging or rest[-1].charge == 1.0
 
 
+@pytest.mark.long
 def test_at_constant_voltage_the_current_decays_to_a_full_battery() -> None:
     """Two resistances and a linear open-circuit voltage: exponentials of a 2 x 2 system."""
     physics = Physics(origin=SEA, battery=BatterySpec(0.97))

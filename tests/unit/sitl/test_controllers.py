@@ -128,7 +128,7 @@ def test_velocity_setpoints_reach_their_speed() -> None:
 
 @pytest.mark.parametrize(
     ("wind", "turbulence_mps", "reach_m"),
-    [(STILL, 0.0, 0.03), ((3.0, 0.0, 0.0), 0.3, 0.08)],
+    [pytest.param(STILL, 0.0, 0.03, marks=pytest.mark.long), ((3.0, 0.0, 0.0), 0.3, 0.08)],
 )
 def test_tracking(wind: Ned, turbulence_mps: float, reach_m: float) -> None:
     """A circle of 2 m at 1 m/s, entered smoothly, with feed-forward."""
@@ -157,7 +157,7 @@ def test_tracking(wind: Ned, turbulence_mps: float, reach_m: float) -> None:
     assert math.sqrt(sum(squares) / len(states)) <= reach_m
 
 
-@pytest.mark.parametrize("wind_mps", [4.0, 8.0])
+@pytest.mark.parametrize("wind_mps", [pytest.param(4.0, marks=pytest.mark.long), 8.0])
 def test_px4_s_own_quadrotor_holds_in_a_wind(wind_mps: float) -> None:
     """A PX4 came back from 1.0 m downwind within 10 s, in 7 m/s."""
     airframe = AIRFRAMES["px4_sih"]

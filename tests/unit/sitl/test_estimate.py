@@ -124,6 +124,7 @@ def test_the_same_seed_is_the_same_error() -> None:
     assert track(5) == track(5) != track(6)
 
 
+@pytest.mark.long
 def test_wander_has_its_deviations_in_position_and_velocity() -> None:
     """As PX4's filter: 0.25 m and 0.3 m/s, and the velocity's error moves the position."""
     estimator = Estimator(random.Random(4), wander=Wander(0.25, 0.3))
@@ -166,6 +167,7 @@ def test_the_accuracy_that_is_told_follows_the_errors() -> None:
     assert lost.accuracy_m == good
 
 
+@pytest.mark.long
 def test_a_height_wanders_with_its_deviation_and_is_what_its_velocity_makes_of_it() -> None:
     estimator = Estimator(random.Random(5), wander=Wander(0.25, 0.3, height_m=0.5))
     dt_s = 0.02

@@ -34,13 +34,21 @@ def fly_on(wire: Wire, seconds: float, also: Callable[[], object] | None = None)
 # -- the ground station ----------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_loss_of_the_ground_station_is_ignored_by_default() -> None:
     wire = hovering()
     fly_on(wire, 15.0)
     assert wire.simulation.mode == "OFFBOARD"
 
 
-@pytest.mark.parametrize(("action", "then"), [(1, HOLD), (2, RETURN), (3, LAND)])
+@pytest.mark.parametrize(
+    ("action", "then"),
+    [
+        pytest.param(1, HOLD, marks=pytest.mark.long),
+        (2, RETURN),
+        pytest.param(3, LAND, marks=pytest.mark.long),
+    ],
+)
 def test_the_loss_of_the_ground_station(action: int, then: str) -> None:
     wire = hovering(NAV_DLL_ACT=action)
     wire.send(gcs_heartbeat())
@@ -56,6 +64,7 @@ def test_the_loss_of_the_ground_station(action: int, then: str) -> None:
     assert wire.last("HEARTBEAT").system_status == 5
 
 
+@pytest.mark.long
 def test_the_ground_station_returns_and_so_does_the_mode() -> None:
     wire = hovering(NAV_DLL_ACT=1)
     fly_on(wire, 15.0)
@@ -137,6 +146,7 @@ def fly_out(wire: Wire) -> None:
     )
 
 
+@pytest.mark.long
 def test_without_a_geofence_the_vehicle_goes_where_it_is_told() -> None:
     wire = hovering()
     wire.run(8.0, send=lambda: wire.setpoint(20.0, 0.0, -3.0))
@@ -144,7 +154,15 @@ def test_without_a_geofence_the_vehicle_goes_where_it_is_told() -> None:
     assert wire.simulation.flight.position[0] == pytest.approx(20.0, abs=0.3)
 
 
-@pytest.mark.parametrize(("action", "then"), [(1, "OFFBOARD"), (2, HOLD), (3, RETURN), (5, LAND)])
+@pytest.mark.parametrize(
+    ("action", "then"),
+    [
+        (1, "OFFBOARD"),
+        pytest.param(2, HOLD, marks=pytest.mark.long),
+        (3, RETURN),
+        pytest.param(5, LAND, marks=pytest.mark.long),
+    ],
+)
 def test_leaving_the_geofence(action: int, then: str) -> None:
     wire = hovering(GF_MAX_HOR_DIST=10, GF_ACTION=action)
     fly_out(wire)

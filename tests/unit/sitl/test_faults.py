@@ -117,7 +117,13 @@ def test_a_good_link_hands_on_the_same_datagrams_and_draws_nothing() -> None:
 # -- answers ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("answer", Answer)
+@pytest.mark.parametrize(
+    "answer",
+    [
+        pytest.param(answer, marks=[pytest.mark.long] if number % 3 else [])
+        for number, answer in enumerate(Answer)
+    ],
+)
 def test_every_answer_and_its_effect(answer: Answer) -> None:
     wire = fly(f"at_s: 0, answer: {{command: {ARM}, answer: {answer}}}")
     wire.run(0.1)

@@ -50,7 +50,14 @@ def test_a_marker_below_is_told_where_it_lies() -> None:
     assert len(recent) == pytest.approx(40, abs=2)
 
 
-@pytest.mark.parametrize("form", ["BODY_FRD", "LOCAL_FRD", "angles"])
+@pytest.mark.parametrize(
+    "form",
+    [
+        pytest.param("BODY_FRD", marks=pytest.mark.long),
+        pytest.param("LOCAL_FRD", marks=pytest.mark.long),
+        "angles",
+    ],
+)
 def test_the_other_forms_say_the_same(form: str) -> None:
     told = hovering(reports=form).last("LANDING_TARGET")
     offset = math.hypot(0.5, 1.0, UP_M)
@@ -75,7 +82,13 @@ def test_a_marker_moves_and_disappears() -> None:
 
 
 @pytest.mark.parametrize(
-    "camera", [{"range_m": 3}, {"view_deg": 10}, {"nearest_m": 6}, {"misses": 1}]
+    "camera",
+    [
+        pytest.param({"range_m": 3}, marks=pytest.mark.long),
+        {"view_deg": 10},
+        pytest.param({"nearest_m": 6}, marks=pytest.mark.long),
+        pytest.param({"misses": 1}, marks=pytest.mark.long),
+    ],
 )
 def test_what_is_out_of_sight_is_not_told(camera: dict[str, object]) -> None:
     told = hovering(**camera).named("LANDING_TARGET")

@@ -153,7 +153,7 @@ def test_a_waypoint_holds_for_its_time() -> None:
     assert times[3] - times[2] == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.parametrize("speed_mps", [None, 2.0])
+@pytest.mark.parametrize("speed_mps", [pytest.param(None, marks=pytest.mark.long), 2.0])
 def test_speed_between_waypoints(speed_mps: float | None) -> None:
     change = [action(SPEED, 1, speed_mps, -1)] if speed_mps else []
     wire = started(place(TAKEOFF, (0, 0, 5)), *change, place(WAYPOINT, (60, 0, 5)))
@@ -161,6 +161,7 @@ def test_speed_between_waypoints(speed_mps: float | None) -> None:
     assert wire.simulation.flight.velocity[0] == pytest.approx(speed_mps or 5.0, abs=0.1)
 
 
+@pytest.mark.long
 def test_a_heading_that_is_asked_for_is_reached() -> None:
     wire = started(
         place(TAKEOFF, (0, 0, 5)),
@@ -297,6 +298,7 @@ def test_a_mission_changed_in_flight() -> None:
     assert wire.set_mode("AUTO.MISSION") == [ACCEPTED, TEMPORARILY_REJECTED]
 
 
+@pytest.mark.long
 def test_an_item_without_autocontinue_is_not_left() -> None:
     wire = started(
         place(TAKEOFF, (0, 0, 4)),
@@ -311,7 +313,7 @@ def test_an_item_without_autocontinue_is_not_left() -> None:
 @pytest.mark.parametrize(
     ("command", "value"),
     [
-        pytest.param(command, value, marks=[pytest.mark.long] if (i + j) % 4 else [])
+        pytest.param(command, value, marks=[pytest.mark.long] if (i + j) % 8 else [])
         for i, command in enumerate(sorted({*map(int, MissionCommand), 2000}))
         for j, value in enumerate([NAN, math.inf, 3e38, -3e38])
     ],

@@ -417,6 +417,7 @@ def garbage(draw: st.DrawFn) -> Any:
     return kind(**values | {"target_system": 1, "target_component": 1})
 
 
+@pytest.mark.long
 @drawn(100)
 @given(messages=st.lists(garbage(), max_size=20))
 def test_nothing_that_can_be_sent_raises(messages: list[Any]) -> None:

@@ -22,11 +22,11 @@ def hovering(**parameters: float) -> Wire:
     ("action", "loss_s", "mode"),
     [
         (5, 1.0, "AUTO.LOITER"),
-        (5, 0.3, "AUTO.LOITER"),
-        (5, 3.0, "AUTO.LOITER"),
-        (0, 1.0, "POSCTL"),
+        pytest.param(5, 0.3, "AUTO.LOITER", marks=pytest.mark.long),
+        pytest.param(5, 3.0, "AUTO.LOITER", marks=pytest.mark.long),
+        pytest.param(0, 1.0, "POSCTL", marks=pytest.mark.long),
         (4, 1.0, "AUTO.LAND"),
-        (3, 1.0, "AUTO.RTL"),
+        pytest.param(3, 1.0, "AUTO.RTL", marks=pytest.mark.long),
     ],
 )
 def test_loss_of_the_stream_and_its_return(action: int, loss_s: float, mode: str) -> None:
@@ -56,7 +56,10 @@ def test_another_mode_commanded_meanwhile_is_kept() -> None:
     assert wire.last("HEARTBEAT").system_status == 4
 
 
-@pytest.mark.parametrize(("rate_hz", "holds"), [(5.0, True), (1.2, True), (0.9, False)])
+@pytest.mark.parametrize(
+    ("rate_hz", "holds"),
+    [pytest.param(5.0, True, marks=pytest.mark.long), (1.2, True), (0.9, False)],
+)
 def test_slow_streams(rate_hz: float, holds: bool) -> None:
     wire = hovering()
     changes = len(wire.mode_changes())
@@ -69,13 +72,13 @@ def test_slow_streams(rate_hz: float, holds: bool) -> None:
     [
         (8, VELOCITY_MASK, 0.0, True),
         (9, VELOCITY_MASK, 0.0, False),
-        (7, VELOCITY_MASK, 0.0, False),
-        (12, VELOCITY_MASK, 0.0, False),
-        (21, VELOCITY_MASK, 0.0, False),
-        (8, 0xDF8, -3.0, False),
+        pytest.param(7, VELOCITY_MASK, 0.0, False, marks=pytest.mark.long),
+        pytest.param(12, VELOCITY_MASK, 0.0, False, marks=pytest.mark.long),
+        pytest.param(21, VELOCITY_MASK, 0.0, False, marks=pytest.mark.long),
+        pytest.param(8, 0xDF8, -3.0, False, marks=pytest.mark.long),
         (9, 0xDF8, -3.0, False),
-        (7, 0xDF8, -3.0, False),
-        (1, ALL_IGNORED, -3.0, False),
+        pytest.param(7, 0xDF8, -3.0, False, marks=pytest.mark.long),
+        pytest.param(1, ALL_IGNORED, -3.0, False, marks=pytest.mark.long),
         (1, 0xDF8, float("nan"), False),
     ],
 )
@@ -150,7 +153,15 @@ def test_velocity_in_the_body_frame_follows_the_heading() -> None:
     assert (north, east) == pytest.approx((0.0, 1.0), abs=0.1)
 
 
-@pytest.mark.parametrize(("frame", "is_taken"), [(5, True), (6, True), (0, True), (11, False)])
+@pytest.mark.parametrize(
+    ("frame", "is_taken"),
+    [
+        pytest.param(5, True, marks=pytest.mark.long),
+        (6, True),
+        pytest.param(0, True, marks=pytest.mark.long),
+        (11, False),
+    ],
+)
 def test_a_global_setpoint_is_the_same_place(frame: int, is_taken: bool) -> None:
     wire = hovering()
     origin = Scenario().home
@@ -168,6 +179,7 @@ def test_a_global_setpoint_is_the_same_place(frame: int, is_taken: bool) -> None
     assert wire.simulation.mode == ("OFFBOARD" if is_taken else "AUTO.LOITER")
 
 
+@pytest.mark.long
 def test_px4_s_own_quadrotor_lags_behind_its_setpoints() -> None:
     """Measured on PX4: 0.5 to 0.6 m at first; our own vehicle hardly does."""
 

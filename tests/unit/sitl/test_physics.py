@@ -198,7 +198,10 @@ def test_free_spin_follows_eulers_equations() -> None:
 # Battery
 
 
-@pytest.mark.parametrize("charge", [0.9, 0.5, 0.2])
+@pytest.mark.parametrize(
+    "charge",
+    [pytest.param(0.9, marks=pytest.mark.long), pytest.param(0.5, marks=pytest.mark.long), 0.2],
+)
 def test_sag_in_hover(charge: float) -> None:
     # Three time constants of the RC pair leave 5 % of its 0.12 V.
     state = hover(Physics(origin=SEA, start=(0.0, 0.0, -10.0), battery=BatterySpec(charge)), 60.0)
@@ -208,6 +211,7 @@ def test_sag_in_hover(charge: float) -> None:
     assert state.charge == charge  # nothing was told to drain
 
 
+@pytest.mark.long
 def test_hover_endurance_is_the_integral() -> None:
     """From full to 20 %; 1178 s for these coefficients, and an eighth for an eighth of the pack."""
     pack = BatterySpec(capacity=0.125)
@@ -243,7 +247,7 @@ def test_an_empty_battery_stays_empty() -> None:
 # Ground
 
 
-@pytest.mark.parametrize("yaw_rad", [0.0, 1.0])
+@pytest.mark.parametrize("yaw_rad", [pytest.param(0.0, marks=pytest.mark.long), 1.0])
 def test_a_standing_vehicle_stays(yaw_rad: float) -> None:
     physics = Physics(origin=ALPS, yaw_rad=yaw_rad)
     assert physics.state.position == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)

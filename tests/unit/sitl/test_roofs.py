@@ -24,6 +24,7 @@ def over(east_m: float) -> Wire:
     return wire
 
 
+@pytest.mark.long
 def test_a_vehicle_lands_on_a_roof_and_takes_off_again() -> None:
     wire = over(4.0)
     wire.run_until(lambda: not wire.simulation.is_armed, 20.0)
@@ -39,7 +40,7 @@ def test_a_vehicle_lands_on_a_roof_and_takes_off_again() -> None:
     assert not wire.simulation.is_damaged
 
 
-@pytest.mark.parametrize("east_m", [2.05, 5.95])
+@pytest.mark.parametrize("east_m", [2.05, pytest.param(5.95, marks=pytest.mark.long)])
 def test_a_foot_beyond_the_edge_is_a_crash(east_m: float) -> None:
     wire = over(east_m)
     wire.run_until(lambda: not wire.simulation.is_armed, 20.0)

@@ -110,7 +110,16 @@ def test_equal_commands_move_both_alike(mission: Recording) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["ROTOR_DRAG", "K_I", "K_T", "K_Q", "LAG_S", "ROTOR_INERTIA", "R0"]
+    "name",
+    [
+        "ROTOR_DRAG",
+        pytest.param("K_I", marks=pytest.mark.long),
+        pytest.param("K_T", marks=pytest.mark.long),
+        pytest.param("K_Q", marks=pytest.mark.long),
+        "LAG_S",
+        pytest.param("ROTOR_INERTIA", marks=pytest.mark.long),
+        pytest.param("R0", marks=pytest.mark.long),
+    ],
 )
 def test_a_coefficient_that_is_off_by_a_twentieth_shows(
     mission: Recording, monkeypatch: pytest.MonkeyPatch, name: str

@@ -80,6 +80,7 @@ def test_the_barometer_weighs_the_standard_atmosphere() -> None:
     assert pressure_altitude_m(101325.0 - 12.01) == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.long
 def test_noise_is_white_and_has_its_deviation() -> None:
     readings = sample(400.0)
     fixes = list({r.gps.time_s: r.gps for r in readings}.values())

@@ -48,11 +48,13 @@ def gusts() -> NDArray[np.float64]:
     return np.array(rows)
 
 
+@pytest.mark.long
 def test_gusts_have_the_deviations_of_the_standard(gusts: NDArray[np.float64]) -> None:
     assert gusts.std(axis=0) == pytest.approx(DEVIATION_MPS.tolist(), rel=0.1)
     assert np.abs(gusts.mean(axis=0)).max() < 0.25 * SIGMA_MPS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lag_s", [0.1, 0.2, 0.4, 0.8])
 def test_gusts_have_the_spectra_of_dryden(gusts: NDArray[np.float64], lag_s: float) -> None:
     """The spectra's transforms: e^-x along, e^-x (1 - x/2) across and down, x = V lag / L."""
@@ -63,6 +65,7 @@ def test_gusts_have_the_spectra_of_dryden(gusts: NDArray[np.float64], lag_s: flo
     assert found == pytest.approx(expected.tolist(), abs=0.06)
 
 
+@pytest.mark.long
 def test_gusts_fall_off_with_the_square_of_frequency(gusts: NDArray[np.float64]) -> None:
     """Beyond the corner at V / L each of Dryden's spectra falls by 20 dB a decade."""
     power = np.abs(np.fft.rfft(gusts * np.hanning(len(gusts))[:, None], axis=0)) ** 2
@@ -119,7 +122,7 @@ def test_a_hovering_vehicle_takes_a_step_of_wind() -> None:
     assert math.tan(-roll_rad) == pytest.approx(drag_n / (1.5 * 9.808), rel=0.02)
 
 
-@pytest.mark.parametrize("wind_mps", [4.0, 6.0])
+@pytest.mark.parametrize("wind_mps", [pytest.param(4.0, marks=pytest.mark.long), 6.0])
 def test_who_leans_into_the_wind_lands_on_its_feet(wind_mps: float) -> None:
     """PX4's heavy quadrotor leans by 22 and 31 degrees; with idle motors it would tip over."""
     wire = Wire(Scenario(airframe="px4_sih", wind=(wind_mps, 0.0, 0.0)))

@@ -78,6 +78,7 @@ def test_the_default_vehicle_has_the_defaults_of_px4() -> None:
 # -- battery and pads ------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_on_a_pad_the_battery_charges_while_the_vehicle_is_disarmed() -> None:
     wire = fly(PAD + "battery: {charge: 0.5}\n")
     wire.run(10.0)
@@ -135,6 +136,7 @@ def test_a_pad_that_changes_batteries_gives_a_full_one_each_time_the_vehicle_has
     assert wire.simulation.flight.charge == 1.0
 
 
+@pytest.mark.long
 def test_an_old_battery_is_empty_sooner_and_sags_more() -> None:
     """Of the same charge: half the capacity takes twice the share, the sag is that of the cells."""
 
@@ -153,6 +155,7 @@ def test_an_old_battery_is_empty_sooner_and_sags_more() -> None:
     assert new[1] - worn[1] == pytest.approx((0.016 + 0.010) * ampere, rel=0.15)
 
 
+@pytest.mark.long
 def test_a_battery_that_ages_in_flight_keeps_its_share_and_its_count() -> None:
     wire = fly("battery: {charge: 0.8}\nhappens:\n  - {at_s: 5, battery: {capacity: 0.7}}\n")
     wire.run(6.0)
@@ -215,6 +218,7 @@ def test_a_lost_gps_has_no_fix_and_comes_back() -> None:
     assert fixes[0] >= 3 and fixes[1] <= 1 and fixes[2] >= 3
 
 
+@pytest.mark.long
 def test_a_noisy_gps_moves_what_is_believed() -> None:
     wire = fly("happens:\n  - {at_s: 1, gps: {noise_m: 2}}\n")
     wire.run(0.9)
