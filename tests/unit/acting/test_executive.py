@@ -276,7 +276,7 @@ def test_so_many_plans_lead_nowhere_as_are_told(extra: dict[str, str], plans: in
     assert rig.one(NoPlanFound).explanation == f"no plan: {plans} plans in a row led nowhere"
 
 
-@pytest.mark.parametrize("slice_us", [slices.SLICE_US, 200])
+@pytest.mark.parametrize("slice_us", [pytest.param(slices.SLICE_US, marks=pytest.mark.long), 200])
 def test_a_flapping_event_makes_a_plan_a_second_and_ends_nothing(
     slice_us: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -64,6 +64,7 @@ def test_no_gap_is_longer_than_two_laps(name: str, every_s: float, minutes: floa
     assert max(longest.values()) <= 2 * lap_s, longest
 
 
+@pytest.mark.long
 def test_others_do_not_wait_for_what_cannot_be_reached() -> None:
     """To answer and then to fly to B takes longer than the next request does to come."""
     longest, lap_s = gaps_s(PATROLS["lines"], 12.0, 4.0)

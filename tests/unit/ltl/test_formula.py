@@ -130,11 +130,11 @@ def test_atom_refuses_what_is_not_a_proposition() -> None:
     "text",
     [
         "!" * DEPTH + "a",
-        "X " * DEPTH + "a",
+        pytest.param("X " * DEPTH + "a", marks=pytest.mark.long),
         "(a & " * DEPTH + "b" + ")" * DEPTH,
-        "a U " * DEPTH + "b",
-        "(" * DEPTH + "a" + " W b)" * DEPTH,
-        "a & " * DEPTH + "b",
+        pytest.param("a U " * DEPTH + "b", marks=pytest.mark.long),
+        pytest.param("(" * DEPTH + "a" + " W b)" * DEPTH, marks=pytest.mark.long),
+        pytest.param("a & " * DEPTH + "b", marks=pytest.mark.long),
     ],
     ids=["not", "next", "and", "right", "left", "chain"],
 )

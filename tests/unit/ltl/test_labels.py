@@ -122,6 +122,7 @@ MIXTURES = (
 )
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_type_checker_tells_cubes_from_sets_of_letters(tmp_path: Path) -> None:
     """It reads two files: with all that they import it took ten seconds and more."""

@@ -101,7 +101,6 @@ CONJUNCTIONS = (
 SPLIT, WHOLE = (), ("--monolithic", "--state-based")
 QUICK = {
     ("negations", WHOLE),
-    ("& and |", WHOLE),
     ("and", SPLIT),
     ("fairness of 40", SPLIT),
     ("memory", WHOLE),

@@ -106,6 +106,7 @@ def test_true_and_false_stay(formula: Formula, letters: list[Letter], letter: Le
         assert monitor.after(letter).truth_value is monitor.truth_value
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @given(HISTORIES)
 def test_what_is_to_happen_infinitely_often_stays_inconclusive(letters: list[Letter]) -> None:

@@ -96,6 +96,7 @@ def automata(draw: st.DrawFn) -> BuchiAutomaton:
     return BuchiAutomaton(states, initial, tuple(draw(st.lists(edges, max_size=9))), marks)
 
 
+@pytest.mark.long
 @given(automata(), st.lists(lassos(), min_size=5, max_size=20, unique=True))
 def test_acceptance_is_a_component_with_all_marks(
     automaton: BuchiAutomaton, words: list[Lasso]

@@ -44,6 +44,7 @@ def accepts_from(automaton: BuchiAutomaton, states: list[int], loop: list[Letter
     return accepts(replace(automaton, initial=frozenset(states)), loop[:-1], loop)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @drawn(200)
 @given(

@@ -110,7 +110,13 @@ with_large = pytest.mark.parametrize(
 @with_large
 @pytest.mark.parametrize(
     "group",
-    [pytest.param("dac", marks=pytest.mark.long), "eh", "sb", "mission", "mission-combo"],
+    [
+        pytest.param("dac", marks=pytest.mark.long),
+        pytest.param("eh", marks=pytest.mark.long),
+        "sb",
+        "mission",
+        "mission-combo",
+    ],
 )
 def test_no_group_has_more_states_than_with_spot(group: str, with_large: bool) -> None:
     rows = [e for e in entries(with_large) if e.group == group]
@@ -168,6 +174,7 @@ def test_the_paper_s_formula_as_one_automaton(sites: int, most: int) -> None:
     assert state_based(translate(parse(paper(sites)))).states <= most
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_at_most_one_place_at_a_time() -> None:
     """The same language over letters that have at most one place."""

@@ -30,6 +30,7 @@ def test_the_same_mission_comes_back(delivery: Path) -> None:
         assert replace(load_mission(delivery, domain_of=domain_of), grid=read.grid) == read
 
 
+@pytest.mark.long
 def test_it_is_read_without_the_parser(delivery: Path) -> None:
     load_mission(delivery, domain_of=read_and_keep)
     program = (
@@ -72,7 +73,16 @@ def test_what_is_damaged_is_refused_at_the_key(delivery: Path, kept: str | None)
         load_mission(delivery, domain_of=kept_domain)
 
 
-@pytest.mark.parametrize("predicates", [7, {"in": 7}, {"in": [7]}, {"in": None}, []])
+@pytest.mark.parametrize(
+    "predicates",
+    [
+        7,
+        pytest.param({"in": 7}, marks=pytest.mark.long),
+        {"in": [7]},
+        pytest.param({"in": None}, marks=pytest.mark.long),
+        pytest.param([], marks=pytest.mark.long),
+    ],
+)
 def test_so_are_predicates_of_another_form(delivery: Path, predicates: object) -> None:
     load_mission(delivery, domain_of=read_and_keep)
     kept = json.loads((delivery.parent / KEPT).read_text("utf-8"))

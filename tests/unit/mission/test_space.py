@@ -162,7 +162,9 @@ def test_a_field_without_walls_is_a_world_without_walls() -> None:
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("map_", [{}, {"map": {"walls": [TRIANGLE]}}])
+@pytest.mark.parametrize(
+    "map_", [pytest.param({}, marks=pytest.mark.long), {"map": {"walls": [TRIANGLE]}}]
+)
 def test_a_mission_without_a_map_flies(map_: dict[str, Any]) -> None:
     """Its lidar sees the wall that is told; off the map is no wall."""
     run = simulate(field(**map_))
@@ -273,7 +275,7 @@ def test_a_flight_keeps_out_also_when_it_is_blown_and_called_home() -> None:
 
 
 @pytest.mark.flight
-@pytest.mark.parametrize("jump_m", [2.0, 3.0])
+@pytest.mark.parametrize("jump_m", [2.0, pytest.param(3.0, marks=pytest.mark.long)])
 def test_a_vehicle_that_is_in_a_zone_is_held_by_the_autopilot(jump_m: float) -> None:
     """Its position jumps into the pond, as far as anybody knows: the zone is in its fence, too."""
     mission = field(**kept_out(pond=POND), task={"see": "F at(A) & F G at(Home)"})

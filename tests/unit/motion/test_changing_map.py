@@ -70,7 +70,16 @@ def test_a_question_that_is_put_aside_is_answered_although_the_map_changes_meanw
     assert asking.result == before
 
 
-@pytest.mark.parametrize("start", [(1.05, 1.05), (2.0, 6.0), (11.0, 15.0), (0.1, 5.0), (6.0, 8.32)])
+@pytest.mark.parametrize(
+    "start",
+    [
+        (1.05, 1.05),
+        pytest.param((2.0, 6.0), marks=pytest.mark.long),
+        pytest.param((11.0, 15.0), marks=pytest.mark.long),
+        pytest.param((0.1, 5.0), marks=pytest.mark.long),
+        (6.0, 8.32),
+    ],
+)
 @pytest.mark.parametrize("place", HALL_PLACES)
 def test_after_a_search_in_parts_a_route_is_known(
     start: NorthEast, place: str, monkeypatch: pytest.MonkeyPatch

@@ -311,6 +311,7 @@ def test_what_an_encoding_cannot_express_is_told_by_the_engine_s_process() -> No
         asked_of("fast-downward", asked, V1)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_server_of_the_children_is_started_again_when_it_has_died() -> None:
     asked = problem("HA", unit_costs("HA"), "G F at(A)")

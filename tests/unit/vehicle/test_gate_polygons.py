@@ -37,7 +37,9 @@ def sampled_distance(point: Corner, polygon: tuple[Corner, ...]) -> float:
     )
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize(
+    "seed", [*range(10), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(10, 30))]
+)
 def test_distance_and_side_are_those_of_another_library(seed: int) -> None:
     random = Random(seed)
     polygon = star(random)

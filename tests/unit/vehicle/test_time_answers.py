@@ -151,7 +151,7 @@ def test_the_autopilot_begins_anew_with_another_clock() -> None:
     assert offset.estimated_us == -1e6
 
 
-@pytest.mark.parametrize("zero_s", [None, 5000.0])
+@pytest.mark.parametrize("zero_s", [pytest.param(None, marks=pytest.mark.long), 5000.0])
 def test_in_lockstep_the_autopilot_knows_our_clock(zero_s: float | None) -> None:
     """It counts from the same moment, so that it is behind by what our clock showed then."""
     asked = mission("F at(A)")

@@ -174,8 +174,8 @@ def test_a_lost_site_of_the_patrol_leads_home(surveillance: ContingencyTable) ->
 @pytest.mark.parametrize(
     "text",
     [
-        "",
-        DOCKED.replace("RESERVE", "20"),
+        pytest.param("", marks=pytest.mark.long),
+        pytest.param(DOCKED.replace("RESERVE", "20"), marks=pytest.mark.long),
         BOUNDED.replace("BOUND", "30 s"),
     ],
     ids=["surveillance", "on a battery", "with bounds"],

@@ -396,7 +396,7 @@ def test_an_engine_plans_for_the_lines_that_are_kept() -> None:
     assert engine.asked == [{"near", "dry", "far"}, {"near", "dry"}]
 
 
-@pytest.mark.parametrize("far", [1, 2])
+@pytest.mark.parametrize("far", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_the_word_satisfies_what_was_kept(far: int) -> None:
     """By the semantics of LTL, of what was recorded: with its positions in which it was kept."""
     rig = Rig(asked(far=far)).begin()

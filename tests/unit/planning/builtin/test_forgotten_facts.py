@@ -56,7 +56,7 @@ def test_the_plan_is_as_good_as_in_a_world_that_remembers(
     assert found.has_best_prefix == found.lasso.ends_at_rest
 
 
-@pytest.mark.parametrize("photos", [12, 40])
+@pytest.mark.parametrize("photos", [pytest.param(12, marks=pytest.mark.long), 40])
 def test_a_photo_of_each_of_many_trees_is_planned_with_the_effort_of_a_flight(photos: int) -> None:
     trees = [f"t{i}" for i in range(photos)]
     legs = random_legs(random.Random(photos), ["H", *trees])
@@ -165,7 +165,9 @@ def drawn_actions(chance: random.Random) -> list[Action]:
 
 
 @pytest.mark.parametrize("is_timed", [False, True])
-@pytest.mark.parametrize("seed", range(150))
+@pytest.mark.parametrize(
+    "seed", [*range(50), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(50, 150))]
+)
 def test_nothing_is_lost_with_actions_on_which_nothing_depends(seed: int, is_timed: bool) -> None:
     """The reference has all actions, and loops that leave all facts as they were."""
     chance = random.Random(seed)

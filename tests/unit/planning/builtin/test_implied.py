@@ -83,7 +83,9 @@ def lap(sites: int, legs: Legs, lines: list[str]) -> tuple[Problem, Solution]:
     return asked, found
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(
+    "seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(6, 12))]
+)
 def test_implied_lines_cost_nothing(seed: int) -> None:
     chance = random.Random(seed)
     sites = 5 + seed % 6

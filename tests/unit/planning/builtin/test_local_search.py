@@ -10,7 +10,7 @@ from companion.planning.builtin.costs import Costs, Marks
 from companion.planning.builtin.held_karp import HeldKarp
 from companion.planning.builtin.local_search import LocalSearch
 
-SEEDS = [*range(4), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(4, 8))]
+SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(1, 8))]
 KINDS = ("symmetric", "with wind", "several marks to a target")
 
 
@@ -66,7 +66,8 @@ def test_through_any_node_it_is_a_tour_of_the_cost_it_says(kind: str, seed: int)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(2))
 def test_over_50_sites_the_bound_is_near(seed: int) -> None:
     between, marks = case("symmetric", seed, targets=50)
     tour = LocalSearch(between, marks)
@@ -99,6 +100,7 @@ def test_one_target_with_all_marks_is_a_cycle() -> None:
     assert tour.bound_ms <= tour.cost_ms == 700
 
 
+@pytest.mark.long
 def test_equal_problems_have_equal_tours() -> None:
     cycles = []
     for _ in range(2):

@@ -119,6 +119,7 @@ def test_its_graph_tells_constants_and_goals_that_are_kept_out() -> None:
     assert met == {f"at({p})": (i,) if i >= 0 else () for i, p in enumerate(places, start=-1)}
 
 
+@pytest.mark.long
 def test_networkx_is_loaded_for_graphs_alone() -> None:
     code = "import sys, companion.planning.builtin.search; print('networkx' in sys.modules)"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

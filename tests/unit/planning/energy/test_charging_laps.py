@@ -134,7 +134,7 @@ LARGE = {5, 11, 12}
 @pytest.mark.parametrize(
     "seed",
     [
-        pytest.param(seed, marks=[pytest.mark.long] if seed >= 20 or seed in LARGE else [])
+        pytest.param(seed, marks=[pytest.mark.long] if seed >= 10 or seed in LARGE else [])
         for seed in range(60)
     ],
 )

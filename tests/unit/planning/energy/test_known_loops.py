@@ -21,7 +21,7 @@ from companion.planning.energy.search import BatterySearch
 from companion.planning.energy_check import energy_fault
 from companion.planning.lasso import Problem, Solution
 
-DEFAULT, ALL = 30, 400
+DEFAULT, ALL = 12, 400
 CHANGES = 6
 
 

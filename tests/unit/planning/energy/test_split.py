@@ -52,7 +52,9 @@ def test_they_are_no_better_than_the_shortest_and_little_worse(seed: int) -> Non
     assert best.bound_ms <= cost_ms <= MOST_ABOVE * best.cost_ms
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(
+    "seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(6, 12))]
+)
 def test_the_sorties_are_what_is_said_and_each_arrives_at_its_docks_floor(seed: int) -> None:
     sites = 3 + seed
     paths, chargers = instance(sites, 1 + seed % 3, seed)
