@@ -24,7 +24,7 @@ BENCH = Path(__file__).parents[1] / "scripts" / "bench"
 @pytest.mark.parametrize(
     ("group", "count", "with_peer"),
     [
-        ("translating", 28, set()),  # Spot comes with the tests alone
+        pytest.param("translating", 28, set(), marks=pytest.mark.long),  # Spot comes with tests
         pytest.param(
             "planning",
             50,

@@ -102,6 +102,7 @@ def test_the_word_in_the_record_satisfies_the_task_of_the_file(good: Path) -> No
     assert not holds(upload, word[:6], word[5:6])  # rest at r1 would not have done
 
 
+@pytest.mark.long
 def test_a_tree_written_by_hand_is_held_against_a_task_it_was_not_made_from(
     companion: Companion, tmp_path: Path
 ) -> None:

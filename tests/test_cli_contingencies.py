@@ -66,6 +66,7 @@ def test_json_has_it_beside_the_rest(companion: Companion, near: str) -> None:
     assert told["contingencies"]["summary"].startswith(f"{many} contingencies: ")
 
 
+@pytest.mark.long
 def test_the_picture_is_drawn(companion: Companion, tmp_path: Path, near: str) -> None:
     picture = tmp_path / "table.png"
     assert companion(*ASKED, "--picture", str(picture), near).code == 0

@@ -41,12 +41,14 @@ def test_a_run_has_the_trail_and_the_world_of_its_flight(run_folder: Path) -> No
     assert (backdrop.grid.occupied == known.grid.occupied).all()
 
 
+@pytest.mark.long
 def test_a_tree_by_hand_has_a_trail_too(tmp_path: Path) -> None:
     simulate(load_mission(MISSIONS / "by_hand.yaml"), folder=tmp_path, limit_s=20)
     ((title, positions),) = trail_of_run(tmp_path).parts
     assert title == "the tree that was written by hand" and len(positions) > 100
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("drawn")
 def test_a_run_that_was_gone_on_with_is_drawn_from_its_beginning_on(
     companion: Companion, run_folder: Path, tmp_path: Path

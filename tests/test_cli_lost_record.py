@@ -21,7 +21,12 @@ LOSSES: dict[str, Callable[[Path], object]] = {
 SEEN = "where the vehicle was is in flight.tlog: companion replay {0} shows it"
 
 
-@pytest.fixture(params=LOSSES)
+NOW = ("is missing", "has no whole line")
+
+
+@pytest.fixture(
+    params=[pytest.param(how, marks=[] if how in NOW else [pytest.mark.long]) for how in LOSSES]
+)
 def lost(
     request: pytest.FixtureRequest, surveillance_run: Path, tmp_path: Path
 ) -> tuple[Path, str]:

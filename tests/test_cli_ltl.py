@@ -125,6 +125,7 @@ def test_a_formula_or_a_batch(arguments: tuple[str, ...], ltl: Ltl) -> None:
     assert "give either a formula or --batch FILE" in ended.err
 
 
+@pytest.mark.long
 def test_a_formula_that_is_too_large_names_the_limit(ltl: Ltl) -> None:
     ended = ltl("X " * 12_000 + "a")
     assert (ended.code, ended.out) == (2, "")

@@ -75,6 +75,7 @@ def test_page_files_and_stream(
     assert process.wait(START_S) == 0
 
 
+@pytest.mark.long
 def test_a_port_in_use_is_passed_over(surveillance_run: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -142,6 +143,7 @@ def test_a_page_that_cannot_be_served_keeps_nobody_from_flying(
     assert "task satisfied, landed" in ended.out
 
 
+@pytest.mark.long
 @pytest.mark.flight
 def test_a_server_that_cannot_start_keeps_nobody_from_flying(tmp_path: Path) -> None:
     """As if uvicorn were not installed."""
@@ -255,6 +257,7 @@ def test_what_cannot_be_shown_leaves_no_file(
     assert not file.exists()
 
 
+@pytest.mark.long
 def test_a_run_that_was_cut_off_is_written_as_far_as_it_goes(
     companion: Companion, surveillance_run: Path, tmp_path: Path
 ) -> None:

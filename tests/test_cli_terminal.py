@@ -136,6 +136,7 @@ def assert_it_flew(flight: subprocess.Popen[str], folder: Path) -> None:
     assert recorded(folder)[-1] == TaskSatisfied()
 
 
+@pytest.mark.long
 @pytest.mark.flight
 def test_a_flight_outlives_who_reads_its_output(tmp_path: Path) -> None:
     """As in `companion sim ... | head -1`."""
@@ -147,6 +148,7 @@ def test_a_flight_outlives_who_reads_its_output(tmp_path: Path) -> None:
     assert_it_flew(flight, tmp_path)
 
 
+@pytest.mark.long
 @pytest.mark.flight
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full")
 def test_a_full_disk_under_its_output_stops_no_flight(tmp_path: Path) -> None:

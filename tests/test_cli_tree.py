@@ -14,7 +14,7 @@ SURVEILLANCE, BY_HAND = MISSIONS / "surveillance.yaml", MISSIONS / "by_hand.yaml
 
 
 @pytest.mark.parametrize("format_", ["text", "dot", "xml"])
-@pytest.mark.parametrize("mission", [SURVEILLANCE, BY_HAND])
+@pytest.mark.parametrize("mission", [SURVEILLANCE, pytest.param(BY_HAND, marks=pytest.mark.long)])
 def test_the_tree_of_a_mission_is_that_of_the_api(
     companion: Companion, mission: Path, format_: str
 ) -> None:

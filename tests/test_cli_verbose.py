@@ -67,6 +67,7 @@ def test_a_log_line_is_shown_in_a_moment() -> None:
     assert done.stderr.endswith(b"companion  a\n")
 
 
+@pytest.mark.long
 def test_a_closed_standard_error_takes_none() -> None:
     done = subprocess.run(
         ["sh", "-c", 'exec "$@" 2>&-', "sh", *LOGS],
@@ -84,6 +85,7 @@ def test_a_full_disk_takes_none() -> None:
     assert (done.returncode, done.stdout) == (0, b"b\n")
 
 
+@pytest.mark.long
 def test_a_pipe_that_nobody_reads_takes_none(quiet: subprocess.CompletedProcess[bytes]) -> None:
     """A write to it would wait for ever."""
     reader, writer = os.pipe()

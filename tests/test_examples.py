@@ -21,6 +21,8 @@ import companion
 ROOT = Path(__file__).parents[1]
 pytestmark = pytest.mark.slow
 EXAMPLES = sorted((ROOT / "docs" / "examples").glob("*.py"))
+RUN_LONG = {"audit_a_log", "batch_of_seeds", "own_costs", "what_if"}
+"""What they call is tested by itself; others of every run plan and fly."""
 LEAVES = {
     "audit_a_log": "run/events.jsonl",
     "draw_an_automaton": "automaton.png",
@@ -54,7 +56,14 @@ def test_there_are_eight() -> None:
     assert all(len(path.read_text(encoding="utf-8").splitlines()) <= 45 for path in EXAMPLES)
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "example",
+    [
+        pytest.param(path, marks=[pytest.mark.long] if path.stem in RUN_LONG else [])
+        for path in EXAMPLES
+    ],
+    ids=lambda path: path.stem,
+)
 def test_an_example_does_what_it_says(
     example: Path,
     tmp_path: Path,

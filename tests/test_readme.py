@@ -67,6 +67,12 @@ REFUSED = (
     "companion sim missions/surveillance.yaml --speed max "
     "--scenario missions/surveillance_all_uploads_fail.sim.yaml"
 )
+DONE_ELSEWHERE = {
+    "companion plan missions/hall_of_20.yaml --json",
+    "companion plan missions/endless_patrol.yaml",
+    "companion check missions/surveillance.yaml --contingencies",
+}
+"""What these do, other tests do in every run; here they are long."""
 EXIT_CODES = {REFUSED: 3}
 """Of quick commands that do not end with 0: there is no plan."""
 
@@ -255,7 +261,14 @@ def test_a_quick_command_succeeds(command: str, start: Start) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("command", [c for c in QUICK if c not in PROCESSES])
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(c, marks=[pytest.mark.long] if c in DONE_ELSEWHERE else [])
+        for c in QUICK
+        if c not in PROCESSES
+    ],
+)
 def test_a_quick_command_succeeds_in_this_process(
     command: str, companion: Companion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,7 +14,14 @@ from companion.mission.loader import load_mission
 SHIPPED = [p for p in sorted(rough_missions.MISSIONS.glob("*.yaml")) if ".sim" not in p.suffixes]
 
 
-@pytest.mark.parametrize("mission", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "mission",
+    [
+        pytest.param(path, marks=[pytest.mark.long] if number % 4 else [])
+        for number, path in enumerate(SHIPPED)
+    ],
+    ids=lambda path: path.stem,
+)
 def test_it_varies_and_is_read(mission: Path, tmp_path: Path) -> None:
     scenario = tmp_path / "rough.sim.yaml"
     with scenario.open("w", encoding="utf-8") as stream:

@@ -145,6 +145,7 @@ def test_without_a_usable_python_it_says_so(clone: Path, python: str | None, rea
     assert not (clone / ".venv").exists()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_only_the_tests_need_is_hidden_from_the_commands(tmp_path: Path) -> None:
     """So a command that needs more than scripts/fly installs fails in its test."""
@@ -261,6 +262,7 @@ def has_tests(clone: Path) -> None:
         (clone / "tests" / f"test_{name}.py").write_text(text, "utf-8")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_flies_and_what_is_slow_is_not_fast() -> None:
     """By folder, by hand, by a fixture, by an import."""

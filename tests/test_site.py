@@ -62,6 +62,7 @@ def test_a_diagram_becomes_a_picture_beside_its_page(tmp_path: Path) -> None:
     assert "made" in (tmp_path / "lamp-2.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_site_is_built_and_asks_no_other_host_for_anything(tmp_path: Path) -> None:
     """Links may lead elsewhere; what a page loads by itself is its own."""

@@ -96,7 +96,17 @@ def test_size_is_limited_before_anything_is_parsed() -> None:
     assert "larger than" in error_of("é" * (MAX_BYTES // 2 + 1)).what
 
 
-@pytest.mark.parametrize("opening", ["[", "{a: ", "- ", "? ", "[\n", "[a,["])
+@pytest.mark.parametrize(
+    "opening",
+    [
+        "[",
+        "{a: ",
+        "- ",
+        pytest.param("? ", marks=pytest.mark.long),
+        pytest.param("[\n", marks=pytest.mark.long),
+        pytest.param("[a,[", marks=pytest.mark.long),
+    ],
+)
 def test_depth_is_limited(opening: str) -> None:
     error = error_of(opening * (MAX_BYTES // len(opening)))
     assert f"nested deeper than {MAX_DEPTH} levels" in error.what or "a key must" in error.what

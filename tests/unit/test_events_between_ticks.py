@@ -177,7 +177,7 @@ def flown_s(line: Line) -> float:
     return moves[0].time_s
 
 
-@pytest.mark.parametrize("speed", [1.0, 4.0, 0.25])
+@pytest.mark.parametrize("speed", [1.0, 4.0, pytest.param(0.25, marks=pytest.mark.long)])
 def test_a_new_plan_is_flown_from_the_moment_of_its_event(speed: float) -> None:
     line = Line(patrol(), speed).say(7.013, "red", 1).fly()
     assert line.extra == pytest.approx([7.013])
@@ -199,6 +199,7 @@ def quiet() -> Line:
     return Line(patrol(green=GREEN)).fly()
 
 
+@pytest.mark.long
 @drawn(5)
 @given(
     st.lists(

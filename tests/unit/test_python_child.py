@@ -10,7 +10,7 @@ import pytest
 from companion.python_child import python_module
 
 
-@pytest.mark.parametrize("module", ["companion", "sitl"])
+@pytest.mark.parametrize("module", ["companion", pytest.param("sitl", marks=pytest.mark.long)])
 def test_nothing_of_the_working_directory_is_run(module: str, tmp_path: Path) -> None:
     for name in ("companion", "sitl", "typer"):
         (tmp_path / f"{name}.py").write_text("raise SystemExit(99)", encoding="utf-8")

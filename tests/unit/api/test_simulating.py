@@ -116,6 +116,7 @@ def test_the_mission_that_is_left_can_be_loaded_again(mission: Mission, tmp_path
     assert np.array_equal(again.grid.occupied, mission.grid.occupied)
 
 
+@pytest.mark.long
 def test_an_audit_of_the_result_is_that_of_its_folder(mission: Mission, tmp_path: Path) -> None:
     run: FlightResult = simulate(mission, folder=tmp_path)
     assert audit(run) == audit(tmp_path) == audit(str(tmp_path))

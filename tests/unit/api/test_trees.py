@@ -18,7 +18,10 @@ from companion.mission.model import Mission
 
 MISSIONS = Path(__file__).parents[3] / "missions"
 SHIPPED = sorted(p.stem for p in MISSIONS.glob("*.yaml") if not p.stem.endswith(".sim"))
-PLANNED_FOR_LONG = {"endless_patrol", "hall_of_20", "orchard"}
+LIKE_OTHERS = {
+    *("corridor", "endless_patrol", "field", "hall_of_20", "open_field", "orchard"),
+    *("paper_section_v", "persistent_patrol", "return_home"),
+}
 """Their trees have no node that no other has."""
 DECORATORS = {"Inverter", "Repeat", "RetryUntilSuccessful", "Timeout"}
 CONTROLS = {"Sequence", "ReactiveSequence", "Fallback", "Parallel"}
@@ -110,7 +113,7 @@ def all_formats_agree(tree: BehaviourTree) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.long] if name in PLANNED_FOR_LONG else [])
+        pytest.param(name, marks=[pytest.mark.long] if name in LIKE_OTHERS else [])
         for name in SHIPPED
     ],
 )

@@ -111,6 +111,7 @@ def test_each_checks_one_mission_and_the_next_is_ready(children: CheckChildren) 
         assert not spare.is_running
 
 
+@pytest.mark.long
 def test_a_spare_that_has_died_is_replaced(children: CheckChildren) -> None:
     dead = children._spare
     dead.kill()

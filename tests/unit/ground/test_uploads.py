@@ -103,6 +103,7 @@ def test_a_good_mission_becomes_active_with_its_files(tmp_path: Path) -> None:
     assert restarted.verdict().number == verdict.number + 1
 
 
+@pytest.mark.long
 def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
     tmp_path: Path,
 ) -> None:
@@ -126,10 +127,14 @@ def test_a_vehicle_profile_is_no_mission_and_goes_with_the_one_that_names_it(
     ("old", "new", "told"),
     [
         (b"F (at(A) |", b"F (at(D) |", "surveillance.yaml:"),
-        (b"maps/hall.yaml", b"../../../../etc/hosts", "lies outside the mission's folder"),
         *(
             pytest.param(*each, marks=pytest.mark.long)
             for each in (
+                (
+                    b"maps/hall.yaml",
+                    b"../../../../etc/hosts",
+                    "lies outside the mission's folder",
+                ),
                 (b"maps/hall.yaml", b"maps/none.yaml", "surveillance.yaml:11:6: "),
                 (b"maps/hall.yaml", b"/etc/hosts", "lies outside the mission's folder"),
                 (b"version: 1", b"versoin: 1", "surveillance.yaml:8:1: "),
@@ -311,7 +316,7 @@ def test_of_two_that_were_accepted_only_the_newest_is_started(tmp_path: Path) ->
         b"a: &a [x, x, x]\nb: &b [*a, *a, *a, *a]\nc: [*b, *b, *b]\n",
         pytest.param(b"[" * 60_000 + b"\n", marks=pytest.mark.long),
         pytest.param(b"\xff\0" * 9000 + b"\n", marks=pytest.mark.long),
-        b"task: " + b"(" * 30_000 + b"\n",
+        pytest.param(b"task: " + b"(" * 30_000 + b"\n", marks=pytest.mark.long),
     ],
 )
 def test_a_bomb_harms_nobody(tmp_path: Path, text: bytes) -> None:

@@ -109,6 +109,7 @@ def test_thinning_keeps_the_newest(run: Follower) -> None:
         assert [s.time_s for s in kept] == sorted({s.time_s for s in kept})
 
 
+@pytest.mark.long
 def test_a_history_is_written_once_for_all_who_come(
     run: Follower, monkeypatch: pytest.MonkeyPatch
 ) -> None:

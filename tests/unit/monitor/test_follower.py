@@ -194,6 +194,7 @@ def test_the_automata_stand_as_the_word_says(whole: Follower) -> None:
         assert any(ring[node] for node in nodes), "home at rest satisfies the task"
 
 
+@pytest.mark.long
 def test_a_flight_in_degrees_is_seen_from_its_beginning_on(tmp_path: Path) -> None:
     """It begins when the origin was heard, which no autopilot tells twice."""
     simulate(

@@ -147,7 +147,14 @@ def test_the_strip_shows_what_is_known(tmp_path: Path) -> None:
     assert strip.get_window_extent().width > 0.7 * strip.figure.bbox.width
 
 
-@pytest.mark.parametrize("happened", [[], MEASURED, [(1.0, PLAN)]])
+@pytest.mark.parametrize(
+    "happened",
+    [
+        pytest.param([], marks=pytest.mark.long),
+        MEASURED,
+        pytest.param([(1.0, PLAN)], marks=pytest.mark.long),
+    ],
+)
 def test_without_anything_to_say_there_is_no_strip(
     happened: list[tuple[float, FlightEvent]],
 ) -> None:

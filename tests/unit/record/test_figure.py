@@ -52,7 +52,11 @@ def overlapping(found: Iterable[Bbox]) -> int:
 
 
 @pytest.mark.parametrize(
-    ("room", "areas"), [(ROOM, []), (replace(ROOM, keep_out=(POND,)), ["keep out"])]
+    ("room", "areas"),
+    [
+        pytest.param(ROOM, [], marks=pytest.mark.long),
+        (replace(ROOM, keep_out=(POND,)), ["keep out"]),
+    ],
 )
 def test_the_legend_says_what_is_drawn(room: Backdrop, areas: list[str]) -> None:
     for plans in (1, 2):
@@ -73,6 +77,7 @@ def test_arrows_lead_where_it_flew() -> None:
         assert head[0] == tail[0] and head[1] > tail[1]
 
 
+@pytest.mark.long
 def test_long_titles_are_broken_and_stay_in_their_panel() -> None:
     figure = figure_of(ROOM, flown(5))
     figure.draw_without_rendering()
@@ -81,6 +86,7 @@ def test_long_titles_are_broken_and_stay_in_their_panel() -> None:
     assert overlapping(titles) == 0
 
 
+@pytest.mark.long
 def test_a_title_of_two_lines_has_room_above_a_panel_that_is_as_high_as_it_can_be() -> None:
     figure = figure_of(backdrop_of(load_mission(ROOFTOP)), flown(2))
     figure.draw_without_rendering()
@@ -130,7 +136,12 @@ def test_a_name_beside_a_fence_keeps_off_it_and_near_its_point() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "begins"), [("a.pdf", b"%PDF"), ("a.svg", b"<?xml"), ("a.png", b"\x89PNG")]
+    ("name", "begins"),
+    [
+        pytest.param("a.pdf", b"%PDF", marks=pytest.mark.long),
+        pytest.param("a.svg", b"<?xml", marks=pytest.mark.long),
+        ("a.png", b"\x89PNG"),
+    ],
 )
 def test_equal_flights_give_equal_files(tmp_path: Path, name: str, begins: bytes) -> None:
     files = []

@@ -189,6 +189,7 @@ def size_of(path: Path) -> tuple[int, int]:
         return image.size
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("drawn")
 def test_the_flight_is_drawn_with_a_panel_for_each_plan(run: RunFolder) -> None:
     for number in range(3):

@@ -155,11 +155,13 @@ def until(holds: object, what: str) -> None:
         (("sees",), Returned()),
         (("false",), Failed("it returned False; a skill that has failed raises Failed(text)")),
         (("failed", "2.6 kg\n of 2"), Failed("2.6 kg of 2")),
-        (("wordless",), Failed("Failed, without a word")),
+        pytest.param(("wordless",), Failed("Failed, without a word"), marks=pytest.mark.long),
         (("raises",), Failed("ValueError: last line")),
-        (("exits",), Failed("SystemExit: 3")),
+        pytest.param(("exits",), Failed("SystemExit: 3"), marks=pytest.mark.long),
         (("dies",), Failed("its process ended with exit code 3")),
-        (("crashes",), Failed("its process was ended by SIGSEGV")),
+        pytest.param(
+            ("crashes",), Failed("its process was ended by SIGSEGV"), marks=pytest.mark.long
+        ),
         (
             ("killed",),
             Failed("its process was ended by SIGKILL, perhaps for want of memory"),
