@@ -255,7 +255,6 @@ def test_another_sender_that_pushes_it_out_is_held_by_the_autopilot() -> None:
     assert all(sent.time_s <= held_s for sent in flight.setpoints)
 
 
-@pytest.mark.long
 def test_resume_does_not_go_on_from_a_breach_that_follows_a_short_silence() -> None:
     """Which looks like the hold by which the autopilot answers the loss of our stream."""
     link = Cut()

@@ -40,8 +40,9 @@ class Landing(Lockstep):
             self.least_m = min(self.least_m, true_map.clearance_m(here) - RADIUS_M)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (0, 2, 3, 4))]
+)
 def test_it_keeps_half_a_metre_from_walls(seed: int) -> None:
     flown = Landing(seed).until_the_end(400.0)
     assert flown.exit_code == 0 and flown.least_m > 0.5

@@ -34,13 +34,15 @@ def windy(world: World, wind_mps: float, **about: Any) -> World:
     return replace(scenario, wind=wind, turbulence_mps=wind_mps / 10, **about), grid
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("up_m", "wind_mps", "about"),
     [
-        (0.8, 0.0, {}),
-        (0.8, 8.0, {}),
-        (2.0, 4.0, {"airframe": "px4_sih", "wander": Wander(0.25, 0.3, 0.3)}),
+        pytest.param(0.8, 0.0, {}, marks=pytest.mark.long),
+        pytest.param(0.8, 8.0, {}, marks=pytest.mark.long),
+        pytest.param(
+            *(2.0, 4.0, {"airframe": "px4_sih", "wander": Wander(0.25, 0.3, 0.3)}),
+            marks=pytest.mark.long,
+        ),
         (1.0, 4.0, {"airframe": "px4_sih", "wander": Wander(0.25, 0.3, 0.8)}),
     ],
     ids=["calm", "windy", "PX4's drag and errors", "lower, and a height that is less exact"],
