@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from pymavlink.dialects.v20 import common
 
-from companion.mavlink import event_messages
+from companion.mavlink import added_messages
 
 __all__ = [
     "Fields",
@@ -37,7 +37,7 @@ __all__ = [
     "split_frames",
 ]
 
-dialect = event_messages.extended(common)
+dialect = added_messages.extended(common)
 """MAVLink's `common`, as pymavlink has it, with the messages that it lacks."""
 
 _SIZES = [bytes([size]) for size in range(256)]

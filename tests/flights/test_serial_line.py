@@ -16,6 +16,7 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
+from hop import hop_in
 from ports import free_instance, own_ports
 from test_sockets import FLIGHT_S, START_S, Run, run
 
@@ -28,24 +29,6 @@ __all__ = ["run"]
 pytestmark = pytest.mark.sockets
 
 ITS_PORT = LOCAL_PORTS[LinkName.OFFBOARD]
-HOP = """\
-version: 1
-name: hop
-map: {east_m: [-5, 15], north_m: [-5, 5]}
-limits: {speed_mps: 2, up_m: [0.5, 5], fence: [[-4, -4], [14, -4], [14, 4], [-4, 4]]}
-places:
-  Home: {east_m: 0, north_m: 0, up_m: 2}
-  A: {east_m: 6, north_m: 0, up_m: 2}
-skills:
-  move:
-    parameters: {from: Place, to: Place}
-    precondition: at(from)
-    effect: at(to) & !at(from)
-    execute: fly(to)
-sets: {Place: [Home, A]}
-initially: [at(Home)]
-task: {there: F at(A)}
-"""
 
 
 class Line:
@@ -98,12 +81,10 @@ def test_a_mission_is_flown_over_a_serial_line(
     line_and_instance: tuple[Line, int], tmp_path: Path, run: Run
 ) -> None:
     line, instance = line_and_instance
-    mission = tmp_path / "hop.yaml"
-    mission.write_text(HOP, encoding="utf-8")
     connect = f"serial://{line.device}:921600"
     run("sitl", *own_ports(instance))
-    asked = ("run", mission, "--connect", connect, "--log-dir", tmp_path, "--monitor", "off")
-    companion = run("companion", *asked, "--accept-weak-failsafes")
+    asked = ("run", hop_in(tmp_path), "--connect", connect, "--log-dir", tmp_path)
+    companion = run("companion", *asked, "--monitor", "off", "--accept-weak-failsafes")
     companion.until_printed(f"waiting    for a vehicle on {connect}", START_S)
     assert companion.exit_code(FLIGHT_S) == 0, companion.printed
     assert "nanobind" not in companion.printed, "a library reports leaks at the exit"

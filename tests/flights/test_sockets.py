@@ -56,7 +56,7 @@ START_S, FLIGHT_S = 300.0, 400.0  # wall time that no start and no flight needs
 LOST = "a failsafe of the autopilot has control"
 """Printed where the machine was too busy for the companion's setpoints."""
 WAITS = "to give control back"
-"""Printed by a companion that then waits for an operator, which no test here is."""
+"""Printed by a companion that then waits for an operator; no test here gives control back."""
 SPEED = 2
 LEFT_OUT = (SetpointRefused, AutopilotSaid, ClockFollowed)
 

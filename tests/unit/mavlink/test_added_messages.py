@@ -8,7 +8,7 @@ import pytest
 from pymavlink.dialects.v20 import common as pymavlinks
 from pymavlink.generator import mavparse
 
-from companion.mavlink.event_messages import DEFINITIONS
+from companion.mavlink.added_messages import DEFINITIONS
 from companion.mavlink.framing import MavlinkCodec, decode, dialect
 
 COMMON = """<?xml version="1.0"?>
